@@ -1,0 +1,238 @@
+#include "plant.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MAX_EVENTS = 64, MAX_BISECTIONS = 60 };
+static const double TIME_TOLERANCE = 1e-9; /* of one controller period */
+
+/* ---- mechanics ------------------------------------------------------------------------------- */
+
+static void rates(const Plant *s, const double *x, double *dx, double *imbalance, double *friction) {
+    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode};
+    double *res[MODEL_SZ_RES] = {dx, imbalance, friction};
+    double w[MODEL_SZ_W];
+    model_rates(arg, res, 0, w, 0);
+}
+
+static void breakaway(const Plant *s, const double *x, double *upper, double *lower) {
+    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER};
+    double *res[MODEL_SZ_RES] = {upper, lower};
+    double w[MODEL_SZ_W];
+    model_breakaway(arg, res, 0, w, 0);
+}
+
+static void balance(const Plant *s, const double *x, double *force) {
+    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_PARAMETER};
+    double *res[MODEL_SZ_RES] = {force};
+    double w[MODEL_SZ_W];
+    model_balance(arg, res, 0, w, 0);
+}
+
+static void tip(const double *x, double *position) {
+    const double *arg[MODEL_SZ_ARG] = {x};
+    double *res[MODEL_SZ_RES] = {position};
+    double w[MODEL_SZ_W];
+    model_tip(arg, res, 0, w, 0);
+}
+
+/* ---- friction: which hinges stick ------------------------------------------------------------ */
+
+/* How far each hinge is from leaving its mode; negative when it has left it. */
+static void margins(const Plant *s, const double *x, const double *imbalance, double *margin) {
+    double upper[N_JOINTS], lower[N_JOINTS];
+    int j, stuck = 0;
+    for (j = 0; j < N_JOINTS; ++j) stuck |= s->mode[j] == 0;
+    if (stuck) breakaway(s, x, upper, lower);
+    for (j = 0; j < N_JOINTS; ++j) {
+        if (!model_sticking[j]) margin[j] = HUGE_VAL;
+        else if (s->mode[j] != 0) margin[j] = s->mode[j] * x[N_COORDINATES + j];
+        else margin[j] = fmin(upper[j] - imbalance[j], imbalance[j] - lower[j]);
+    }
+}
+
+/* Release stuck hinges, the most overloaded first, until every reaction is within its level.
+   Leaves the rates of the present state in s->rate. */
+static void settle(Plant *s) {
+    double *x = s->value + AT_STATE, margin[N_JOINTS];
+    int j, round;
+    for (j = 0; j < N_JOINTS; ++j)
+        if (!model_sticking[j]) s->mode[j] = x[N_COORDINATES + j] < 0 ? -1 : 1;
+    for (round = 0; round <= N_JOINTS; ++round) {
+        int worst = -1;
+        rates(s, x, s->rate, s->imbalance, 0);
+        margins(s, x, s->imbalance, margin);
+        for (j = 0; j < N_JOINTS; ++j)
+            if (s->mode[j] == 0 && margin[j] < 0 && (worst < 0 || margin[j] < margin[worst])) worst = j;
+        if (worst < 0) return;
+        s->mode[worst] = s->imbalance[worst] > 0 ? 1 : -1;
+    }
+}
+
+/* ---- time integration ------------------------------------------------------------------------ */
+
+/* One step of the classical Runge-Kutta method with the modes as they are. */
+static void runge_kutta(const Plant *s, double h, double *x1) {
+    const double *x0 = s->value + AT_STATE, *k1 = s->rate;
+    double k2[N_STATES], k3[N_STATES], k4[N_STATES], x[N_STATES];
+    int i;
+    for (i = 0; i < N_STATES; ++i) x[i] = x0[i] + h / 2 * k1[i];
+    rates(s, x, k2, 0, 0);
+    for (i = 0; i < N_STATES; ++i) x[i] = x0[i] + h / 2 * k2[i];
+    rates(s, x, k3, 0, 0);
+    for (i = 0; i < N_STATES; ++i) x[i] = x0[i] + h * k3[i];
+    rates(s, x, k4, 0, 0);
+    for (i = 0; i < N_STATES; ++i) x1[i] = x0[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+}
+
+typedef struct {
+    double x[N_STATES], rate[N_STATES], imbalance[N_JOINTS], margin[N_JOINTS];
+} Trial;
+
+/* A step of length h and the smallest margin at its end. */
+static double try_step(const Plant *s, double h, Trial *t) {
+    double least = HUGE_VAL;
+    int j;
+    runge_kutta(s, h, t->x);
+    rates(s, t->x, t->rate, t->imbalance, 0);
+    margins(s, t->x, t->imbalance, t->margin);
+    for (j = 0; j < N_JOINTS; ++j) least = fmin(least, t->margin[j]);
+    return least;
+}
+
+/* Shorten a step at whose end a margin is negative to just behind the first crossing (Illinois). */
+static double locate(const Plant *s, double h, double end, Trial *t) {
+    const double close_enough = 1e-10 * end;
+    double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS];
+    int j, i;
+    margins(s, s->value + AT_STATE, s->imbalance, start);
+    for (j = 0; j < N_JOINTS; ++j)
+        if (start[j] > 0) fa = fmin(fa, start[j]);
+    for (i = 0; i < MAX_BISECTIONS && b - a > 1e-12 * h && fb < close_enough; ++i) {
+        double c = i % 8 == 7 ? (a + b) / 2 : (a * fb - b * fa) / (fb - fa);
+        double fc = try_step(s, c, t);
+        if (fc < 0) {
+            b = c, fb = fc, fa /= 2;
+        } else {
+            a = c, fa = fc, fb /= 2;
+        }
+    }
+    try_step(s, b, t);
+    return b;
+}
+
+/* Hinges that came to rest stick; hinges whose reaction exceeds the level are released by settle. */
+static void switch_modes(Plant *s, const Trial *t) {
+    double *x = s->value + AT_STATE;
+    int j;
+    for (j = 0; j < N_JOINTS; ++j)
+        if (model_sticking[j] && s->mode[j] != 0 && t->margin[j] < 0) {
+            s->mode[j] = 0;
+            x[N_COORDINATES + j] = 0;
+        }
+    settle(s);
+}
+
+/* Forward by h with the torque held; friction events inside are located and stepped over exactly. */
+static void substep(Plant *s, double h) {
+    double *x = s->value + AT_STATE;
+    Trial t;
+    int events;
+    for (events = 0; h > 0; ++events) {
+        double end = try_step(s, h, &t), done = h;
+        if (end < 0 && events < MAX_EVENTS) done = locate(s, h, end, &t);
+        memcpy(x, t.x, sizeof t.x);
+        memcpy(s->rate, t.rate, sizeof t.rate);
+        memcpy(s->imbalance, t.imbalance, sizeof t.imbalance);
+        if (end < 0) switch_modes(s, &t);
+        h -= done;
+    }
+}
+
+static void integrate(Plant *s, double duration) {
+    double h_max = s->value[AT_STEP];
+    int i, n = (int)ceil(duration / h_max - 1e-6);
+    if (n < 1) n = 1;
+    for (i = 0; i < n; ++i) substep(s, duration / n);
+}
+
+/* ---- controller ------------------------------------------------------------------------------ */
+
+/* One sample of the PID at `late` seconds after the inputs were set. */
+static void sample_controller(Plant *s, double late) {
+    double *v = s->value;
+    int j;
+    for (j = 0; j < N_JOINTS; ++j) {
+        double r = v[AT_REFERENCE + j] + late * s->input_rate[j];
+        double feedforward = v[AT_FEEDFORWARD + j] + late * s->input_rate[N_JOINTS + j];
+        double error = r - v[AT_STATE + j];
+        double slope = s->ticks ? (error - s->error[j]) / PERIOD : 0;
+        if (s->ticks) s->integral[j] += v[AT_KI + j] * PERIOD * error;
+        v[AT_TORQUE + j] = v[AT_KP + j] * error + v[AT_KD + j] * slope + s->integral[j] + feedforward;
+        s->error[j] = error;
+    }
+    ++s->ticks;
+    settle(s);
+}
+
+/* ---- life cycle ------------------------------------------------------------------------------ */
+
+void plant_reset(Plant *s) {
+    memset(s, 0, sizeof *s);
+    memcpy(s->value + AT_PARAMETER, model_parameters, sizeof model_parameters);
+    memcpy(s->value + AT_KP, model_gains, sizeof model_gains);
+    s->value[AT_STEP] = MODEL_STEP;
+}
+
+int plant_initialise(Plant *s) {
+    double *x = s->value + AT_STATE, force[N_COORDINATES], change = HUGE_VAL;
+    int i, round;
+    memset(x, 0, N_STATES * sizeof *x);
+    memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x);
+    for (round = 0; round < 200 && change > 1e-15; ++round) {
+        change = 0;
+        balance(s, x, force);
+        for (i = N_JOINTS; i < N_COORDINATES; ++i) {
+            double step = force[i] / s->value[AT_PARAMETER + model_stiffness[i - N_JOINTS]];
+            x[i] -= step;
+            change = fmax(change, fabs(step));
+        }
+    }
+    balance(s, x, force);
+    memset(s->mode, 0, sizeof s->mode);
+    memcpy(s->integral, force, sizeof s->integral);
+    s->time = 0, s->ticks = 0;
+    sample_controller(s, 0);
+    return !(change < 1e-12);
+}
+
+int plant_advance(Plant *s, double duration) {
+    double end = s->time + duration, start = s->time;
+    int i;
+    settle(s); /* the inputs or parameters may have been changed since */
+    for (;;) {
+        double tick = (double)s->ticks * PERIOD;
+        if (tick > end + TIME_TOLERANCE * PERIOD) break;
+        if (tick > s->time) integrate(s, tick - s->time);
+        s->time = tick;
+        sample_controller(s, tick - start);
+    }
+    if (end > s->time) {
+        integrate(s, end - s->time);
+        s->time = end;
+    }
+    memset(s->input_rate, 0, sizeof s->input_rate);
+    for (i = 0; i < N_STATES; ++i)
+        if (!isfinite(s->value[AT_STATE + i])) return 1;
+    return 0;
+}
+
+void plant_outputs(Plant *s) {
+    const double *x = s->value + AT_STATE;
+    double dx[N_STATES], imbalance[N_JOINTS], *friction = s->value + AT_FRICTION;
+    int j;
+    tip(x, s->value + AT_TIP);
+    rates(s, x, dx, imbalance, friction);
+    for (j = 0; j < N_JOINTS; ++j)
+        if (s->mode[j] == 0) friction[j] += imbalance[j];
+}

@@ -1,0 +1,174 @@
+"""FMU + experiment -> log. The only file that imports FMPy."""
+
+import ctypes
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import pandas as pd
+from fmpy import calloc, extract, free, read_model_description
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+from fmpy.model_description import ModelDescription
+
+from flexfmu.description import fmi_name
+from flexmodels.experiment import Experiment
+
+Progress = Callable[[float], None]
+
+
+class SimulationError(RuntimeError):
+    """An FMU that cannot be read or simulated; the message says why."""
+
+
+class LoadedFmu:
+    """An unpacked FMU that can be simulated many times; use as a context manager.
+
+    Its variables follow the log contract: inputs joint{k}.r and joint{k}.tau_ff, outputs joint{k}.e,
+    joint{k}.eps[i], joint{k}.tau and tip.x, tip.y, tip.z.
+    """
+
+    def __init__(self, path: str | Path):
+        self._folder: str | None = None
+        try:
+            self.description: ModelDescription = read_model_description(str(path))
+            self._folder = extract(str(path))
+        except Exception as error:
+            raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
+        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
+            raise SimulationError(f"{path} is not an FMI 2.0 co-simulation FMU")
+        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+
+    def __enter__(self) -> "LoadedFmu":
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        if self._folder:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+    def simulate(
+        self,
+        experiment: Experiment,
+        parameters: Mapping[str, float] | None = None,
+        outputs: tuple[str, ...] = (),
+        progress: Progress | None = None,
+    ) -> pd.DataFrame:
+        """Run the experiment; one row per sample of its time grid, columns of the log contract.
+
+        parameters  public names (`link1.ms[x]`, `joint1.coulomb`) or FMI names, and new values
+        outputs     further variables to record
+        progress    called with the fraction done
+        Raises SimulationError.
+        """
+        logged = self._logged() + outputs
+        self._require({*map(fmi_name, parameters or {}), *outputs})
+        messages: list[str] = []
+        fmu = self._instance(messages)
+        try:
+            rows = self._run(fmu, experiment, parameters or {}, logged, progress)
+        except Exception as error:
+            raise SimulationError(messages[-1] if messages else f"the FMU failed ({error})") from None
+        finally:
+            fmu.freeInstance()
+        frame = pd.DataFrame(rows, columns=list(logged))
+        frame.insert(0, "time", experiment.time)
+        return frame
+
+    def _logged(self) -> tuple[str, ...]:
+        """Outputs and references, joint by joint as the log has them."""
+        listed = self.description.modelVariables
+        return tuple(v.name for v in listed if v.causality in ("output", "input"))
+
+    def _require(self, names: set[str]) -> None:
+        unknown = sorted(names - set(self._references))
+        if unknown:
+            raise SimulationError(f"the FMU has no variable {unknown[0]}")
+
+    def _instance(self, messages: list[str]) -> FMU2Slave:
+        simulation = self.description.coSimulation
+        assert simulation is not None
+        fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=simulation.modelIdentifier,
+            instanceName="plant",
+        )
+        fmu.instantiate(callbacks=_callbacks(messages))
+        return fmu
+
+    def _run(
+        self,
+        fmu: FMU2Slave,
+        experiment: Experiment,
+        parameters: Mapping[str, float],
+        logged: tuple[str, ...],
+        progress: Progress | None,
+    ) -> np.ndarray:
+        time, inputs = experiment.time, self._inputs(experiment)
+        slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / np.diff(time, append=time[-1] + 1)[:, None]
+        read = _vector(self._references[name] for name in logged)
+        written = _vector(self._references[name] for name in self._input_names(experiment))
+        order = (ctypes.c_int * len(written))(*([1] * len(written)))
+        rows = np.empty((len(time), len(logged)))
+        fmu.setupExperiment(startTime=time[0])
+        if parameters:
+            fmu.setReal([self._references[fmi_name(n)] for n in parameters], list(parameters.values()))
+        fmu.enterInitializationMode()
+        fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[0]))
+        fmu.exitInitializationMode()
+        fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[0]))
+        interpolates = self.description.coSimulation.canInterpolateInputs  # pyright: ignore
+        for i in range(len(time) - 1):
+            fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[i]))
+            if interpolates:
+                fmu.fmi2SetRealInputDerivatives(
+                    fmu.component, written, len(written), order, _pointer(slopes[i])
+                )
+            fmu.doStep(time[i], time[i + 1] - time[i])
+            fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[i + 1]))
+            if progress and i % 64 == 0:
+                progress(i / len(time))
+        fmu.terminate()
+        for j, name in enumerate(self._input_names(experiment)):
+            rows[:, logged.index(name)] = inputs[:, j]
+        return rows
+
+    def _input_names(self, experiment: Experiment) -> list[str]:
+        joints = range(1, experiment.reference.shape[1] + 1)
+        names = [f"joint{k}.{signal}" for signal in ("r", "tau_ff") for k in joints]
+        self._require(set(names))
+        return names
+
+    def _inputs(self, experiment: Experiment) -> np.ndarray:
+        return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
+
+
+def _callbacks(messages: list[str]) -> fmi2CallbackFunctions:
+    """FMI callbacks that keep the FMU's messages."""
+
+    def keep(_environment, _instance, _status, _category, message) -> None:
+        messages.append(message.decode("utf-8", "replace"))
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(keep)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+def _vector(references) -> ctypes.Array:
+    listed = list(references)
+    return (ctypes.c_uint * len(listed))(*listed)
+
+
+def _pointer(row: np.ndarray):
+    return row.ctypes.data_as(ctypes.POINTER(ctypes.c_double))

@@ -1,0 +1,208 @@
+"""Rigid-body mechanics of a robot in CasADi: inverse dynamics (Newton-Euler) and forward dynamics.
+
+Recursions in link axes with 6-vectors [angular; linear] (Featherstone, Rigid Body Dynamics Algorithms,
+2008: RNEA table 5.1, ABA table 7.1). Deliberately not the finite elements of pyident: that both agree is
+a test. Motor inertias are not in here; they enter as armature of the motor coordinates.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from flexmodels.robot import LINK_PARAMETERS, Robot
+
+SX = Any  # casadi.SX; its stubs do not describe operators
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """One joint of the recursion: a frame that moves relative to its parent's.
+
+    coordinates  indices into q
+    E            3 x 3, child axes to parent axes
+    r            3, child origin in parent axes
+    S            6 x m motion subspace in child axes;  c  6, its rate times the speeds
+    inertia      6 x 6 about the child's origin, None for a massless frame
+    """
+
+    coordinates: list[int]
+    E: SX
+    r: SX
+    S: SX
+    c: SX
+    inertia: SX | None
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Symbols and hinges of a robot; q and v stack e of every joint, then every eps."""
+
+    q: SX
+    v: SX
+    bodies: SX  # 10 x links: the lumped parameters of eq. (1), a column per link
+    hinges: tuple[Hinge, ...]
+    gravity: np.ndarray
+    tip: np.ndarray
+
+
+def mechanism(robot: Robot) -> Mechanism:
+    """The robot's hinges in order: per joint the motor hinge, then the flexible one."""
+    names = robot.coordinates
+    q, v = ca.SX.sym("q", len(names)), ca.SX.sym("v", len(names))
+    bodies = ca.SX.sym("bodies", len(LINK_PARAMETERS), len(robot.links))
+    hinges: list[Hinge] = []
+    for k, joint in robot.numbered:
+        body = _inertia(bodies[:, k - 1])
+        i = names.index(f"joint{k}.e")
+        motor = _motor_hinge if joint.kind == "revolute" else _slider
+        hinges.append(motor(joint, i, q[i], None if joint.flexible else body))
+        if joint.flexible:
+            i = names.index(f"joint{k}.eps[1]")
+            hinges.append(_flexible_hinge(joint.triad, [i, i + 1, i + 2], q[i : i + 3], v[i : i + 3], body))
+    return Mechanism(q, v, bodies, tuple(hinges), np.array(robot.gravity), np.array(robot.tip))
+
+
+def inverse_dynamics(m: Mechanism, a: SX) -> SX:
+    """Generalised forces for accelerations `a` [n], without motor inertia: M(q) a + h(q, v)."""
+    force = ca.SX.zeros(m.q.numel())
+    motions = _motions(m)
+    acceleration, wrenches = ca.vertcat(ca.SX.zeros(3), -m.gravity), []
+    for hinge, (X, velocity, bias) in zip(m.hinges, motions, strict=True):
+        acceleration = X @ acceleration + bias + hinge.S @ a[hinge.coordinates]
+        wrenches.append(_wrench(hinge, velocity, acceleration))
+    carried = ca.SX.zeros(6)
+    for hinge, (X, _, _), wrench in reversed(list(zip(m.hinges, motions, wrenches, strict=True))):
+        total = wrench + carried
+        force[hinge.coordinates] = hinge.S.T @ total
+        carried = X.T @ total
+    return force
+
+
+def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[SX, SX]:
+    """Accelerations under generalised forces, and the torque imbalance at each coordinate that is held.
+
+    force, armature, free   [n]; free = 0 holds a (motor) coordinate at constant speed, 1 lets it move.
+    The imbalance at a held coordinate is the torque that a brake must take there.
+    """
+    motions = _motions(m)
+    n = len(m.hinges)
+    inertia = [ca.SX.zeros(6, 6) if h.inertia is None else h.inertia for h in m.hinges]
+    bias_force = [_wrench(h, velocity, ca.SX.zeros(6)) for h, (_, velocity, _) in zip(m.hinges, motions, strict=True)]
+    reduced: list[tuple[SX, SX, SX]] = []
+    for i in reversed(range(n)):
+        hinge, (X, _, c) = m.hinges[i], motions[i]
+        IA, pA, S, at = inertia[i], bias_force[i], hinge.S, hinge.coordinates
+        U = IA @ S
+        D = S.T @ U + ca.diag(armature[at])
+        u = force[at] - S.T @ pA
+        gain = _inverse(D) * (free[at] if len(at) == 1 else 1)
+        reduced.insert(0, (U, gain, u))
+        if i:
+            Ia = IA - U @ gain @ U.T
+            pa = pA + Ia @ c + U @ gain @ u
+            inertia[i - 1] = inertia[i - 1] + X.T @ Ia @ X
+            bias_force[i - 1] = bias_force[i - 1] + X.T @ pa
+    acceleration = ca.vertcat(ca.SX.zeros(3), -m.gravity)
+    qdd, imbalance = ca.SX.zeros(m.q.numel()), ca.SX.zeros(m.q.numel())
+    for hinge, (X, _, c), (U, gain, u) in zip(m.hinges, motions, reduced, strict=True):
+        acceleration = X @ acceleration + c
+        net = u - U.T @ acceleration
+        qdd[hinge.coordinates] = gain @ net
+        imbalance[hinge.coordinates] = net
+        acceleration = acceleration + hinge.S @ qdd[hinge.coordinates]
+    return qdd, imbalance
+
+
+def tip_position(m: Mechanism) -> SX:
+    """Position of the tip in base axes [m]."""
+    position = ca.SX(m.tip)
+    for hinge in reversed(m.hinges):
+        position = hinge.r + hinge.E @ position
+    return position
+
+
+def _motions(m: Mechanism) -> list[tuple[SX, SX, SX]]:
+    """Per hinge: motion transform from the parent, velocity, velocity-product acceleration."""
+    velocity, out = ca.SX.zeros(6), []
+    for hinge in m.hinges:
+        X = _motion_transform(hinge)
+        relative = hinge.S @ m.v[hinge.coordinates]
+        velocity = X @ velocity + relative
+        out.append((X, velocity, hinge.c + _cross_motion(velocity, relative)))
+    return out
+
+
+def _motion_transform(hinge: Hinge) -> SX:
+    Et = hinge.E.T
+    return ca.blockcat([[Et, ca.SX.zeros(3, 3)], [-Et @ ca.skew(hinge.r), Et]])
+
+
+def _cross_motion(a: SX, b: SX) -> SX:
+    w, v = a[:3], a[3:]
+    return ca.vertcat(ca.cross(w, b[:3]), ca.cross(w, b[3:]) + ca.cross(v, b[:3]))
+
+
+def _wrench(hinge: Hinge, velocity: SX, acceleration: SX) -> SX:
+    """Newton-Euler force of the frame's body: I a + v x* I v."""
+    if hinge.inertia is None:
+        return ca.SX.zeros(6)
+    momentum = hinge.inertia @ velocity
+    w, v, L, p = velocity[:3], velocity[3:], momentum[:3], momentum[3:]
+    gyroscopic = ca.vertcat(ca.cross(w, L) + ca.cross(v, p), ca.cross(w, p))
+    return hinge.inertia @ acceleration + gyroscopic
+
+
+def _inertia(body: SX) -> SX:
+    m, ms = body[0], body[1:4]
+    xx, xy, xz, yy, yz, zz = (body[i] for i in range(4, 10))
+    J = ca.blockcat([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return ca.blockcat([[J, ca.skew(ms)], [-ca.skew(ms), m * ca.SX.eye(3)]])
+
+
+def _inverse(D: SX) -> SX:
+    return 1 / D if D.numel() == 1 else ca.inv_minor(D)
+
+
+def _motor_hinge(joint, i: int, e: SX, body: SX | None) -> Hinge:
+    x = joint.triad[:, 0]
+    across = np.eye(3) - np.outer(x, x)
+    E = np.outer(x, x) + ca.cos(e) * across + ca.sin(e) * ca.skew(x)
+    return Hinge([i], E, ca.SX(joint.origin), ca.SX(np.r_[x, 0, 0, 0]), ca.SX.zeros(6), body)
+
+
+def _slider(joint, i: int, e: SX, body: SX | None) -> Hinge:
+    x = joint.triad[:, 0]
+    return Hinge(
+        [i], ca.SX.eye(3), np.array(joint.origin) + x * e, ca.SX(np.r_[0, 0, 0, x]), ca.SX.zeros(6), body
+    )
+
+
+def _flexible_hinge(triad: np.ndarray, at: list[int], eps: SX, deps: SX, body: SX) -> Hinge:
+    """Bend, then twist: x' goes to (c, eps2, eps3) by the shortest rotation, then eps1 about the new x'."""
+    bend = ca.SX.sym("bend", 2)
+    c = ca.sqrt(1 - ca.sumsqr(bend))
+    shear = -bend[0] * bend[1] / (1 + c)
+    B = ca.blockcat(
+        [
+            [c, -bend[0], -bend[1]],
+            [bend[0], 1 - bend[0] ** 2 / (1 + c), shear],
+            [bend[1], shear, 1 - bend[1] ** 2 / (1 + c)],
+        ]
+    )
+    bendings = [_vee(ca.reshape(ca.jacobian(ca.vec(B), bend[i]), 3, 3) @ B.T) for i in (0, 1)]
+    S_parent = ca.horzcat(B[:, 0], *bendings)
+    rate = ca.SX.sym("rate", 3)
+    S_dot = ca.jtimes(S_parent @ rate, bend, rate[1:])
+    B, S_parent, S_dot = ca.substitute([B, S_parent, S_dot], [bend, rate], [eps[1:], deps])
+    cos, sin = ca.cos(eps[0]), ca.sin(eps[0])
+    twist = ca.blockcat([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
+    E = triad @ (B @ twist) @ triad.T
+    S = ca.vertcat(E.T @ (triad @ S_parent), ca.SX.zeros(3, 3))
+    bias = ca.vertcat(E.T @ (triad @ S_dot), ca.SX.zeros(3))
+    return Hinge(at, E, ca.SX.zeros(3), S, bias, body)
+
+
+def _vee(skew: SX) -> SX:
+    return ca.vertcat(skew[2, 1], skew[0, 2], skew[1, 0])

@@ -1,0 +1,217 @@
+"""What a robot is: geometry, lumped bodies, laws at its joints and its controller.
+
+All vectors in base axes at e = 0 ("zero pose"). A link's frame lies at its joint and is parallel to the
+base axes in the zero pose; its mass moments and inertia are about that point (the paper's eq. (1)).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from flexmodels.effect import Effect
+from flexmodels.effects import BASE, CATALOGUE
+
+LINK_PARAMETERS: dict[str, str] = {
+    "m": "kg",
+    **{f"ms[{a}]": "kg.m" for a in "xyz"},
+    **{f"J[{ab}]": "kg.m2" for ab in ("xx", "xy", "xz", "yy", "yz", "zz")},
+}
+DEFORMATIONS = 3
+
+
+class RobotError(ValueError):
+    """A robot description that cannot be used; the message names the key and the cure."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid body lumped at its joint, eq. (1): mass [kg], first moments [kg m], inertia [kg m2]."""
+
+    m: float
+    ms: tuple[float, ...]
+    J: tuple[float, ...]  # xx, xy, xz, yy, yz, zz about the joint
+
+    @property
+    def values(self) -> dict[str, float]:
+        return dict(zip(LINK_PARAMETERS, (self.m, *self.ms, *self.J), strict=True))
+
+    @staticmethod
+    def of_values(values: Mapping[str, float]) -> "Link":
+        p = [float(values[name]) for name in LINK_PARAMETERS]
+        return Link(p[0], tuple(p[1:4]), tuple(p[4:]))
+
+    @staticmethod
+    def of_centre(m: float, com: np.ndarray, J_com: np.ndarray) -> "Link":
+        """From the centre of mass [m] and the 3 x 3 inertia about it [kg m2] (parallel axes)."""
+        J = J_com + m * (com @ com * np.eye(3) - np.outer(com, com))
+        return Link(float(m), tuple(float(v) for v in m * com), tuple(float(v) for v in J[np.triu_indices(3)]))
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A motor hinge (or slider), with or without a flexible hinge behind it.
+
+    x, y      hinge triad in the zero pose (z = x cross y); motion is about (or along) x
+    origin    from the previous joint [m]
+    values    effect name -> parameter name -> value, for every law that acts at this joint
+    """
+
+    kind: Literal["revolute", "prismatic"]
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    origin: tuple[float, ...]
+    flexible: bool
+    values: Mapping[str, Mapping[str, float]]
+
+    @property
+    def triad(self) -> np.ndarray:
+        """3 x 3, columns x', y', z' in base axes."""
+        x, y = np.array(self.x), np.array(self.y)
+        return np.column_stack([x, y, np.cross(x, y)])
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        return tuple(CATALOGUE[name] for name in self.values)
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Digital PID with held torque, sampled at `rate` [Hz]; gains per joint, SI."""
+
+    rate: float
+    Kp: tuple[float, ...]
+    Kd: tuple[float, ...]
+    Ki: tuple[float, ...]
+
+    @property
+    def period(self) -> float:
+        return 1.0 / self.rate
+
+
+@dataclass(frozen=True)
+class Column:
+    """Where a signal of the log comes from in a foreign file: its name there and a gain to SI."""
+
+    source: str
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class Processing:
+    """How logged signals are prepared. cutoff [Hz] of a zero-phase Butterworth, None for no filter."""
+
+    cutoff: float | None = None
+    order: int = 4
+    decimate: int = 1
+
+
+@dataclass(frozen=True)
+class Multisine:
+    """Feed-forward torque: `lines` equally spaced frequencies [Hz], rms torque per joint [N m or N]."""
+
+    rms: tuple[float, ...]
+    lines: int
+    lowest: float
+    highest: float
+
+
+@dataclass(frozen=True)
+class Identification:
+    """Each joint swings as swing/2 (1 - cos(2 pi t / period)) under a multisine torque."""
+
+    swing: tuple[float, ...]
+    period: float
+    duration: float
+    multisine: Multisine
+
+
+@dataclass(frozen=True)
+class Line:
+    """The tip goes from `start` to `end` [m] in `duration` [s], at rest at both; joints in `locked` stay at 0."""
+
+    start: tuple[float, ...]
+    end: tuple[float, ...]
+    duration: float
+    locked: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Robot:
+    name: str
+    joints: tuple[Joint, ...]
+    links: tuple[Link, ...]
+    tip: tuple[float, ...]
+    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
+    controller: Controller | None = None
+    columns: Mapping[str, Column] = field(default_factory=dict)
+    processing: Processing = Processing()
+    identification: Identification | None = None
+    line: Line | None = None
+    description: str = ""
+
+    @property
+    def numbered(self) -> Iterator[tuple[int, Joint]]:
+        """The joints, counted from 1."""
+        return enumerate(self.joints, start=1)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of q: every e first, then every eps."""
+        e = [f"joint{k}.e" for k, _ in self.numbered]
+        eps = [
+            f"joint{k}.eps[{i + 1}]" for k, joint in self.numbered if joint.flexible for i in range(DEFORMATIONS)
+        ]
+        return tuple(e + eps)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Every dynamic parameter by its public name, links first (the order of eq. (11))."""
+        of_links = {
+            f"link{k}.{name}": value
+            for k, link in enumerate(self.links, start=1)
+            for name, value in link.values.items()
+        }
+        of_joints = {
+            parameter_name(k, effect, name): self.joints[k - 1].values[effect][name]
+            for effect in self._effect_order()
+            for k, joint in self.numbered
+            if effect in joint.values
+            for name in joint.values[effect]
+        }
+        return of_links | of_joints
+
+    def with_parameters(self, values: Mapping[str, float], name: str | None = None) -> "Robot":
+        """The same robot with other values; every key must be one of `parameters`."""
+        unknown = set(values) - set(self.parameters)
+        if unknown:
+            raise RobotError(f"robot {self.name} has no parameter {sorted(unknown)[0]}")
+        new = self.parameters | {k: float(v) for k, v in values.items()}
+        links = tuple(
+            Link.of_values({p: new[f"link{k}.{p}"] for p in LINK_PARAMETERS})
+            for k, _ in enumerate(self.links, start=1)
+        )
+        joints = tuple(
+            replace(joint, values=_renew(k, joint.values, new)) for k, joint in self.numbered
+        )
+        return replace(self, name=name or self.name, links=links, joints=joints)
+
+    def _effect_order(self) -> list[str]:
+        used = {effect for joint in self.joints for effect in joint.values}
+        order = ["motor_inertia", "coulomb", "viscous", "offset", "stiffness", "damping"]
+        return [n for n in order if n in used] + sorted(used - set(order))
+
+
+def parameter_name(joint: int, effect: str, parameter: str) -> str:
+    """`joint1.coulomb` for a base law, `joint1.stribeck.velocity` for any other."""
+    return f"joint{joint}.{parameter}" if effect in BASE else f"joint{joint}.{effect}.{parameter}"
+
+
+def _renew(
+    k: int, laws: Mapping[str, Mapping[str, float]], new: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    return {
+        effect: {name: new[parameter_name(k, effect, name)] for name in values}
+        for effect, values in laws.items()
+    }
