@@ -7,9 +7,9 @@ from importlib import resources
 from pathlib import Path
 
 import casadi as ca
+from flexmodels.plant import Equations
 
 from flexfmu.description import STEP, identifier, variables
-from flexmodels.plant import Equations
 
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 _FUNCTIONS = ("rates", "breakaway", "balance", "tip")
@@ -52,7 +52,8 @@ def _renamed(function: ca.Function) -> ca.Function:
 def _header(equations: Equations, functions: list[ca.Function], token: str) -> str:
     renamed = [_renamed(f) for f in functions]
     prototypes = "\n".join(
-        f"int model_{f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in functions
+        f"int model_{f.name()}(const double **arg, double **res, int *iw, double *w, int mem);"
+        for f in functions
     )
     joints = equations.joints
     return f"""/* Sizes, tables and functions of robot {equations.name}. */
@@ -86,15 +87,15 @@ extern const int model_stiffness[N_COORDINATES - N_JOINTS + 1]; /* parameter of 
 def _tables(equations: Equations) -> str:
     names = list(equations.parameters)
     c = equations.controller
-    stiffness = [
-        names.index(q.replace("eps", "k")) for q in equations.coordinates[equations.joints :]
-    ]
+    stiffness = [names.index(q.replace("eps", "k")) for q in equations.coordinates[equations.joints :]]
     return "\n".join(
         [
             '#include "model.h"',
             _array("double", "model_parameters", [repr(float(v)) for v in equations.parameters.values()]),
             _array("char *const", "model_parameter_names", [f'"{n}"' for n in names]),
-            _array("unsigned char", "model_nonnegative", [str(int(n in equations.nonnegative)) for n in names]),
+            _array(
+                "unsigned char", "model_nonnegative", [str(int(n in equations.nonnegative)) for n in names]
+            ),
             _array("double", "model_gains", [repr(float(v)) for v in (*c.Kp, *c.Kd, *c.Ki)]),
             _array("unsigned char", "model_sticking", [str(int(s)) for s in equations.sticking]),
             _array("int", "model_stiffness", [*map(str, stiffness), "0"]),

@@ -89,7 +89,9 @@ def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[S
     motions = _motions(m)
     n = len(m.hinges)
     inertia = [ca.SX.zeros(6, 6) if h.inertia is None else h.inertia for h in m.hinges]
-    bias_force = [_wrench(h, velocity, ca.SX.zeros(6)) for h, (_, velocity, _) in zip(m.hinges, motions, strict=True)]
+    bias_force = [
+        _wrench(h, velocity, ca.SX.zeros(6)) for h, (_, velocity, _) in zip(m.hinges, motions, strict=True)
+    ]
     reduced: list[tuple[SX, SX, SX]] = []
     for i in reversed(range(n)):
         hinge, (X, _, c) = m.hinges[i], motions[i]

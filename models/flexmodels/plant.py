@@ -12,7 +12,7 @@ import sympy
 
 from flexmodels import dynamics, signals
 from flexmodels.effect import Effect
-from flexmodels.robot import LINK_PARAMETERS, Controller, Robot, parameter_name
+from flexmodels.robot import Controller, Robot, parameter_name
 
 _MODE = sympy.Symbol("mode", real=True)
 _TO_CASADI = {
@@ -91,7 +91,7 @@ def equations(robot: Robot) -> Equations:
         coordinates=robot.coordinates,
         joints=joints,
         parameters=robot.parameters,
-        units=parameter_units(robot),
+        units=robot.units,
         nonnegative=laws.nonnegative,
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
@@ -101,21 +101,6 @@ def equations(robot: Robot) -> Equations:
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
     )
-
-
-def parameter_units(robot: Robot) -> dict[str, str]:
-    """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m."""
-    units = {f"link{k}.{p}": u for k, _ in robot.numbered for p, u in LINK_PARAMETERS.items()}
-    for k, joint in robot.numbered:
-        for effect in joint.effects:
-            for p in effect.parameters:
-                unit = _of_slider(p.unit) if joint.kind == "prismatic" else p.unit
-                units[parameter_name(k, effect.name, p.name)] = unit
-    return {name: units[name] for name in robot.parameters}
-
-
-def _of_slider(unit: str) -> str:
-    return unit.replace("kg.m2", "kg").replace("N.m", "N").replace("rad", "m")
 
 
 class _Laws:
@@ -174,8 +159,9 @@ class _Laws:
         known = self.signals[k] | self.parameters[k][effect.name] | {"mode": mode}
         unknown = [s.name for s in law.free_symbols if s.name not in known]  # pyright: ignore
         if unknown:
-            raise ValueError(f"effect {effect.name} at joint {k + 1} needs {unknown[0]}, which the joint has not")
+            raise ValueError(
+                f"effect {effect.name} at joint {k + 1} needs {unknown[0]}, which the joint has not"
+            )
         symbols = sorted(law.free_symbols, key=str)
         function = sympy.lambdify(symbols, law, modules=[_TO_CASADI])
         return ca.SX(function(*(known[s.name] for s in symbols)))  # pyright: ignore
-

@@ -46,7 +46,9 @@ class Link:
     def of_centre(m: float, com: np.ndarray, J_com: np.ndarray) -> "Link":
         """From the centre of mass [m] and the 3 x 3 inertia about it [kg m2] (parallel axes)."""
         J = J_com + m * (com @ com * np.eye(3) - np.outer(com, com))
-        return Link(float(m), tuple(float(v) for v in m * com), tuple(float(v) for v in J[np.triu_indices(3)]))
+        return Link(
+            float(m), tuple(float(v) for v in m * com), tuple(float(v) for v in J[np.triu_indices(3)])
+        )
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ class Identification:
 
 @dataclass(frozen=True)
 class Line:
-    """The tip goes from `start` to `end` [m] in `duration` [s], at rest at both; joints in `locked` stay at 0."""
+    """The tip goes from `start` to `end` [m] in `duration` [s], at rest at both; `locked` joints stay at 0."""
 
     start: tuple[float, ...]
     end: tuple[float, ...]
@@ -161,7 +163,10 @@ class Robot:
         """Names of q: every e first, then every eps."""
         e = [f"joint{k}.e" for k, _ in self.numbered]
         eps = [
-            f"joint{k}.eps[{i + 1}]" for k, joint in self.numbered if joint.flexible for i in range(DEFORMATIONS)
+            f"joint{k}.eps[{i + 1}]"
+            for k, joint in self.numbered
+            if joint.flexible
+            for i in range(DEFORMATIONS)
         ]
         return tuple(e + eps)
 
@@ -182,6 +187,17 @@ class Robot:
         }
         return of_links | of_joints
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m."""
+        units = {f"link{k}.{p}": u for k, _ in self.numbered for p, u in LINK_PARAMETERS.items()}
+        for k, joint in self.numbered:
+            for effect in joint.effects:
+                for p in effect.parameters:
+                    unit = _of_slider(p.unit) if joint.kind == "prismatic" else p.unit
+                    units[parameter_name(k, effect.name, p.name)] = unit
+        return {name: units[name] for name in self.parameters}
+
     def with_parameters(self, values: Mapping[str, float], name: str | None = None) -> "Robot":
         """The same robot with other values; every key must be one of `parameters`."""
         unknown = set(values) - set(self.parameters)
@@ -192,9 +208,7 @@ class Robot:
             Link.of_values({p: new[f"link{k}.{p}"] for p in LINK_PARAMETERS})
             for k, _ in enumerate(self.links, start=1)
         )
-        joints = tuple(
-            replace(joint, values=_renew(k, joint.values, new)) for k, joint in self.numbered
-        )
+        joints = tuple(replace(joint, values=_renew(k, joint.values, new)) for k, joint in self.numbered)
         return replace(self, name=name or self.name, links=links, joints=joints)
 
     def _effect_order(self) -> list[str]:
@@ -206,6 +220,10 @@ class Robot:
 def parameter_name(joint: int, effect: str, parameter: str) -> str:
     """`joint1.coulomb` for a base law, `joint1.stribeck.velocity` for any other."""
     return f"joint{joint}.{parameter}" if effect in BASE else f"joint{joint}.{effect}.{parameter}"
+
+
+def _of_slider(unit: str) -> str:
+    return unit.replace("kg.m2", "kg").replace("N.m", "N").replace("rad", "m")
 
 
 def _renew(

@@ -14,7 +14,6 @@ import tomli_w
 
 from flexmodels.effects import BASE, CATALOGUE
 from flexmodels.robot import (
-    LINK_PARAMETERS,
     Column,
     Controller,
     Identification,
@@ -83,7 +82,9 @@ class _Table:
             raise RobotError(f"{self.place(key)} is missing")
         return default
 
-    def number(self, key: str, default: float | None = None, lower: float = -np.inf, above: bool = False) -> float:
+    def number(
+        self, key: str, default: float | None = None, lower: float = -np.inf, above: bool = False
+    ) -> float:
         return _number(self.get(key, default), self.place(key), lower, above)
 
     def vector(self, key: str, size: int, default: Any = None, lower: float = -np.inf) -> tuple[float, ...]:
@@ -293,7 +294,8 @@ def _document(robot: Robot) -> dict[str, Any]:
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
     if robot.columns:
         document["columns"] = {
-            s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain} for s, c in robot.columns.items()
+            s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
+            for s, c in robot.columns.items()
         }
     if robot.processing != Processing():
         p = robot.processing

@@ -1,0 +1,107 @@
+"""The hinge element: a large rotation e1 about x' and two bendings e2, e3 between two rotational nodes.
+
+Seen from the inner triad n^p, the outer axis n_x^q is (c, e2, e3) with c = √(1 − e2² − e3²): it bends
+there by the shortest rotation B, then the outer triad twists about it by e1. So n^q = n^p B Rx(e1).
+After Geradin, Robert and Bernardin (1986), Schwab and Meijaard (1999).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.fem.nodes import Deformation, Nodes, Orientation
+from pyident.fem.triads import about_x, compose, cross, rotate
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """Rotational nodes p and q; triad (3, 3): columns x', y', z' in base axes, x' the hinge axis."""
+
+    p: int
+    q: int
+    triad: np.ndarray
+    modes = 3
+
+    def carry(self, nodes: Nodes, d: Deformation) -> None:
+        """Find node q from node p: R, then ω_q = ω_p + A de, then its derivative."""
+        p = nodes.orientations[self.p]
+        n = compose(p.R, self.triad)
+        if d.columns[1] is None and d.columns[2] is None:
+            relative, A, A_dot_de = about_x(d.e[0]), n[:, :1], np.zeros_like(p.w)
+        else:
+            relative, A, A_dot_de = (
+                relative_rotation(d.e),
+                compose(n, axes(d.e)),
+                rotate(n, axes_rate(d.e, d.de)),
+            )
+        modes = A.shape[1]
+        w = rotate(A, d.de[:modes])
+        DF = p.DF.copy()
+        for mode, column in enumerate(d.columns[:modes]):
+            if column is not None:
+                DF[:, column] = A[:, mode]
+        nodes.orientations[self.q] = Orientation(
+            R=compose(compose(n, relative), self.triad.T),
+            w=p.w + w,
+            dw=p.dw + rotate(A, d.dde[:modes]) + cross(p.w, w) + A_dot_de,
+            DF=DF,
+        )
+
+
+def deformations(n_p: np.ndarray, n_q: np.ndarray) -> np.ndarray:
+    """D(x): e1, e2, e3 (3, N) [rad, -, -] of the triads n^p and n^q (3, 3, N)."""
+    (_, yp, zp), (xq, yq, zq) = n_p.swapaxes(0, 1), n_q.swapaxes(0, 1)
+    dot = lambda a, b: np.einsum("in,in->n", a, b)  # noqa: E731
+    e1 = np.arctan2(dot(zp, yq) - dot(yp, zq), dot(yp, yq) + dot(zp, zq))
+    return np.stack([e1, dot(yp, xq), dot(zp, xq)])
+
+
+def relative_rotation(e: np.ndarray) -> np.ndarray:
+    """The inverse of D: n^pᵀ n^q = B(e2, e3) Rx(e1), (3, 3, N), of deformations e (3, N)."""
+    _, e2, e3 = e
+    c, a = _cosine(e), 1 / (1 + _cosine(e))
+    B = np.empty((3, *e.shape))
+    B[0, 0], B[0, 1], B[0, 2] = c, -e2, -e3
+    B[1, 0], B[1, 1], B[1, 2] = e2, 1 - a * e2**2, -a * e2 * e3
+    B[2, 0], B[2, 1], B[2, 2] = e3, B[1, 2], 1 - a * e3**2
+    return compose(B, about_x(e[0]))
+
+
+def axes(e: np.ndarray) -> np.ndarray:
+    """S (3, 3, N): the relative angular velocity in the axes of n^p is S de."""
+    _, e2, e3 = e
+    c = _cosine(e)
+    a, b = 1 / (1 + c), 1 / (c * (1 + c))
+    S = np.empty((3, *e.shape))
+    S[:, 0] = c, e2, e3
+    S[:, 1] = -a * e3, -b * e2 * e3, 1 + b * e2**2
+    S[:, 2] = a * e2, -1 - b * e3**2, b * e2 * e3
+    return S
+
+
+def axes_rate(e: np.ndarray, de: np.ndarray) -> np.ndarray:
+    """(dS/dt) de (3, N): what dde = 0 leaves of the relative angular acceleration, in axes of n^p.
+
+    With n = (c, e2, e3) the relative angular velocity is S de = (de1 − t) n + n × dn, where
+    t = (e2 de3 − e3 de2) / (1 + c) is the turn about n that the shortest rotation B makes by itself.
+    """
+    (_, e2, e3), (de1, de2, de3) = e, de
+    c = _cosine(e)
+    dc = -(e2 * de2 + e3 * de3) / c
+    ddc = -(dc**2 + de2**2 + de3**2) / c
+    t = (e2 * de3 - e3 * de2) / (1 + c)
+    dt = -t * dc / (1 + c)
+    n, dn = np.stack([c, e2, e3]), np.stack([dc, de2, de3])
+    n_cross_ddn = np.stack([np.zeros_like(c), e3 * ddc, -e2 * ddc])
+    return (de1 - t) * dn - dt * n + n_cross_ddn
+
+
+def _cosine(e: np.ndarray) -> np.ndarray:
+    """c, the cosine of the bending angle; raises ValueError where the hinge is bent by a right angle."""
+    square = 1 - e[1] ** 2 - e[2] ** 2
+    if not square.min() > 0:
+        bend = np.sqrt(1 - square.min())
+        raise ValueError(
+            f"a hinge is bent by {bend:.3g}, but bendings stay below 1; check that eps is in rad"
+        )
+    return np.sqrt(square)

@@ -1,0 +1,58 @@
+"""The motion of nodes: what the geometric transfer function gives, eqs (5)-(7)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Position:
+    """A translational node over N samples: x, v (3, N) [m, m/s], a (3, N) [m/s²], DF (3, n, N)."""
+
+    x: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    DF: np.ndarray
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """A rotational node: R (3, 3, N), ω (3, N) [rad/s], dω/dt (3, N) [rad/s²], DF (3, n, N) with ω = DF dq."""
+
+    R: np.ndarray
+    w: np.ndarray
+    dw: np.ndarray
+    DF: np.ndarray
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The nodes known so far: translational and rotational, by their number in the structure."""
+
+    positions: dict[int, Position]
+    orientations: dict[int, Orientation]
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """What an element's modes do: e, de, dde (modes, N), zero where fixed.
+
+    columns   per mode its place in q, None where the mode is fixed at zero
+    """
+
+    e: np.ndarray
+    de: np.ndarray
+    dde: np.ndarray
+    columns: tuple[int | None, ...]
+
+
+def at_rest(x: np.ndarray, samples: int, n: int) -> Position:
+    """A translational node fixed to the ground at x (3,) [m]."""
+    still = np.zeros((3, samples))
+    return Position(np.tile(x[:, None], samples), still, still, np.zeros((3, n, samples)))
+
+
+def upright(samples: int, n: int) -> Orientation:
+    """A rotational node fixed to the ground in the reference orientation."""
+    still = np.zeros((3, samples))
+    return Orientation(np.tile(np.eye(3)[:, :, None], samples), still, still, np.zeros((3, n, samples)))

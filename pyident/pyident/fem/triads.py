@@ -1,0 +1,38 @@
+"""Algebra of vectors (3, ..., N) and triads (3, 3, N); components come first, samples last."""
+
+import numpy as np
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar product over the first axis."""
+    return np.einsum("i...,i...->...", a, b)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vector product over the first axis; the other axes broadcast, so a Jacobian may meet a vector."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def rotate(R: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """R v: components along the axes of R to components in base axes."""
+    return np.einsum("ij...,j...->i...", R, v)
+
+
+def unrotate(R: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Rᵀ v: components in base axes to components along the axes of R."""
+    return np.einsum("ji...,j...->i...", R, v)
+
+
+def compose(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """A B for (3, 3, N) and (3, m, N) in either place; a constant (3, 3) serves every sample."""
+    return np.einsum("ij...,jk...->ik...", A, B)
+
+
+def about_x(e: np.ndarray) -> np.ndarray:
+    """Rotation about x by e [rad], (N,) -> (3, 3, N)."""
+    R = np.zeros((3, 3, *e.shape))
+    R[0, 0] = 1.0
+    R[1, 1] = R[2, 2] = np.cos(e)
+    R[2, 1] = np.sin(e)
+    R[1, 2] = -R[2, 1]
+    return R

@@ -1,0 +1,97 @@
+"""Robot + logs -> identified robot: conditioning, regression, physical consistency."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.base_parameters import BaseParameter, Support, base_parameters, supports
+from pyident.conditioning import Conditioned, condition, thin
+from pyident.log import Log
+from pyident.physical import consistent
+from pyident.regressor import regressor, regressor_blocks
+from pyident.solve import Reduced, Solution, merge, reduce, residual_squares, solve
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The outcome: the robot with its new parameters and how well the data support them.
+
+    relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]
+    """
+
+    robot: Robot
+    reduced: Reduced
+    solution: Solution
+    support: dict[str, Support]
+    base: list[BaseParameter]
+    relative_error: dict[str, float]
+
+    def json(self) -> dict[str, Any]:
+        """The contract of `identify --json`."""
+        units, values = self.robot.units, self.robot.parameters
+        return {
+            "parameters": {
+                name: {
+                    "value": values[name],
+                    "std": _finite(self.solution.std[i]),
+                    "unit": units[name],
+                    "identifiable": self.support[name],
+                }
+                for i, name in enumerate(self.reduced.columns)
+            },
+            "base_parameters": [
+                {"expression": b.expression, "value": b.value, "std": _finite(b.std)} for b in self.base
+            ],
+            "rank": self.solution.rank,
+            "relative_error_percent": self.relative_error,
+        }
+
+
+def identify(robot: Robot, logs: list[Log], progress: Progress | None = None) -> Identified:
+    """Identify every dynamic parameter of `robot` from its logs; its own values are never used.
+
+    Raises LogError for logs that cannot be used.
+    """
+    parts = []
+    for i, log in enumerate(logs):
+        conditioned = condition(log, robot)
+        parts.append(reduce(_blocks(robot, conditioned), robot.coordinates, tuple(robot.parameters)))
+        if progress:
+            progress((i + 1) / len(logs))
+    reduced = merge(parts)
+    solution = solve(reduced)
+    p = consistent(robot, reduced, solution)
+    renewed = robot.with_parameters(dict(zip(reduced.columns, p, strict=True)), f"{robot.name}_identified")
+    return Identified(
+        robot=renewed,
+        reduced=reduced,
+        solution=solution,
+        support=supports(reduced, solution),
+        base=base_parameters(reduced, solution),
+        relative_error=_relative_error(reduced, solution, len(robot.joints)),
+    )
+
+
+def _blocks(robot: Robot, conditioned: Conditioned) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    if conditioned.thinning == 1:
+        for part, Phi in regressor_blocks(robot, conditioned.motion):
+            yield Phi, conditioned.target[part]
+    else:
+        Phi = regressor(robot, conditioned.motion).matrix
+        yield thin(Phi, conditioned.thinning), thin(conditioned.target, conditioned.thinning)
+
+
+def _relative_error(reduced: Reduced, solution: Solution, joints: int) -> dict[str, float]:
+    squares = residual_squares(reduced, solution.p)[:joints]
+    signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
+    each = {f"joint{k + 1}": float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
+    return each | {"all": float(100 * np.sqrt(squares.sum() / signal.sum()))}
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,143 @@
+"""Time series of a robot, simulated or measured: read, checked, written.
+
+Columns: `time` [s]; per joint k from 1 `joint{k}.e`, `joint{k}.eps[1..3]`, `joint{k}.tau`, optionally
+`joint{k}.r`, `joint{k}.tau_ff`; optionally `tip.x`, `tip.y`, `tip.z`. SI units throughout.
+"""
+
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.io import loadmat, savemat
+
+from flexmodels.robot import Column, Robot
+
+_JITTER = 0.01  # of one period: what still counts as uniform
+
+
+class LogError(ValueError):
+    """A log that cannot be used; the message says what, where and how to mend it."""
+
+
+@dataclass(frozen=True)
+class Log:
+    """Uniformly sampled signals. frame: column `time` and one column per signal."""
+
+    frame: pd.DataFrame
+    source: str
+
+    @property
+    def period(self) -> float:
+        """Sample time [s]."""
+        time = self.frame["time"].to_numpy()
+        return float((time[-1] - time[0]) / (len(time) - 1))
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    def signals(self, names: list[str] | tuple[str, ...]) -> np.ndarray:
+        """The named columns as (N, len(names))."""
+        return self.frame[list(names)].to_numpy(dtype=float, copy=True)
+
+
+def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> Log:
+    """Read CSV, Parquet or MAT by its ending; `columns` maps foreign names and units. Raises LogError."""
+    path = Path(path)
+    if not path.is_file():
+        raise LogError(f"there is no log {path}; check the path")
+    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
+    if path.suffix not in readers:
+        raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
+    try:
+        frame = readers[path.suffix](path)
+    except LogError:
+        raise
+    except Exception as error:
+        raise LogError(f"{path} cannot be read as {path.suffix[1:]} ({str(error).splitlines()[0]})") from None
+    frame = _renamed(frame, columns or {}, str(path))
+    _check(frame, str(path))
+    return Log(frame.reset_index(drop=True), str(path))
+
+
+def write_log(log: Log, path: str | Path) -> None:
+    """Write CSV, Parquet or MAT by the ending; to a temporary file first, then renamed."""
+    path = Path(path)
+    if path.suffix not in (".csv", ".parquet", ".mat"):
+        raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
+    os.close(handle)
+    if path.suffix == ".csv":
+        log.frame.to_csv(temporary, index=False)
+    elif path.suffix == ".parquet":
+        log.frame.to_parquet(temporary, index=False)
+    else:
+        names = {f"c{i}": log.frame[name].to_numpy() for i, name in enumerate(log.frame)}
+        savemat(temporary, names | {"columns": np.array(list(log.frame), dtype=object)})
+    os.replace(temporary, path)
+
+
+def require(log: Log, robot: Robot, samples: int) -> None:
+    """Check that the log has what identifying this robot needs. Raises LogError."""
+    needed = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered)]
+    missing = [name for name in needed if name not in log.frame]
+    if missing:
+        raise LogError(
+            f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; "
+            f"add it, or map it under [columns] in the robot file"
+        )
+    if len(log) < samples:
+        raise LogError(f"{log.source}: {len(log)} samples are too few; robot {robot.name} needs {samples} or more")
+
+
+def _read_mat(path: Path) -> pd.DataFrame:
+    """Vectors of a MAT file (version 7 or older) as columns; those of the longest length count."""
+    content = {k: v for k, v in loadmat(path, squeeze_me=True).items() if not k.startswith("__")}
+    if "columns" in content:
+        return pd.DataFrame({str(name): content[f"c{i}"] for i, name in enumerate(np.atleast_1d(content["columns"]))})
+    vectors = {k: v for k, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiu"}
+    if not vectors:
+        raise LogError(f"{path} holds no numeric vectors")
+    length = max(len(v) for v in vectors.values())
+    return pd.DataFrame({k: v for k, v in vectors.items() if len(v) == length})
+
+
+def _renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) -> pd.DataFrame:
+    """Columns under the contract's names; a file that has them already is taken as it is."""
+    out = {}
+    for signal, column in columns.items():
+        if column.source in frame:
+            out[signal] = frame[column.source] * column.gain if column.gain != 1 else frame[column.source]
+        elif signal not in frame:
+            raise LogError(f"{source}: column {column.source} is missing, from which {signal} is read; add it")
+    kept = {name: frame[name] for name in frame if name not in out}
+    return pd.DataFrame(out | kept)
+
+
+def _check(frame: pd.DataFrame, source: str) -> None:
+    if "time" not in frame:
+        raise LogError(f"{source}: column time is missing; add it in seconds")
+    if len(frame) < 2:
+        raise LogError(f"{source}: {len(frame)} samples are too few")
+    for name in frame:
+        if not pd.api.types.is_numeric_dtype(frame[name]):
+            raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
+        bad = np.flatnonzero(~np.isfinite(frame[name].to_numpy(dtype=float)))
+        if len(bad):
+            raise LogError(
+                f"{source}: column {name} is not finite in {len(bad)} rows, first in row {bad[0] + 1}; "
+                f"cut the log there or fill the gap"
+            )
+    time = frame["time"].to_numpy(dtype=float)
+    steps = np.diff(time)
+    period = float(np.median(steps))
+    uneven = np.flatnonzero(np.abs(steps - period) > _JITTER * abs(period))
+    if period <= 0 or len(uneven):
+        i = int(uneven[0]) if len(uneven) else 0
+        raise LogError(
+            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {i + 2} where the period is "
+            f"{period:.6g} s; cut the log there or resample it to a uniform period"
+        )

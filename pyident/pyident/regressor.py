@@ -1,0 +1,186 @@
+"""Φ, eqs (9)-(11): the generalised forces of eq. (8) per unit of every dynamic parameter."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import sympy
+
+from flexmodels.effect import Effect
+from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+from pyident.fem import body, chain, structure
+
+CACHED = 512  # samples whose kinematics fit in a core's cache
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A measured motion over N samples, SI units, columns in the order of `robot.coordinates`.
+
+    q, dq, ddq   N x n;   tau   N x joints, motor torques [N m or N];   time   N [s]
+    tau and time are needed only where a law uses them.
+    """
+
+    q: np.ndarray
+    dq: np.ndarray
+    ddq: np.ndarray
+    tau: np.ndarray | None = None
+    time: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Regressor:
+    """matrix N x n x P; rows are `robot.coordinates` and columns `robot.parameters`, both by name."""
+
+    matrix: np.ndarray
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+
+def regressor(robot: Robot, motion: Motion) -> Regressor:
+    """Φ of the whole motion in memory. Raises ValueError for a wrong motion or a law that is not linear."""
+    rows, columns = robot.coordinates, tuple(robot.parameters)
+    matrix = np.empty((len(motion.q), len(rows), len(columns)))
+    builder = _Builder(robot, motion)
+    builder.fill(matrix, 0)
+    return Regressor(matrix, rows, columns)
+
+
+def regressor_blocks(robot: Robot, motion: Motion, block: int = 4096) -> Iterator[tuple[slice, np.ndarray]]:
+    """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use it or copy it.
+
+    Raises ValueError as `regressor` does, before the first piece.
+    """
+    builder = _Builder(robot, motion)
+    n, samples = len(robot.coordinates), len(motion.q)
+    Phi = np.empty((min(block, samples), n, len(robot.parameters)))
+
+    def pieces() -> Iterator[tuple[slice, np.ndarray]]:
+        for start in range(0, samples, block):
+            part = slice(start, min(start + block, samples))
+            piece = Phi[: part.stop - start]
+            builder.fill(piece, start)
+            yield part, piece
+
+    return pieces()
+
+
+@dataclass(frozen=True)
+class _LawColumn:
+    """One entry of Φ that a law fills: `value` of the named signals, at (row, column)."""
+
+    row: int
+    column: int
+    signals: tuple[str, ...]
+    value: Callable[..., np.ndarray]
+
+
+class _Builder:
+    """What is known of Φ before the first sample: the structure, where each column stands, the laws."""
+
+    def __init__(self, robot: Robot, motion: Motion):
+        self.gravity = np.array(robot.gravity)
+        self.structure = structure.of_robot(robot)
+        names = list(robot.parameters)
+        starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
+        self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
+        self.signals = _signals(robot, motion)
+        self.laws = _law_columns(robot, frozenset(self.signals))
+        self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
+
+    def fill(self, Phi: np.ndarray, start: int) -> None:
+        """Write Φ of the samples from `start` on."""
+        for at in range(0, len(Phi), CACHED):
+            piece = Phi[at : at + CACHED]
+            part = slice(start + at, start + at + len(piece))
+            self._fill_links(piece, part)
+            self._fill_laws(piece, part)
+
+    def _fill_links(self, Phi: np.ndarray, part: slice) -> None:
+        """Φ^(l): virtual power DFᵀ(M x'' − f) of every lumped body, eq. (8)."""
+        q, dq, ddq = (np.ascontiguousarray(rate[part].T) for rate in self.rates)
+        nodes = chain.nodes(self.structure, q, dq, ddq)
+        for (x, R), columns in zip(self.structure.bodies, self.links, strict=True):
+            position, orientation = nodes.positions[x], nodes.orientations[R]
+            DF = np.concatenate([position.DF, orientation.DF])
+            Y = body.reaction(position, orientation, self.gravity)
+            np.matmul(DF.transpose(2, 1, 0), Y.transpose(2, 0, 1), out=Phi[:, :, columns])
+
+    def _fill_laws(self, Phi: np.ndarray, part: slice) -> None:
+        Phi[:, :, self.links[-1].stop :] = 0.0
+        for law in self.laws:
+            Phi[:, law.row, law.column] = law.value(*(self.signals[name][part] for name in law.signals))
+
+
+def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
+    """Every signal that a law may use, by its name in flexmodels.signals behind `joint{k}.`; and `time`."""
+    n, joints = len(robot.coordinates), len(robot.joints)
+    samples = len(motion.q)
+    for name, width in (("q", n), ("dq", n), ("ddq", n), ("tau", joints)):
+        values = getattr(motion, name)
+        if values is not None and np.shape(values) != (samples, width):
+            raise ValueError(
+                f"motion.{name} of robot {robot.name} is {np.shape(values)}, not {(samples, width)}"
+            )
+    signals = {} if motion.time is None else {"time": np.asarray(motion.time)}
+    for j, coordinate in enumerate(robot.coordinates):
+        joint, name = _signal_name(coordinate).split(".")
+        for order, rate in zip(("", "d", "dd"), (motion.q, motion.dq, motion.ddq), strict=True):
+            signals[f"{joint}.{order}{name}"] = np.ascontiguousarray(rate[:, j])
+    if motion.tau is not None:
+        signals |= {f"joint{k}.tau": motion.tau[:, k - 1] for k, _ in robot.numbered}
+    return signals
+
+
+def _law_columns(robot: Robot, known: frozenset[str]) -> list[_LawColumn]:
+    """The columns behind those of the links: every parameter of every law of every joint."""
+    rows = [_signal_name(coordinate) for coordinate in robot.coordinates]
+    names = list(robot.parameters)
+    found = []
+    for k, joint in robot.numbered:
+        for effect in joint.effects:
+            _require_linear(effect, k)
+            for parameter, slopes in effect.columns.items():
+                column = names.index(parameter_name(k, effect.name, parameter))
+                for coordinate, slope in slopes.items():
+                    symbols, value = _compiled(slope)
+                    signals = tuple(name if name in known else f"joint{k}.{name}" for name in symbols)
+                    missing = [name for name in signals if name not in known]
+                    if missing:
+                        raise ValueError(
+                            f"effect {effect.name} at joint {k} needs the signal {missing[0]}, which the motion "
+                            f"of robot {robot.name} has not; add it to the motion or remove the effect"
+                        )
+                    row = rows.index(f"joint{k}.{coordinate.name}")
+                    found.append(_LawColumn(row, column, signals, value))
+    return found
+
+
+def _require_linear(effect: Effect, k: int) -> None:
+    own = {p.symbol: p.name for p in effect.parameters}
+    nonlinear = [name for name in own.values() if name not in effect.columns]
+    coupled = [
+        own[s]
+        for slopes in effect.columns.values()
+        for law in slopes.values()
+        for s in law.free_symbols
+        if s in own
+    ]
+    if nonlinear or coupled:
+        raise ValueError(
+            f"effect {effect.name} at joint {k} is not linear in its parameter {(nonlinear or coupled)[0]}, "
+            "so it has no column in Phi; fix that parameter before the law enters a linear fit"
+        )
+
+
+@cache
+def _compiled(law: sympy.Expr) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
+    """The signals of a law by name, and the law as a NumPy function of them."""
+    symbols = sorted(law.free_symbols, key=str)
+    return tuple(str(s) for s in symbols), sympy.lambdify(symbols, law, modules="numpy")
+
+
+def _signal_name(coordinate: str) -> str:
+    """`joint1.eps[2]` of a log is the signal `joint1.eps2` of a law."""
+    return coordinate.replace("[", "").replace("]", "")

@@ -1,0 +1,45 @@
+"""Finds the studies: folders with a study.py, beside the packages or inside the installed wheel."""
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+Study = Callable[[Path, Callable[[float], None]], "StudyResult"]
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """rows: dicts of what, value, goal, met ("yes", "no" or "-"); figures: files written; notes: sentences."""
+
+    rows: list[dict[str, Any]]
+    figures: list[Path] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def row(what: str, value: str, goal: str = "", met: bool | None = None) -> dict[str, str]:
+    """One line of a study's table."""
+    return {"what": what, "value": value, "goal": goal, "met": "-" if met is None else "yes" if met else "no"}
+
+
+def study_names() -> list[str]:
+    return sorted(file.parent.name for file in _folder().glob("*/study.py"))
+
+
+def find_study(name: str) -> Study | None:
+    """The function `run` of studies/<name>/study.py, None when there is no such study."""
+    file = _folder() / name / "study.py"
+    if name not in study_names():
+        return None
+    spec = importlib.util.spec_from_file_location(f"studies_{name}", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.run
+
+
+def _folder() -> Path:
+    installed = Path(__file__).parent / "studies"
+    return installed if installed.is_dir() else Path(__file__).parents[2] / "studies"
