@@ -211,6 +211,16 @@ class Robot:
         joints = tuple(replace(joint, values=_renew(k, joint.values, new)) for k, joint in self.numbered)
         return replace(self, name=name or self.name, links=links, joints=joints)
 
+    def with_effect(self, joint: int, effect: str) -> "Robot":
+        """The same robot with one more law at `joint` (from 1), its parameters at their start values."""
+        if effect not in CATALOGUE:
+            raise RobotError(f"unknown effect {effect!r}; known are {', '.join(sorted(CATALOGUE))}")
+        if not 1 <= joint <= len(self.joints):
+            raise RobotError(f"robot {self.name} has no joint {joint}; it has 1 to {len(self.joints)}")
+        start = {p.name: p.start for p in CATALOGUE[effect].parameters}
+        changed = replace(self.joints[joint - 1], values={**self.joints[joint - 1].values, effect: start})
+        return replace(self, joints=(*self.joints[: joint - 1], changed, *self.joints[joint:]))
+
     def _effect_order(self) -> list[str]:
         used = {effect for joint in self.joints for effect in joint.values}
         order = ["motor_inertia", "coulomb", "viscous", "offset", "stiffness", "damping"]

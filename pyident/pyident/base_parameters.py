@@ -56,7 +56,10 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
     for i in np.argsort(lead):
         factors = mixing[i] * solution.scale[rest] / solution.scale[lead[i]]
         kept = [j for j in range(len(rest)) if abs(mixing[i, j]) > _ABSENT]
-        terms = ((1.0, reduced.columns[lead[i]]), *((float(factors[j]), reduced.columns[rest[j]]) for j in kept))
+        terms = (
+            (1.0, reduced.columns[lead[i]]),
+            *((float(factors[j]), reduced.columns[rest[j]]) for j in kept),
+        )
         value = sum(f * solution.p[reduced.columns.index(name)] for f, name in terms)
         out.append(BaseParameter(terms, float(value), float(spread[i])))
     return out

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
-from rich.table import Table
-
 from flexfmu.build import BuildError, export_fmu
 from flexfmu.simulate import SimulationError
 from flexmodels.effects import CATALOGUE
 from flexmodels.plant import equations
 from flexmodels.robot import RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
 from pyident.experiment_file import ExperimentError, load_experiment
 from pyident.identify import Identified, identify
 from pyident.log import Log, LogError, read_log, write_log
@@ -62,7 +62,9 @@ def _write_json(path: str | None, content: Any) -> None:
 
 
 _json = click.option("--json", "json_file", metavar="FILE", help="Write the result for machines.")
-_output = click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="File to write.")
+_output = click.option(
+    "-o", "--output", required=True, type=click.Path(dir_okay=False), help="File to write."
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -94,7 +96,12 @@ def effects(json_file: str | None) -> None:
     """List the laws that a robot file may name. Example: pyident effects"""
     table = Table("effect", "law", "parameters", "source")
     for name, effect in CATALOGUE.items():
-        table.add_row(name, effect.title, ", ".join(p.name for p in effect.parameters).replace("[", r"\["), effect.citation)
+        table.add_row(
+            name,
+            effect.title,
+            ", ".join(p.name for p in effect.parameters).replace("[", r"\["),
+            effect.citation,
+        )
     console.print(table)
     _write_json(json_file, {n: {"title": e.title, "citation": e.citation} for n, e in CATALOGUE.items()})
 
@@ -114,7 +121,9 @@ def export(model: str, output: str, json_file: str | None) -> None:
 
 @main.command()
 @click.argument("model")
-@click.option("--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns.")
+@click.option(
+    "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
+)
 @_output
 @_json
 @_reported
@@ -156,7 +165,9 @@ def identify_command(model: str, logs: tuple[str, ...], output: str | None, json
 
 @main.command()
 @click.argument("names", nargs=-1, required=True, metavar="NAME...")
-@click.option("-o", "--output", default="out", show_default=True, type=click.Path(file_okay=False), help="Folder.")
+@click.option(
+    "-o", "--output", default="out", show_default=True, type=click.Path(file_okay=False), help="Folder."
+)
 @_json
 @_reported
 def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from flexmodels.robot import Processing, Robot
 from scipy.signal import butter, cheby1, filtfilt
 
-from flexmodels.robot import Processing, Robot
 from pyident.log import Log, LogError, require
 from pyident.regressor import Motion
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
 from flexmodels.robot import Robot
+
 from pyident.base_parameters import BaseParameter, Support, base_parameters, supports
 from pyident.conditioning import Conditioned, condition, thin
 from pyident.log import Log

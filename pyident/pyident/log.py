@@ -12,9 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.io import loadmat, savemat
-
 from flexmodels.robot import Column, Robot
+from scipy.io import loadmat, savemat
 
 _JITTER = 0.01  # of one period: what still counts as uniform
 
@@ -90,15 +89,23 @@ def require(log: Log, robot: Robot, samples: int) -> None:
             f"add it, or map it under [columns] in the robot file"
         )
     if len(log) < samples:
-        raise LogError(f"{log.source}: {len(log)} samples are too few; robot {robot.name} needs {samples} or more")
+        raise LogError(
+            f"{log.source}: {len(log)} samples are too few; robot {robot.name} needs {samples} or more"
+        )
 
 
 def _read_mat(path: Path) -> pd.DataFrame:
     """Vectors of a MAT file (version 7 or older) as columns; those of the longest length count."""
     content = {k: v for k, v in loadmat(path, squeeze_me=True).items() if not k.startswith("__")}
     if "columns" in content:
-        return pd.DataFrame({str(name): content[f"c{i}"] for i, name in enumerate(np.atleast_1d(content["columns"]))})
-    vectors = {k: v for k, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiu"}
+        return pd.DataFrame(
+            {str(name): content[f"c{i}"] for i, name in enumerate(np.atleast_1d(content["columns"]))}
+        )
+    vectors = {
+        k: v
+        for k, v in content.items()
+        if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiu"
+    }
     if not vectors:
         raise LogError(f"{path} holds no numeric vectors")
     length = max(len(v) for v in vectors.values())
@@ -112,7 +119,9 @@ def _renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) ->
         if column.source in frame:
             out[signal] = frame[column.source] * column.gain if column.gain != 1 else frame[column.source]
         elif signal not in frame:
-            raise LogError(f"{source}: column {column.source} is missing, from which {signal} is read; add it")
+            raise LogError(
+                f"{source}: column {column.source} is missing, from which {signal} is read; add it"
+            )
     kept = {name: frame[name] for name in frame if name not in out}
     return pd.DataFrame(out | kept)
 

@@ -7,9 +7,9 @@ whatever the data left open.
 
 import cvxpy as cp
 import numpy as np
-
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+
 from pyident.solve import Reduced, Solution
 
 _OPEN = 1e-4  # weight, against the best seen direction, that keeps undetermined directions small
@@ -30,7 +30,10 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     keep_small = _OPEN * solution.singular_values[0]
     misfit = cp.norm(cp.hstack([R @ (z - near), keep_small * (z - near)]))
     limits = [_pseudo_inertia(p, names, k) >> _SMALLEST * np.eye(4) for k, _ in robot.numbered]
-    limits += [z[names.index(name)] >= bound * scale[names.index(name)] for name, bound in lower_bounds(robot).items()]
+    limits += [
+        z[names.index(name)] >= bound * scale[names.index(name)]
+        for name, bound in lower_bounds(robot).items()
+    ]
     problem = cp.Problem(cp.Minimize(misfit / float(np.linalg.norm(reduced.y))), limits)
     problem.solve(solver=cp.CLARABEL)
     if z.value is None:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
-
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment

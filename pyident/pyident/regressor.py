@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 import sympy
-
 from flexmodels.effect import Effect
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+
 from pyident.fem import body, chain, structure
 
-CACHED = 512  # samples whose kinematics fit in a core's cache
+CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class _Builder:
         starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
         self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
         self.signals = _signals(robot, motion)
-        self.laws = _law_columns(robot, frozenset(self.signals))
+        self.laws = list(_law_columns(robot, frozenset(self.signals)))
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
@@ -127,51 +127,41 @@ def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
     for j, coordinate in enumerate(robot.coordinates):
         joint, name = _signal_name(coordinate).split(".")
         for order, rate in zip(("", "d", "dd"), (motion.q, motion.dq, motion.ddq), strict=True):
-            signals[f"{joint}.{order}{name}"] = np.ascontiguousarray(rate[:, j])
+            signals[f"{joint}.{order}{name}"] = rate[:, j]
     if motion.tau is not None:
         signals |= {f"joint{k}.tau": motion.tau[:, k - 1] for k, _ in robot.numbered}
     return signals
 
 
-def _law_columns(robot: Robot, known: frozenset[str]) -> list[_LawColumn]:
+def _law_columns(robot: Robot, known: frozenset[str]) -> Iterator[_LawColumn]:
     """The columns behind those of the links: every parameter of every law of every joint."""
     rows = [_signal_name(coordinate) for coordinate in robot.coordinates]
     names = list(robot.parameters)
-    found = []
-    for k, joint in robot.numbered:
-        for effect in joint.effects:
-            _require_linear(effect, k)
-            for parameter, slopes in effect.columns.items():
-                column = names.index(parameter_name(k, effect.name, parameter))
-                for coordinate, slope in slopes.items():
-                    symbols, value = _compiled(slope)
-                    signals = tuple(name if name in known else f"joint{k}.{name}" for name in symbols)
-                    missing = [name for name in signals if name not in known]
-                    if missing:
-                        raise ValueError(
-                            f"effect {effect.name} at joint {k} needs the signal {missing[0]}, which the motion "
-                            f"of robot {robot.name} has not; add it to the motion or remove the effect"
-                        )
-                    row = rows.index(f"joint{k}.{coordinate.name}")
-                    found.append(_LawColumn(row, column, signals, value))
-    return found
+    for k, effect in ((k, effect) for k, joint in robot.numbered for effect in joint.effects):
+        _require_linear(effect, k)
+        for parameter, slopes in effect.columns.items():
+            column = names.index(parameter_name(k, effect.name, parameter))
+            for coordinate, slope in slopes.items():
+                symbols, value = _compiled(slope)
+                signals = tuple(name if name in known else f"joint{k}.{name}" for name in symbols)
+                for name in set(signals) - known:
+                    raise ValueError(
+                        f"effect {effect.name} at joint {k} needs the signal {name}, which the motion of robot "
+                        f"{robot.name} does not have; add the signal or remove the effect"
+                    )
+                yield _LawColumn(rows.index(f"joint{k}.{coordinate.name}"), column, signals, value)
 
 
 def _require_linear(effect: Effect, k: int) -> None:
-    own = {p.symbol: p.name for p in effect.parameters}
-    nonlinear = [name for name in own.values() if name not in effect.columns]
-    coupled = [
-        own[s]
-        for slopes in effect.columns.values()
-        for law in slopes.values()
-        for s in law.free_symbols
-        if s in own
-    ]
-    if nonlinear or coupled:
-        raise ValueError(
-            f"effect {effect.name} at joint {k} is not linear in its parameter {(nonlinear or coupled)[0]}, "
-            "so it has no column in Phi; fix that parameter before the law enters a linear fit"
-        )
+    """Every parameter must have a column that is free of the law's own parameters."""
+    own = {p.symbol for p in effect.parameters}
+    for parameter in effect.parameters:
+        slopes = effect.columns.get(parameter.name)
+        if slopes is None or any(slope.free_symbols & own for slope in slopes.values()):
+            raise ValueError(
+                f"effect {effect.name} at joint {k} is not linear in its parameter {parameter.name}, so it has "
+                "no column in Phi; fix that parameter before the law enters a linear fit"
+            )
 
 
 @cache

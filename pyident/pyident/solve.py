@@ -58,7 +58,9 @@ class Solution:
     signal: np.ndarray
 
 
-def reduce(blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]) -> Reduced:
+def reduce(
+    blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
+) -> Reduced:
     """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
     size = len(columns) + 1
     triangles, samples = np.zeros((len(rows), size, size)), 0
@@ -115,7 +117,9 @@ def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
 
 def _rank(s: np.ndarray, coefficients: np.ndarray, y: np.ndarray, reduced: Reduced) -> int:
     """Number of leading directions that pass the rule of `solve`."""
-    rest = np.concatenate([np.cumsum((coefficients**2)[::-1])[::-1], [0.0]]) + max(y @ y - coefficients @ coefficients, 0)
+    rest = np.concatenate([np.cumsum((coefficients**2)[::-1])[::-1], [0.0]]) + max(
+        y @ y - coefficients @ coefficients, 0
+    )
     largest = np.abs(coefficients[0] / s[0])
     rank = 0
     for i in range(len(s)):

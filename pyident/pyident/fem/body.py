@@ -26,7 +26,7 @@ def reaction(position: Position, orientation: Orientation, gravity: np.ndarray) 
 def _moment_of_inertia(w: np.ndarray, dw: np.ndarray) -> np.ndarray:
     """J dω + ω × J ω per unit of Jxx, Jxy, Jxz, Jyy, Jyz, Jzz, in the link's axes: (3, 6, N)."""
     (x, y, z), (dx, dy, dz) = w, dw
-    xy, yz, zx, zero = x * y, y * z, z * x, np.zeros_like(x)
+    xy, yz, zx = x * y, y * z, z * x
     xx, yy, zz = x * x, y * y, z * z
     return np.stack(
         [

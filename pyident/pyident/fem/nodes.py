@@ -17,7 +17,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Orientation:
-    """A rotational node: R (3, 3, N), ω (3, N) [rad/s], dω/dt (3, N) [rad/s²], DF (3, n, N) with ω = DF dq."""
+    """A rotational node: R (3, 3, N), ω (3, N) [rad/s], its derivative dw; ω = DF dq with DF (3, n, N)."""
 
     R: np.ndarray
     w: np.ndarray

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-
 from flexmodels.robot import Robot
+
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
 from pyident.fem.slider import Slider

@@ -1,0 +1,81 @@
+"""EMPS: a measured axis, identified with symmetric and with direction-dependent friction."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from flexmodels.robot import Robot
+from flexmodels.robot_file import load_robot
+from pyident.identify import Identified, identify
+from pyident.log import read_log
+from pyident.studies import StudyResult, row
+
+# Janot, Gautier and Brunot, Data set and reference models of EMPS, 2019.
+SYMMETRIC = {"M": 95.1089, "Fv": 203.5034, "Fc": 20.3935, "offset": -3.1648}
+DIRECTIONAL = {"M": 95.1540, "Fv+": 166.7061, "Fc+": 20.1440, "Fv-": 240.4236, "Fc-": 20.6277}
+ERROR = {"symmetric": 4.0834, "directional": 3.1117}
+
+
+def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
+    """Identify the measured file; `folder` stays empty. Without the data the table says so."""
+    file = Path(os.environ.get("PYIDENT_DATA", "data")) / "emps" / "DATA_EMPS.mat"
+    if not file.is_file():
+        return StudyResult(
+            [], notes=[f"skipped: {file} is not there; set PYIDENT_DATA to the folder of data sets"]
+        )
+    robot = load_robot("emps")
+    log = read_log(file, robot.columns)
+    symmetric = identify(robot, [log])
+    progress(0.5)
+    directional = identify(robot.with_effect(1, "asymmetric_coulomb"), [log])
+    progress(1.0)
+    return StudyResult(
+        [
+            *_rows("symmetric", SYMMETRIC, _symmetric(symmetric), symmetric),
+            *_rows("directional", DIRECTIONAL, _directional(directional), directional),
+        ]
+    )
+
+
+def _mass(robot: Robot) -> float:
+    p = robot.parameters
+    return p["link1.m"] + p["joint1.J_m"]
+
+
+def _symmetric(found: Identified) -> dict[str, float]:
+    p = found.robot.parameters
+    return {
+        "M": _mass(found.robot),
+        "Fv": p["joint1.viscous"],
+        "Fc": p["joint1.coulomb"],
+        "offset": p["joint1.offset"],
+    }
+
+
+def _directional(found: Identified) -> dict[str, float]:
+    p = found.robot.parameters
+    level = p["joint1.offset"] + p["joint1.asymmetric_coulomb.coulomb"]
+    slope = p["joint1.asymmetric_coulomb.viscous"]
+    return {
+        "M": _mass(found.robot),
+        "Fv+": p["joint1.viscous"] + slope,
+        "Fc+": p["joint1.coulomb"] + level,
+        "Fv-": p["joint1.viscous"] - slope,
+        "Fc-": p["joint1.coulomb"] - level,
+    }
+
+
+def _rows(
+    model: str, published: dict[str, float], found: dict[str, float], result: Identified
+) -> list[dict[str, str]]:
+    rows = []
+    for name, value in found.items():
+        off = 100 * (value / published[name] - 1)
+        text = f"{value:.5g} ({off:+.2f} % of the published {published[name]:.5g})"
+        rows.append(row(f"{model} friction: {name}", text, "0.5 %", abs(off) <= 0.5))
+    error = result.relative_error["all"]
+    goal = f"{ERROR[model]:.2f} ± 0.1 %"
+    rows.append(
+        row(f"{model} friction: relative error", f"{error:.2f} %", goal, abs(error - ERROR[model]) <= 0.1)
+    )
+    return rows

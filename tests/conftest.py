@@ -1,0 +1,37 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from flexfmu.build import export_fmu
+from flexfmu.simulate import LoadedFmu
+from flexmodels.experiment import identification
+from flexmodels.plant import equations
+from flexmodels.robot_file import load_robot
+from pyident.log import Log
+
+
+@pytest.fixture(scope="session")
+def four_link():
+    return load_robot("four_link")
+
+
+@pytest.fixture(scope="session")
+def four_link_fmu(four_link, tmp_path_factory):
+    return export_fmu(equations(four_link), tmp_path_factory.mktemp("fmu") / "four_link.fmu")
+
+
+@pytest.fixture(scope="session")
+def identification_log(four_link, four_link_fmu):
+    """Noise-free log of the paper's identification experiment."""
+    with LoadedFmu(four_link_fmu) as fmu:
+        return Log(fmu.simulate(identification(four_link)), "identification")
+
+
+@pytest.fixture(scope="session")
+def data():
+    """Folder of measured data sets."""
+    folder = Path(os.environ.get("PYIDENT_DATA", "data"))
+    if not folder.is_dir():
+        pytest.skip("measured data are not here: set PYIDENT_DATA to their folder")
+    return folder

@@ -1,0 +1,174 @@
+"""An oracle: the same robot in Pinocchio, whose joints share nothing with our hinge elements.
+
+A flexible hinge becomes three revolute joints with massless bodies between them: about z' by beta, about
+−y' by gamma, about x' by alpha. They reach the same frame as the deformations (eps1, eps2, eps3) when
+
+    sin(gamma) = eps3,   sin(beta) = eps2 / cos(gamma),   alpha = eps1 + delta(eps2, eps3)
+
+where delta is the turn about x' between Rz(beta) Ry(−gamma) and the shortest rotation of the hinge element.
+With z the angles: dz = T dq, ddz = T ddq + c; forces go back with Tᵀ. T and c come from CasADi.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+import pytest
+from flexmodels.robot import Joint, Link, Robot
+from flexmodels.robot_file import load_robot
+
+pin = pytest.importorskip("pinocchio", reason="Pinocchio (package pin) is the oracle and is not installed")
+
+
+@dataclass(frozen=True)
+class NodeMotion:
+    """A link's frame at its joint, base axes: x, v, a, w, dw (3,), R (3, 3), DF (6, n)."""
+
+    x: np.ndarray
+    R: np.ndarray
+    v: np.ndarray
+    w: np.ndarray
+    a: np.ndarray
+    dw: np.ndarray
+    DF: np.ndarray
+
+
+class PinocchioRobot:
+    """A robot of ours in Pinocchio; every method takes vectors in the order of `robot.coordinates`."""
+
+    def __init__(self, robot: Robot):
+        self.robot = robot
+        self.model = pin.Model()
+        self.model.gravity.linear = np.array(robot.gravity)
+        self.ends: list[int] = []
+        places: list[int] = []  # per angle of z, in our order of coordinates, its place in Pinocchio's q
+        hinge_places: list[int] = []
+        parent, axes = 0, np.eye(3)
+        for joint, link in zip(robot.joints, robot.links, strict=True):
+            triad = joint.triad
+            place = pin.SE3(axes.T @ triad, axes.T @ np.array(joint.origin))
+            motor = pin.JointModelRX() if joint.kind == "revolute" else pin.JointModelPX()
+            parent, axes = self._add(parent, motor, place), triad
+            places.append(parent - 1)
+            if joint.flexible:
+                start = parent
+                for turn in (pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelRX()):
+                    parent = self._add(parent, turn, pin.SE3.Identity())
+                hinge_places += [start, start + 1, start + 2]
+            self.model.appendBodyToJoint(parent, _inertia(link, triad), pin.SE3.Identity())
+            self.ends.append(parent)
+        self.order = places + hinge_places
+        self.data = self.model.createData()
+
+    def nodes(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> list[NodeMotion]:
+        """Per link the motion of its node."""
+        z, T, c = self._angles(q, dq)
+        pin.forwardKinematics(self.model, self.data, z, T @ dq, T @ ddq + c)
+        pin.computeJointJacobians(self.model, self.data, z)
+        world = pin.LOCAL_WORLD_ALIGNED
+        motions = []
+        for end, joint in zip(self.ends, self.robot.joints, strict=True):
+            frame = self.data.oMi[end]
+            velocity = pin.getVelocity(self.model, self.data, end, world)
+            acceleration = pin.getClassicalAcceleration(self.model, self.data, end, world)
+            motions.append(
+                NodeMotion(
+                    x=frame.translation.copy(),
+                    R=frame.rotation @ joint.triad.T,
+                    v=velocity.linear.copy(),
+                    w=velocity.angular.copy(),
+                    a=acceleration.linear.copy(),
+                    dw=acceleration.angular.copy(),
+                    DF=pin.getJointJacobian(self.model, self.data, end, world).reshape(6, -1) @ T,
+                )
+            )
+        return motions
+
+    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
+        """M(q) of the links, without motor inertias."""
+        z, T, _ = self._angles(q, np.zeros_like(q))
+        M = pin.crba(self.model, self.data, z)
+        M = np.triu(M) + np.triu(M, 1).T
+        return T.T @ M @ T
+
+    def inverse_dynamics(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
+        """M ddq + h(q, dq): generalised forces of the links, gravity included."""
+        z, T, c = self._angles(q, dq)
+        return T.T @ pin.rnea(self.model, self.data, z, T @ dq, T @ ddq + c)
+
+    def _add(self, parent: int, joint, place) -> int:
+        return self.model.addJoint(parent, joint, place, f"joint{self.model.njoints}")
+
+    def _angles(self, q: np.ndarray, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Pinocchio's q, T = dz/dq and c = (dT/dt) dq, in Pinocchio's order of joints."""
+        z, T, c = (np.array(value) for value in self._map(q, dq))
+        order = np.argsort(self.order)
+        return z[order, 0], T[order], c[order, 0]
+
+    @cached_property
+    def _map(self) -> ca.Function:
+        n, joints = len(self.robot.coordinates), len(self.robot.joints)
+        q, dq = ca.SX.sym("q", n), ca.SX.sym("dq", n)
+        parts = [q[:joints]] + [_turns(q[i], q[i + 1], q[i + 2]) for i in range(joints, n, 3)]
+        z = ca.vertcat(*parts)
+        T = ca.jacobian(z, q)
+        return ca.Function("angles", [q, dq], [z, T, ca.jtimes(T @ dq, q, dq)])
+
+
+def mixed_robot(seed: int = 0) -> Robot:
+    """Tilted joints of every kind: flexible and rigid, revolute and prismatic; random bodies and laws."""
+    rng = np.random.default_rng(seed)
+    kinds: list[tuple[Literal["revolute", "prismatic"], bool]] = [
+        ("revolute", True),
+        ("revolute", False),
+        ("prismatic", True),
+        ("prismatic", False),
+        ("revolute", True),
+    ]
+    joints, links = [], []
+    for kind, flexible in kinds:
+        triad = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        values = {"motor_inertia": {"J_m": 2.0}, "coulomb": {"coulomb": 3.0}, "viscous": {"viscous": 1.5}}
+        if flexible:
+            values["stiffness"] = {f"k[{i}]": 100.0 * i for i in (1, 2, 3)}
+            values["damping"] = {f"d[{i}]": 2.0 * i for i in (1, 2, 3)}
+        x, y, origin = (tuple(map(float, v)) for v in (triad[:, 0], triad[:, 1], rng.normal(size=3)))
+        joints.append(Joint(kind=kind, x=x, y=y, origin=origin, flexible=flexible, values=values))
+        root = rng.normal(size=(3, 3))
+        links.append(Link.of_centre(rng.uniform(1, 9), rng.normal(size=3), root @ root.T))
+    base = load_robot("four_link")
+    return replace(base, name="mixed", joints=tuple(joints), links=tuple(links), controller=None)
+
+
+def random_motion(robot: Robot, samples: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q, dq, ddq (samples, n): large motor hinge angles, deformations up to 0.2."""
+    rng = np.random.default_rng(seed)
+    n, joints = len(robot.coordinates), len(robot.joints)
+    q = rng.uniform(-0.2, 0.2, size=(samples, n))
+    q[:, :joints] = rng.uniform(-3, 3, size=(samples, joints))
+    return q, rng.uniform(-2, 2, size=(samples, n)), rng.uniform(-5, 5, size=(samples, n))
+
+
+def _turns(eps1: ca.SX, eps2: ca.SX, eps3: ca.SX) -> ca.SX:
+    """beta, −gamma and alpha of one flexible hinge."""
+    gamma = ca.asin(eps3)
+    beta = ca.asin(eps2 / ca.cos(gamma))
+    inverse = 1 / (1 + ca.sqrt(1 - eps2**2 - eps3**2))
+    y_of_B = ca.vertcat(-eps2, 1 - inverse * eps2**2, -inverse * eps2 * eps3)
+    y = ca.vertcat(-ca.sin(beta), ca.cos(beta), 0)
+    z = ca.vertcat(-ca.cos(beta) * ca.sin(gamma), -ca.sin(beta) * ca.sin(gamma), ca.cos(gamma))
+    delta = ca.atan2(ca.dot(z, y_of_B), ca.dot(y, y_of_B))
+    return ca.vertcat(beta, -gamma, eps1 + delta)
+
+
+def _inertia(link: Link, triad: np.ndarray):
+    """The lumped body in the axes of its joint's triad."""
+    if link.m == 0:
+        raise ValueError("Pinocchio keeps the centre of mass, so a body needs a mass; give it one")
+    com = np.array(link.ms) / link.m
+    xx, xy, xz, yy, yz, zz = link.J
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
+    return pin.Inertia(link.m, triad.T @ com, triad.T @ J_com @ triad)

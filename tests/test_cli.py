@@ -1,0 +1,111 @@
+import json
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from flexmodels.robot_file import load_robot, shipped
+from pyident.cli import main
+from pyident.log import write_log
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture
+def log_file(identification_log, tmp_path):
+    path = tmp_path / "log.csv"
+    identification_log.frame.head(400).to_csv(path, index=False)
+    return path
+
+
+def test_lists():
+    assert "four_link" in run("robots").output
+    assert "coulomb" in run("effects").output
+
+
+@pytest.mark.parametrize("command", sorted(main.commands))
+def test_every_command_has_help_with_an_example(command):
+    done = run(command, "--help")
+    assert done.exit_code == 0
+    assert "Example: pyident" in done.output
+
+
+def test_export_simulate_identify(tmp_path):
+    assert run("export", "four_link", "-o", tmp_path / "arm.fmu").exit_code == 0
+    assert (tmp_path / "arm.fmu").stat().st_size > 10_000
+    done = run("simulate", "four_link", "--experiment", "line", "-o", tmp_path / "line.csv")
+    assert done.exit_code == 0
+    again = run(
+        "simulate", "four_link", "--experiment", tmp_path / "line.csv", "-o", tmp_path / "again.parquet"
+    )
+    assert again.exit_code == 0
+    a, b = pd.read_csv(tmp_path / "line.csv"), pd.read_parquet(tmp_path / "again.parquet")
+    assert (a["tip.z"] - b["tip.z"]).abs().max() < 1e-9
+
+
+def test_identify_writes_robot_and_json(log_file, tmp_path):
+    new, report = tmp_path / "new.toml", tmp_path / "new.json"
+    done = run("identify", "four_link", log_file, "-o", new, "--json", report)
+    assert done.exit_code == 0, done.output
+    assert "relative torque error" in done.output
+    content = json.loads(report.read_text())
+    assert content["parameters"]["joint1.k[1]"]["unit"] == "N.m/rad"
+    assert load_robot(new).parameters["joint1.k[1]"] == content["parameters"]["joint1.k[1]"]["value"]
+
+
+def spoilt(name, frame):
+    if name == "missing":
+        return frame.drop(columns="joint3.tau")
+    if name == "nan":
+        return frame.assign(**{"joint2.e": frame["joint2.e"].where(frame.index != 5)})
+    if name == "gap":
+        return frame.drop(index=100)
+    return frame.head(60)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("missing", "column joint3.tau is missing"),
+        ("nan", "column joint2.e is not finite in 1 rows, first in row 6"),
+        ("gap", "time goes from 0.396 s to 0.404 s"),
+        ("short", "60 samples are too few"),
+    ],
+)
+def test_bad_logs_end_in_one_sentence_and_exit_code_2(name, words, identification_log, tmp_path):
+    path, new = tmp_path / "log.csv", tmp_path / "new.toml"
+    spoilt(name, identification_log.frame.head(400)).to_csv(path, index=False)
+    done = run("identify", "four_link", path, "-o", new)
+    assert done.exit_code == 2
+    assert words in done.output
+    assert len(done.output.strip().splitlines()) == 1
+    assert not new.exists()
+
+
+def test_bad_robots_end_in_one_sentence_and_exit_code_2(log_file, tmp_path):
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(shipped()["four_link"].read_text().replace("m = 34.0", "m = -34.0"))
+    for model, words in (
+        ("nobody", "unknown robot 'nobody'"),
+        (wrong, "link[1].m = -34.0 must be at least 0"),
+    ):
+        done = run("identify", model, log_file)
+        assert done.exit_code == 2
+        assert words in done.output
+        assert len(done.output.strip().splitlines()) == 1
+
+
+def test_other_bad_input(tmp_path, identification_log):
+    output = tmp_path / "x.csv"
+    assert "no [controller]" in run("simulate", "emps", "--experiment", "line", "-o", output).output
+    assert (
+        "there is no log" in run("simulate", "four_link", "--experiment", "nothing.csv", "-o", output).output
+    )
+    write_log(identification_log, tmp_path / "log.csv")
+    bare = pd.read_csv(tmp_path / "log.csv").drop(columns="joint2.r")
+    bare.to_csv(tmp_path / "bare.csv", index=False)
+    done = run("simulate", "four_link", "--experiment", tmp_path / "bare.csv", "-o", output)
+    assert "column joint2.r is missing" in done.output
+    assert "there is no study nothing" in run("study", "nothing").output
+    assert not output.exists()
