@@ -1,5 +1,6 @@
 import json
 
+import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
@@ -41,7 +42,7 @@ def test_export_simulate_identify(tmp_path):
     )
     assert again.exit_code == 0
     a, b = pd.read_csv(tmp_path / "line.csv"), pd.read_parquet(tmp_path / "again.parquet")
-    assert (a["tip.z"] - b["tip.z"]).abs().max() < 1e-9
+    np.testing.assert_allclose(a["tip.z"], b["tip.z"], atol=1e-9)
 
 
 def test_identify_writes_robot_and_json(log_file, tmp_path):

@@ -124,13 +124,13 @@ def test_friction_is_the_reaction_when_stuck_and_the_law_when_sliding(four_link,
     with LoadedFmu(four_link_fmu) as fmu:
         log = fmu.simulate(identification(four_link, duration=2.0), outputs=names)
     for k in range(1, 5):
-        v, friction = log[f"joint{k}.de"], log[f"joint{k}.friction"]
+        v, friction = log[f"joint{k}.de"].to_numpy(), log[f"joint{k}.friction"].to_numpy()
         p = four_link.parameters
         law = p[f"joint{k}.coulomb"] * np.sign(v) + p[f"joint{k}.viscous"] * v
         sliding = v != 0
         assert sliding.any()
         np.testing.assert_allclose(friction[sliding], law[sliding], rtol=1e-12)
-        assert (np.abs(friction[~sliding]) <= p[f"joint{k}.coulomb"]).all()
+        assert np.abs(friction[~sliding]).max(initial=0) <= p[f"joint{k}.coulomb"]
 
 
 def test_the_step_may_be_any_length(four_link, four_link_fmu):

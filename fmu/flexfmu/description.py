@@ -11,24 +11,7 @@ from flexmodels.plant import Equations
 STEP = 0.5e-3  # default solver step [s]
 INPUTS = ("r", "tau_ff")
 _AXES = {"x": "1", "y": "2", "z": "3"}
-_UNITS: dict[str, dict[str, int | float]] = {
-    "rad": {"rad": 1},
-    "rad/s": {"rad": 1, "s": -1},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "s": {"s": 1},
-    "kg": {"kg": 1},
-    "kg.m": {"kg": 1, "m": 1},
-    "kg.m2": {"kg": 1, "m": 2},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N.m": {"kg": 1, "m": 2, "s": -2},
-    "N.s/m": {"kg": 1, "s": -1},
-    "N/m": {"kg": 1, "s": -2},
-    "N/(m.s)": {"kg": 1, "s": -3},
-    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
-    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
-    "N.m/(rad.s)": {"kg": 1, "m": 2, "s": -3, "rad": -1},
-}
+_NEWTON = {"kg": 1, "m": 1, "s": -2}
 
 
 @dataclass(frozen=True)
@@ -90,6 +73,16 @@ def model_description(equations: Equations, token: str, sources: list[str]) -> b
     _model_structure(root, listed)
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
+
+
+def base_units(unit: str) -> dict[str, int]:
+    """Powers of the SI base units (and rad) in a unit such as `N.m/(rad.s)` or `kg.m2`."""
+    powers: dict[str, int] = {}
+    for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
+        for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
+            for base, power in (_NEWTON if symbol == "N" else {symbol: 1}).items():
+                powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
+    return {base: power for base, power in powers.items() if power}
 
 
 def identifier(equations: Equations) -> str:
@@ -158,7 +151,7 @@ def _unit_definitions(root: ET.Element, units: list[str]) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in units:
         unit = ET.SubElement(definitions, "Unit", name=name)
-        ET.SubElement(unit, "BaseUnit", {base: str(power) for base, power in _UNITS[name].items()})
+        ET.SubElement(unit, "BaseUnit", {base: str(power) for base, power in base_units(name).items()})
 
 
 def _model_variables(root: ET.Element, listed: list[Variable]) -> None:
@@ -173,8 +166,9 @@ def _model_variables(root: ET.Element, listed: list[Variable]) -> None:
             description=v.description,
             causality=v.causality,
             variability=v.variability,
-            **({"initial": initial} if initial else {}),
         )
+        if initial:
+            scalar.set("initial", initial)
         real = ET.SubElement(scalar, "Real", unit=v.unit)
         if v.minimum is not None:
             real.set("min", repr(v.minimum))

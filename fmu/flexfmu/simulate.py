@@ -37,22 +37,20 @@ class LoadedFmu:
     """
 
     def __init__(self, path: str | Path):
-        self._folder: str | None = None
         try:
             self.description: ModelDescription = read_model_description(str(path))
-            self._folder = extract(str(path))
         except Exception as error:
             raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
         if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
             raise SimulationError(f"{path} is not an FMI 2.0 co-simulation FMU")
+        self._folder = str(extract(str(path)))
         self._references = {v.name: v.valueReference for v in self.description.modelVariables}
 
     def __enter__(self) -> "LoadedFmu":
         return self
 
     def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
-        if self._folder:
-            shutil.rmtree(self._folder, ignore_errors=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def simulate(
         self,

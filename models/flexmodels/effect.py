@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import Any
 
 import sympy
 from sympy import Expr, Symbol
@@ -52,7 +53,9 @@ class Effect:
     @cached_property
     def switches(self) -> tuple[Expr, ...]:
         """The arguments of sign and abs: where the law's form changes."""
-        found = [f.args[0] for law in self.forces.values() for f in law.atoms(sympy.sign, sympy.Abs)]
+        found: list[Any] = [
+            f.args[0] for law in self.forces.values() for f in law.atoms(sympy.sign, sympy.Abs)
+        ]
         return tuple(dict.fromkeys(a for a in found if not isinstance(a, sympy.sign)))
 
     @property

@@ -131,7 +131,10 @@ class Identification:
 
 @dataclass(frozen=True)
 class Line:
-    """The tip goes from `start` to `end` [m] in `duration` [s], at rest at both; `locked` joints stay at 0."""
+    """The tip goes from `start` to `end` [m] in `duration` [s], at rest at both ends.
+
+    Joints in `locked` (counted from 1) stay at 0.
+    """
 
     start: tuple[float, ...]
     end: tuple[float, ...]

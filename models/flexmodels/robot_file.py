@@ -299,9 +299,10 @@ def _document(robot: Robot) -> dict[str, Any]:
         }
     if robot.processing != Processing():
         p = robot.processing
-        document["processing"] = {"order": p.order, "decimate": p.decimate}
+        processing: dict[str, float] = {"order": p.order, "decimate": p.decimate}
         if p.cutoff is not None:
-            document["processing"]["cutoff"] = p.cutoff
+            processing["cutoff"] = p.cutoff
+        document["processing"] = processing
     if robot.identification:
         document["identification"] = _plain(asdict(robot.identification))
     if robot.line:

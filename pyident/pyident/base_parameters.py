@@ -1,13 +1,14 @@
 """Which parameters the data determine alone, which only in combinations, and these combinations."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from pyident.solve import Reduced, Solution
 
+_Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
 _ABSENT = 1e-3  # size of an entry of a scaled null direction that is taken as zero
 
@@ -46,7 +47,7 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
     r = solution.rank
     _, s, Vt = np.linalg.svd(reduced.A / solution.scale, full_matrices=False)
     seen = s[:r, None] * Vt[:r]
-    _, R, order = qr(seen, mode="economic", pivoting=True)
+    _, R, order = cast(_Pivoted, qr(seen, mode="economic", pivoting=True))
     mixing = solve_triangular(R[:r, :r], R[:r, r:])
     lead, rest = order[:r], order[r:]
     squares = (solution.residual**2).sum() * reduced.samples

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from flexmodels.robot import Processing, Robot
-from scipy.signal import butter, cheby1, filtfilt
+from scipy.signal import butter, cheby1, sosfiltfilt
 
 from pyident.log import Log, LogError, require
 from pyident.regressor import Motion
@@ -75,8 +75,8 @@ def thin(columns: np.ndarray, factor: int) -> np.ndarray:
     """Low-pass and keep every `factor`-th sample, along the first axis and without phase shift."""
     if factor == 1:
         return columns
-    b, a = cheby1(8, 0.05, 0.8 / factor)
-    return filtfilt(b, a, columns, axis=0)[::factor]
+    sections = np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
+    return sosfiltfilt(sections, columns, axis=0)[::factor]
 
 
 def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
@@ -84,11 +84,11 @@ def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
     assert plan.cutoff is not None
     if plan.cutoff >= nyquist:
         raise LogError(
-            f"{log.source}: the filter's cutoff of {plan.cutoff:g} Hz needs more than {2 * plan.cutoff:g} samples a "
+            f"{log.source}: the cutoff of {plan.cutoff:g} Hz needs more than {2 * plan.cutoff:g} samples a "
             f"second, the log has {2 * nyquist:g}; lower processing.cutoff in the robot file"
         )
-    b, a = butter(plan.order, plan.cutoff / nyquist)
-    return filtfilt(b, a, q, axis=0)
+    sections = np.asarray(butter(plan.order, plan.cutoff / nyquist, output="sos"))
+    return sosfiltfilt(sections, q, axis=0)
 
 
 def _needed(plan: Processing, parameters: int) -> int:

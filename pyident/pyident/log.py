@@ -147,6 +147,6 @@ def _check(frame: pd.DataFrame, source: str) -> None:
     if period <= 0 or len(uneven):
         i = int(uneven[0]) if len(uneven) else 0
         raise LogError(
-            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {i + 2} where the period is "
-            f"{period:.6g} s; cut the log there or resample it to a uniform period"
+            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {i + 2} where the "
+            f"period is {period:.6g} s; cut the log there or resample it to a uniform period"
         )

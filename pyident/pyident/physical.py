@@ -29,7 +29,9 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     p = cp.multiply(z, 1 / scale)
     keep_small = _OPEN * solution.singular_values[0]
     misfit = cp.norm(cp.hstack([R @ (z - near), keep_small * (z - near)]))
-    limits = [_pseudo_inertia(p, names, k) >> _SMALLEST * np.eye(4) for k, _ in robot.numbered]
+    limits: list[cp.Constraint] = [
+        _pseudo_inertia(p, names, k) >> _SMALLEST * np.eye(4) for k, _ in robot.numbered
+    ]
     limits += [
         z[names.index(name)] >= bound * scale[names.index(name)]
         for name, bound in lower_bounds(robot).items()

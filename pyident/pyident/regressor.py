@@ -146,21 +146,21 @@ def _law_columns(robot: Robot, known: frozenset[str]) -> Iterator[_LawColumn]:
                 signals = tuple(name if name in known else f"joint{k}.{name}" for name in symbols)
                 for name in set(signals) - known:
                     raise ValueError(
-                        f"effect {effect.name} at joint {k} needs the signal {name}, which the motion of robot "
-                        f"{robot.name} does not have; add the signal or remove the effect"
+                        f"effect {effect.name} at joint {k} needs the signal {name}, which the motion of "
+                        f"robot {robot.name} does not have; add the signal or remove the effect"
                     )
                 yield _LawColumn(rows.index(f"joint{k}.{coordinate.name}"), column, signals, value)
 
 
 def _require_linear(effect: Effect, k: int) -> None:
-    """Every parameter must have a column that is free of the law's own parameters."""
+    """Every parameter must have a column, and that free of the law's own parameters."""
     own = {p.symbol for p in effect.parameters}
-    for parameter in effect.parameters:
-        slopes = effect.columns.get(parameter.name)
-        if slopes is None or any(slope.free_symbols & own for slope in slopes.values()):
+    for p in sorted(effect.parameters, key=lambda p: p.name in effect.columns):
+        slopes = effect.columns.get(p.name)
+        if slopes is None or any(law.free_symbols & own for law in slopes.values()):
             raise ValueError(
-                f"effect {effect.name} at joint {k} is not linear in its parameter {parameter.name}, so it has "
-                "no column in Phi; fix that parameter before the law enters a linear fit"
+                f"effect {effect.name} at joint {k} is not linear in its parameter {p.name}, so it has no "
+                "column in Phi; fix that parameter before the law enters a linear fit"
             )
 
 

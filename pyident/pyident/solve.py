@@ -111,7 +111,7 @@ def residual_squares(reduced: Reduced, p: np.ndarray) -> np.ndarray:
 
 
 def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
-    R = np.linalg.qr(rows, mode="r")
+    R = np.asarray(np.linalg.qr(rows, mode="r"))
     return R if len(R) == size else np.vstack([R, np.zeros((size - len(R), size))])
 
 

@@ -11,7 +11,7 @@ Study = Callable[[Path, Callable[[float], None]], "StudyResult"]
 
 @dataclass(frozen=True)
 class StudyResult:
-    """rows: dicts of what, value, goal, met ("yes", "no" or "-"); figures: files written; notes: sentences."""
+    """rows: what, value, goal and met ("yes", "no", "-") each; figures: files written; notes: sentences."""
 
     rows: list[dict[str, Any]]
     figures: list[Path] = field(default_factory=list)
