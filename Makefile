@@ -17,6 +17,7 @@ lint: .venv/ready
 # Without a C compiler on the path, the pip package ziglang compiles the FMUs.
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; set PYTHON=...")'
+	@echo "setting up .venv (once; a few minutes)"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv || { rm -rf .venv; echo "python3 -m venv failed: on Debian, apt install python3-venv" >&2; exit 1; }
 	if command -v cc || command -v gcc || command -v clang; then extras=dev; else extras=dev,compiler; fi >/dev/null; \
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[$$extras]"

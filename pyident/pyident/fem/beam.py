@@ -1,11 +1,21 @@
-"""The beam element between two nodes with triads; a rigid link where its six deformations are zero."""
+"""The beam element: elongation, torsion and four bendings between two nodes with triads.
+
+Deformation functions of Jonker (1990), each a length [m]. With the unit vector u from p to q, the
+distance l and its value l0 in the reference configuration:
+
+    e1 = l − l0                              e2 = l0 (n_z^p·n_y^q − n_y^p·n_z^q) / 2
+    e3 = −l0 u·n_z^p,   e4 = l0 u·n_z^q      e5 = l0 u·n_y^p,   e6 = −l0 u·n_y^q
+
+A rigid link holds all six at zero.
+"""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from pyident.fem.nodes import Deformation, Nodes, Position
-from pyident.fem.triads import cross, rotate
+from pyident.fem.nodes import Deformation, Node, Nodes, Position, Shape, Velocity
+from pyident.fem.triads import axes, compose, cross, dot, rotate, spin
 
 
 @dataclass(frozen=True)
@@ -18,6 +28,23 @@ class Beam:
     s: int
     vector: np.ndarray
     modes = 6
+    turns = ()
+
+    @property
+    def inner(self) -> tuple[Node, ...]:
+        return ("x", self.p), ("R", self.r)
+
+    @property
+    def outer(self) -> tuple[Node, ...]:
+        return ("x", self.q), ("R", self.s)
+
+    @cached_property
+    def triad(self) -> np.ndarray:
+        """x' from p to q, y' and z' across it; a rigid beam does not care which."""
+        x = self.vector / np.linalg.norm(self.vector)
+        y = np.cross(np.eye(3)[np.abs(x).argmin()], x)
+        y /= np.linalg.norm(y)
+        return np.column_stack([x, y, np.cross(x, y)])
 
     def carry(self, nodes: Nodes, d: Deformation) -> None:
         """Find the nodes at q from those at p, the beam being rigid."""
@@ -30,3 +57,49 @@ class Beam:
             DF=p.DF + cross(r.DF, arm),
         )
         nodes.orientations[self.s] = r
+
+    def D(self, shape: Shape) -> np.ndarray:
+        """Deformations e1 to e6 (6, N) [m]."""
+        l0, l, u, n_p, n_q = self._geometry(shape)
+        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
+        torsion = (dot(zp, yq) - dot(yp, zq)) / 2
+        return np.stack([l - l0, l0 * torsion, *(l0 * dot(u, n) for n in (-zp, zq, yp, -yq))])
+
+    def DD(self, shape: Shape) -> np.ndarray:
+        """(6, 12, N): rates of the deformations per unit of v_p, ω_r, v_q and ω_s."""
+        l0, l, u, n_p, n_q = self._geometry(shape)
+        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
+        per_v, per_wp, per_wq = np.zeros((3, 6, *u.shape))
+        per_v[0] = u
+        per_wq[1] = l0 / 2 * (cross(yq, zp) - cross(zq, yp))
+        per_wp[1] = -per_wq[1]
+        for mode, n, per_w in ((2, -zp, per_wp), (3, zq, per_wq), (4, yp, per_wp), (5, -yq, per_wq)):
+            per_v[mode] = l0 / l * (n - u * dot(u, n))
+            per_w[mode] = l0 * cross(n, u)
+        return np.concatenate([-per_v, per_wp, per_v, per_wq], axis=1)
+
+    def D2D(self, shape: Shape, velocity: Velocity) -> np.ndarray:
+        """(6, N): second derivatives of the deformations while the nodal velocities are constant."""
+        l0, l, u, n_p, n_q = self._geometry(shape)
+        w_p, w_q = velocity["R", self.r], velocity["R", self.s]
+        dn_p, dn_q = spin(w_p, n_p), spin(w_q, n_q)
+        ddn_p, ddn_q = spin(w_p, dn_p), spin(w_q, dn_q)
+        v = velocity["x", self.q] - velocity["x", self.p]
+        dl = dot(u, v)
+        du = (v - u * dl) / l
+        ddl = l * dot(du, du)
+        ddu = -(2 * du * dl + u * ddl) / l
+
+        def second(a: int, b: int) -> np.ndarray:  # of n_a^p·n_b^q
+            return dot(ddn_p[:, a], n_q[:, b]) + 2 * dot(dn_p[:, a], dn_q[:, b]) + dot(n_p[:, a], ddn_q[:, b])
+
+        p, q = ((ddu, u, du, n, dn, ddn) for n, dn, ddn in ((n_p, dn_p, ddn_p), (n_q, dn_q, ddn_q)))
+        bend = [sign * _second_of_u_n(*end, i) for sign, end, i in ((-1, p, 2), (1, q, 2), (1, p, 1), (-1, q, 1))]
+        return np.stack([ddl, l0 / 2 * (second(2, 1) - second(1, 2)), *(l0 * b for b in bend)])
+
+    def _geometry(self, shape: Shape) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """l0, l (N,), u (3, N) and the triads at p and q (3, 3, N)."""
+        span = shape["x", self.q] - shape["x", self.p]
+        l = np.sqrt(dot(span, span))  # noqa: E741
+        n_p, n_q = (compose(shape["R", node], self.triad) for node in (self.r, self.s))
+        return float(np.linalg.norm(self.vector)), l, span / l, n_p, n_q

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.fem.nodes import Deformation, Nodes, Orientation
-from pyident.fem.triads import about_x, compose, cross, rotate
+from pyident.fem.nodes import Deformation, Node, Nodes, Orientation, Shape, Velocity
+from pyident.fem.triads import about_x, axes, compose, cross, dot, rotate, spin
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,43 @@ class Hinge:
     q: int
     triad: np.ndarray
     modes = 3
+    turns = (0,)
+
+    @property
+    def inner(self) -> tuple[Node, ...]:
+        return (("R", self.p),)
+
+    @property
+    def outer(self) -> tuple[Node, ...]:
+        return (("R", self.q),)
+
+    def D(self, shape: Shape) -> np.ndarray:
+        """Deformations e1, e2, e3 (3, N)."""
+        return deformations(*self._triads(shape))
+
+    def DD(self, shape: Shape) -> np.ndarray:
+        """(3, 6, N): rates of the deformations per unit of ω_p and ω_q."""
+        (xp, yp, zp), (xq, _, _) = (axes(n) for n in self._triads(shape))
+        per_w = np.stack([(xp + xq) / (1 + dot(xp, xq)), cross(xq, yp), cross(xq, zp)])
+        return np.concatenate([-per_w, per_w], axis=1)
+
+    def D2D(self, shape: Shape, velocity: Velocity) -> np.ndarray:
+        """(3, N): second derivatives of the deformations while ω_p and ω_q are constant."""
+        n_p, n_q = self._triads(shape)
+        w_p, w_q = velocity["R", self.p], velocity["R", self.q]
+        dn_p, dn_q = spin(w_p, n_p), spin(w_q, n_q)
+        c, sum_x = 1 + dot(n_p[:, 0], n_q[:, 0]), n_p[:, 0] + n_q[:, 0]
+        dc, dsum_x = dot(dn_p[:, 0], n_q[:, 0]) + dot(n_p[:, 0], dn_q[:, 0]), dn_p[:, 0] + dn_q[:, 0]
+        twist = dot(dsum_x - sum_x * dc / c, w_q - w_p) / c
+        ddn_p, ddn_q = spin(w_p, dn_p), spin(w_q, dn_q)
+        bend = [
+            dot(ddn_p[:, i], n_q[:, 0]) + 2 * dot(dn_p[:, i], dn_q[:, 0]) + dot(n_p[:, i], ddn_q[:, 0])
+            for i in (1, 2)
+        ]
+        return np.stack([twist, *bend])
+
+    def _triads(self, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+        return compose(shape["R", self.p], self.triad), compose(shape["R", self.q], self.triad)
 
     def carry(self, nodes: Nodes, d: Deformation) -> None:
         """Find node q from node p: R, then ω_q = ω_p + A de, then its derivative."""
@@ -50,8 +87,7 @@ class Hinge:
 
 def deformations(n_p: np.ndarray, n_q: np.ndarray) -> np.ndarray:
     """D(x): e1, e2, e3 (3, N) [rad, -, -] of the triads n^p and n^q (3, 3, N)."""
-    (_, yp, zp), (xq, yq, zq) = n_p.swapaxes(0, 1), n_q.swapaxes(0, 1)
-    dot = lambda a, b: np.einsum("in,in->n", a, b)  # noqa: E731
+    (_, yp, zp), (xq, yq, zq) = axes(n_p), axes(n_q)
     e1 = np.arctan2(dot(zp, yq) - dot(yp, zq), dot(yp, yq) + dot(zp, zq))
     return np.stack([e1, dot(yp, xq), dot(zp, xq)])
 
@@ -67,7 +103,7 @@ def relative_rotation(e: np.ndarray) -> np.ndarray:
     return compose(B, about_x(e[0]))
 
 
-def axes(e: np.ndarray) -> np.ndarray:
+def rate_axes(e: np.ndarray) -> np.ndarray:
     """S (3, 3, N): the relative angular velocity in the axes of n^p is S de."""
     _, e2, e3 = e
     c = _cosine(e)
@@ -79,7 +115,7 @@ def axes(e: np.ndarray) -> np.ndarray:
     return S
 
 
-def axes_rate(e: np.ndarray, de: np.ndarray) -> np.ndarray:
+def convective_rate(e: np.ndarray, de: np.ndarray) -> np.ndarray:
     """(dS/dt) de (3, N): what dde = 0 leaves of the relative angular acceleration, in axes of n^p.
 
     With n = (c, e2, e3) the relative angular velocity is S de = (de1 − t) n + n × dn, where

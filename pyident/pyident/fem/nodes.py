@@ -1,8 +1,13 @@
 """The motion of nodes: what the geometric transfer function gives, eqs (5)-(7)."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+
+Node = tuple[Literal["x", "R"], int]  # translational or rotational, and its number; 0 is the ground
+Shape = dict[Node, np.ndarray]  # x (3, N) of a translational node, R (3, 3, N) of a rotational one
+Velocity = dict[Node, np.ndarray]  # v (3, N) of a translational node, ω (3, N) of a rotational one
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.fem.nodes import Deformation, Nodes, Position
-from pyident.fem.triads import compose, cross, rotate
+from pyident.fem.nodes import Deformation, Node, Nodes, Position, Shape, Velocity
+from pyident.fem.triads import compose, cross, rotate, spin, unrotate
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,33 @@ class Slider:
     q: int
     triad: np.ndarray
     modes = 3
+    turns = ()
+
+    @property
+    def inner(self) -> tuple[Node, ...]:
+        return ("x", self.p), ("R", self.r)
+
+    @property
+    def outer(self) -> tuple[Node, ...]:
+        return (("x", self.q),)
+
+    def D(self, shape: Shape) -> np.ndarray:
+        """Deformations (3, N): the displacement from p to q along x', y', z' [m]."""
+        return unrotate(compose(shape["R", self.r], self.triad), shape["x", self.q] - shape["x", self.p])
+
+    def DD(self, shape: Shape) -> np.ndarray:
+        """(3, 9, N): rates of the deformations per unit of v_p, ω_r and v_q."""
+        n = compose(shape["R", self.r], self.triad)
+        offset = shape["x", self.q] - shape["x", self.p]
+        per_v, per_w = n.swapaxes(0, 1), cross(n, offset[:, None]).swapaxes(0, 1)
+        return np.concatenate([-per_v, per_w, per_v], axis=1)
+
+    def D2D(self, shape: Shape, velocity: Velocity) -> np.ndarray:
+        """(3, N): second derivatives of the deformations while v_p, v_q and ω_r are constant."""
+        n, w = compose(shape["R", self.r], self.triad), velocity["R", self.r]
+        offset = shape["x", self.q] - shape["x", self.p]
+        dn = spin(w, n)
+        return unrotate(spin(w, dn), offset) + 2 * unrotate(dn, velocity["x", self.q] - velocity["x", self.p])
 
     def carry(self, nodes: Nodes, d: Deformation) -> None:
         """Find node q from nodes p and r: x_q = x_p + n e, then its derivatives."""

@@ -28,6 +28,16 @@ def compose(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     return np.einsum("ij...,jk...->ik...", A, B)
 
 
+def spin(w: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """ω × each axis of a triad: the rate of n (3, 3, N) that turns with ω (3, N)."""
+    return cross(w[:, None], n)
+
+
+def axes(n: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """x', y', z' (3, N) of a triad."""
+    return n[:, 0], n[:, 1], n[:, 2]
+
+
 def about_x(e: np.ndarray) -> np.ndarray:
     """Rotation about x by e [rad], (N,) -> (3, 3, N)."""
     R = np.zeros((3, 3, *e.shape))
@@ -36,3 +46,11 @@ def about_x(e: np.ndarray) -> np.ndarray:
     R[2, 1] = np.sin(e)
     R[1, 2] = -R[2, 1]
     return R
+
+
+def turn(theta: np.ndarray) -> np.ndarray:
+    """Rotation by a rotation vector theta [rad], (3, N) -> (3, 3, N)."""
+    angle = np.sqrt(dot(theta, theta))
+    sine, versine = np.sinc(angle / np.pi), np.sinc(angle / (2 * np.pi)) ** 2 / 2
+    unit = np.eye(3)[:, :, None] + 0 * angle
+    return unit + sine * spin(theta, unit) + versine * spin(theta, spin(theta, unit))
