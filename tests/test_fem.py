@@ -1,13 +1,16 @@
 """The finite elements of open chains: hinge formulas, transfer functions, against Pinocchio."""
 
+import casadi as ca
 import numpy as np
 import pytest
+from flexmodels import dynamics
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
 from pinocchio_model import PinocchioRobot, mixed_robot, random_motion
 from pyident.fem import chain, hinge
 from pyident.fem.nodes import Nodes
-from pyident.fem.structure import of_robot
+from pyident.fem.robot_structure import of_robot
+from pyident.fem.transfer import tip_positions
 from pyident.fem.triads import compose
 
 ROBOTS = [load_robot("four_link"), load_robot("emps"), mixed_robot(0), mixed_robot(1)]
@@ -38,13 +41,13 @@ def test_hinge_axes_are_the_angular_velocity():
     change = hinge.relative_rotation(e + h * de) - hinge.relative_rotation(e - h * de)
     R = hinge.relative_rotation(e)
     w = skew_part(compose(change / (2 * h), R.swapaxes(0, 1)))
-    np.testing.assert_allclose(np.einsum("ijn,jn->in", hinge.axes(e), de), w, atol=1e-9)
+    np.testing.assert_allclose(np.einsum("ijn,jn->in", hinge.rate_axes(e), de), w, atol=1e-9)
 
 
-def test_hinge_axes_rate_is_the_derivative_of_the_axes():
+def test_hinge_convective_rate_is_the_derivative_of_the_axes():
     (e, de), h = hinge_states(), 1e-6
-    change = (hinge.axes(e + h * de) - hinge.axes(e - h * de)) / (2 * h)
-    np.testing.assert_allclose(hinge.axes_rate(e, de), np.einsum("ijn,jn->in", change, de), atol=1e-8)
+    change = (hinge.rate_axes(e + h * de) - hinge.rate_axes(e - h * de)) / (2 * h)
+    np.testing.assert_allclose(hinge.convective_rate(e, de), np.einsum("ijn,jn->in", change, de), atol=1e-8)
 
 
 def test_a_hinge_bent_too_far_is_refused():
@@ -99,3 +102,11 @@ def test_DF_and_D2F_against_finite_differences(robot: Robot):
         dw = (after.orientations[R].w - before.orientations[R].w) / (2 * h)
         np.testing.assert_allclose(np.einsum("ijn,nj->in", orientation.DF, dq), w, atol=1e-6)
         np.testing.assert_allclose(orientation.dw, dw, rtol=1e-6, atol=1e-6)
+
+
+@robots
+def test_tip_against_the_plant(robot: Robot):
+    m = dynamics.mechanism(robot)
+    plant = ca.Function("tip", [m.q], [dynamics.tip_position(m)])
+    q, _, _ = random_motion(robot, 10)
+    np.testing.assert_allclose(tip_positions(robot, q), np.array(plant(q.T)).T, atol=1e-13)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from flexmodels.robot_file import load_robot
-from pyident.conditioning import derivatives, thin
+from pyident.conditioning import central_differences, hat_means, thin
 from pyident.identify import identify
 from pyident.log import Log
 from pyident.solve import merge, reduce, solve
@@ -10,7 +10,7 @@ from pyident.solve import merge, reduce, solve
 def test_central_differences_are_of_eighth_order():
     def error(period):
         time = np.arange(-40, 41) * period
-        _, dq, ddq = derivatives(np.sin(3 * time)[:, None], period)
+        _, dq, ddq = central_differences(np.sin(3 * time)[:, None], period)
         time = time[4:-4, None]
         return np.abs(dq - 3 * np.cos(3 * time)).max(), np.abs(ddq + 9 * np.sin(3 * time)).max()
 

@@ -168,8 +168,16 @@ def test_a_signal_that_was_not_logged_is_named(monkeypatch: pytest.MonkeyPatch):
 def test_a_motion_of_the_wrong_size_is_refused():
     robot = load_robot("four_link")
     motion = motion_of(robot)
-    with pytest.raises(ValueError, match=r"motion\.dq of robot four_link is \(30, 15\), not \(30, 16\)"):
+    with pytest.raises(ValueError, match=r"motion\.dq .* has shape \(30, 15\), not \(30, 16\)"):
         regressor(robot, replace(motion, dq=motion.dq[:, :15]))
+
+
+def test_a_motion_that_is_not_finite_is_refused():
+    robot = load_robot("emps")
+    motion = motion_of(robot)
+    motion.ddq[7] = np.nan
+    with pytest.raises(ValueError, match=r"motion\.ddq of robot emps is not finite at sample 7"):
+        regressor(robot, motion)
 
 
 def test_columns_count_links_first():

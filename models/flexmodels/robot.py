@@ -102,8 +102,14 @@ class Column:
 
 @dataclass(frozen=True)
 class Processing:
-    """How logged signals are prepared. cutoff [Hz] of a zero-phase Butterworth, None for no filter."""
+    """How logged signals are prepared.
 
+    derivative   "central" or "hat"; None takes hat means for a held torque and central differences else
+    cutoff       [Hz] of a zero-phase Butterworth of `order`, None for no filter
+    decimate     factor by which the filtered equations are thinned out
+    """
+
+    derivative: Literal["central", "hat"] | None = None
     cutoff: float | None = None
     order: int = 4
     decimate: int = 1

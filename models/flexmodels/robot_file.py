@@ -241,7 +241,11 @@ def _columns(table: _Table) -> dict[str, Column]:
 
 def _processing(table: _Table) -> Processing:
     decimate = table.number("decimate", 1, lower=1)
+    derivative = table.get("derivative") if "derivative" in table else None
+    if derivative not in (None, "central", "hat"):
+        raise RobotError(f"{table.place('derivative')} must be central or hat, not {derivative!r}")
     processing = Processing(
+        derivative=derivative,
         cutoff=table.number("cutoff", lower=0.0, above=True) if "cutoff" in table else None,
         order=int(table.number("order", 4, lower=1)),
         decimate=int(decimate),
@@ -299,10 +303,7 @@ def _document(robot: Robot) -> dict[str, Any]:
         }
     if robot.processing != Processing():
         p = robot.processing
-        processing: dict[str, float] = {"order": p.order, "decimate": p.decimate}
-        if p.cutoff is not None:
-            processing["cutoff"] = p.cutoff
-        document["processing"] = processing
+        document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
     if robot.identification:
         document["identification"] = _plain(asdict(robot.identification))
     if robot.line:

@@ -10,7 +10,7 @@ from pyident.solve import Reduced, Solution
 
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
-_ABSENT = 1e-3  # size of an entry of a scaled null direction that is taken as zero
+_ABSENT = 1e-3  # share of a scaled direction that is left out of an expression
 
 
 @dataclass(frozen=True)
@@ -30,10 +30,9 @@ class BaseParameter:
 
 def supports(reduced: Reduced, solution: Solution) -> dict[str, Support]:
     """How each parameter is determined by the data."""
-    hidden = np.linalg.norm(solution.null, axis=1)
-    never = np.linalg.norm(reduced.A, axis=0) == 0
+    never = (reduced.triangles[:, :, :-1] == 0).all(axis=(0, 1))
     return {
-        name: "no" if never[i] else "combination" if hidden[i] > _ABSENT else "alone"
+        name: "no" if never[i] else "combination" if solution.open[i] else "alone"
         for i, name in enumerate(reduced.columns)
     }
 
@@ -44,23 +43,33 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
     Pivoted QR of the directions that the data see picks the leading parameters; every other parameter
     joins the combinations that it cannot be told apart from.
     """
-    r = solution.rank
-    _, s, Vt = np.linalg.svd(reduced.A / solution.scale, full_matrices=False)
-    seen = s[:r, None] * Vt[:r]
-    _, R, order = cast(_Pivoted, qr(seen, mode="economic", pivoting=True))
+    r, scale = solution.rank, solution.scale
+    strength = solution.singular_values[:r, None] * solution.seen.T
+    _, R, order = cast(_Pivoted, qr(strength, mode="economic", pivoting=True))
     mixing = solve_triangular(R[:r, :r], R[:r, r:])
     lead, rest = order[:r], order[r:]
-    squares = (solution.residual**2).sum() * reduced.samples
-    sigma = np.sqrt(squares / max(reduced.samples * len(reduced.rows) - r, 1))
-    spread = sigma * np.linalg.norm(np.linalg.inv(R[:r, :r]), axis=1) / solution.scale[lead]
     out = []
     for i in np.argsort(lead):
-        factors = mixing[i] * solution.scale[rest] / solution.scale[lead[i]]
-        kept = [j for j in range(len(rest)) if abs(mixing[i, j]) > _ABSENT]
-        terms = (
-            (1.0, reduced.columns[lead[i]]),
-            *((float(factors[j]), reduced.columns[rest[j]]) for j in kept),
-        )
-        value = sum(f * solution.p[reduced.columns.index(name)] for f, name in terms)
-        out.append(BaseParameter(terms, float(value), float(spread[i])))
+        factors = np.zeros(len(scale))
+        factors[lead[i]] = 1.0
+        factors[rest] = mixing[i] * scale[rest] / scale[lead[i]]
+        kept = [lead[i], *(j for j, m in zip(rest, mixing[i], strict=True) if abs(m) > _ABSENT)]
+        terms = tuple((float(factors[j]), reduced.columns[j]) for j in kept)
+        std = np.sqrt(max(factors @ solution.covariance @ factors, 0.0))
+        out.append(BaseParameter(terms, float(factors @ solution.p), float(std)))
     return out
+
+
+def weakest_directions(reduced: Reduced, solution: Solution, count: int = 8) -> list[str]:
+    """The directions that the data see worst or not at all, each as a sentence, worst first."""
+    directions = np.hstack([solution.seen, solution.null])[:, ::-1]
+    sentences = []
+    for i, v in enumerate(directions.T[: max(count, 1)]):
+        size = np.abs(v)
+        names = [reduced.columns[j] for j in np.argsort(-size) if size[j] > 0.2 * size.max()][:6]
+        joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+        verb = "acts alone" if len(names) == 1 else "act together"
+        fate = "not determined" if i < solution.null.shape[1] else "weakly determined"
+        relative = solution.singular_values[::-1][i] / solution.singular_values[0]
+        sentences.append(f"{joined} {verb}: {fate} (singular value {relative:.1e} of the largest)")
+    return sentences

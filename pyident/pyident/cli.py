@@ -145,17 +145,19 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
 @click.argument("model")
 @click.argument("logs", nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="Robot file to write.")
+@click.option("--robust", is_flag=True, help="Give single equations that stick out less weight (Huber).")
 @_json
 @_reported
-def identify_command(model: str, logs: tuple[str, ...], output: str | None, json_file: str | None) -> None:
+def identify_command(
+    model: str, logs: tuple[str, ...], output: str | None, robust: bool, json_file: str | None
+) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
     Example: pyident identify four_link log.parquet -o identified.toml
     """
     robot = load_robot(model)
     read = [read_log(log, robot.columns) for log in logs]
-    with _progress(f"identifying {robot.name}") as progress:
-        found = identify(robot, read, progress=progress)
+    found = identify(robot, read, robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)

@@ -1,20 +1,36 @@
-"""From logged signals to what the regression needs: q and its derivatives, torques at the same instants."""
+"""From logged signals to what the regression needs: q and its derivatives, torques at the same instants.
 
+A digital controller holds its torque: τ_k acts from t_k to t_{k+1}, so accelerations jump at every sample
+and a derivative "at t_k" does not exist. What does exist is the mean under the hat function that rises from
+t_{k−1} to t_k and falls to t_{k+1}. With the hat as test function of the weak form
+
+    mean of q̈ = (q_{k−1} − 2 q_k + q_{k+1}) / T²      exactly, whatever happens between the samples,
+    mean of τ = (τ_{k−1} + τ_k) / 2                    exactly, for a held torque,
+    mean of q = (−q_{k−2} + 24 q_{k−1} + 194 q_k + 24 q_{k+1} − q_{k+2}) / 240 + O(T⁶),
+
+and Φ, evaluated at the means, belongs to the mean torque. Without a held torque the paper's eighth-order
+central differences are taken at the samples themselves.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from flexmodels.robot import Processing, Robot
 from scipy.signal import butter, cheby1, sosfiltfilt
 
+from flexmodels.robot import Processing, Robot
 from pyident.log import Log, LogError, require
 from pyident.regressor import Motion
 
-# Central differences of eighth order (Khan and Ohba 2003), halves: offsets 1 to 4.
-_FIRST = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-_SECOND = np.array([8 / 5, -1 / 5, 8 / 315, -1 / 560])
-_CENTRE = -205 / 72
-_REACH = len(_FIRST)
+REACH = 4  # samples that the widest difference needs on either side
+# Central differences of eighth order (Khan and Ohba 2003): offsets 0 to 4.
+_FIRST = np.array([0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+_SECOND = np.array([-205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+_HAT_MEAN = np.array([194 / 240, 24 / 240, -1 / 240])
+_HAT_SECOND = np.array([-2.0, 1.0])
 _SETTLING = 50  # samples that a zero-phase filter's ends may spoil
+_STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill, where friction is not known
+_AROUND = 2  # samples on either side of a reversal that are left out
 
 
 @dataclass(frozen=True)
@@ -23,19 +39,19 @@ class Conditioned:
 
     motion   q, dq, ddq and torque, (N, n) and (N, joints)
     target   right-hand side of eq. (9): torques over zeros, (N, n)
-    thinning filter and factor applied to regressor and target alike (1: none)
+    use      (N, n), 1 where the equation is used and 0 where its friction is not known
+    thinning factor by which filtered equations are thinned out (1: not at all)
     """
 
     motion: Motion
     target: np.ndarray
+    use: np.ndarray
     thinning: int
 
 
 def condition(log: Log, robot: Robot) -> Conditioned:
     """Differentiate the coordinates and align the torques, as the robot's [processing] says.
 
-    A held torque (the robot has a digital controller) acts from its sample to the next one; the
-    acceleration at a sample lies between the torques before and after it, so their mean is taken.
     Raises LogError.
     """
     plan = robot.processing
@@ -46,29 +62,31 @@ def condition(log: Log, robot: Robot) -> Conditioned:
         q = _low_pass(q, plan, log)
     if robot.controller is not None:
         torque[1:] = (torque[1:] + torque[:-1]) / 2
-    q, dq, ddq = derivatives(q, log.period)
+    scheme = DERIVATIVES[plan.derivative or ("hat" if robot.controller else "central")]
+    q, dq, ddq = scheme(q, log.period)
     border = _SETTLING if plan.cutoff is not None else 0
     keep = slice(border, len(q) - border)
-    time = log.signals(["time"])[_REACH:-_REACH, 0]
-    motion = Motion(q[keep], dq[keep], ddq[keep], torque[_REACH:-_REACH][keep], time[keep])
+    torque, time = torque[REACH:-REACH][keep], log.signals(["time"])[REACH:-REACH, 0][keep]
+    motion = Motion(q[keep], dq[keep], ddq[keep], torque, time)
     target = np.zeros_like(motion.q)
-    target[:, : len(robot.joints)] = motion.tau
-    return Conditioned(motion, target, plan.decimate)
+    target[:, : len(robot.joints)] = torque
+    use = np.ones_like(target)
+    if plan.decimate == 1:
+        use[:, : len(robot.joints)] = _moving(robot, motion.dq)
+    return Conditioned(motion, target, use, plan.decimate)
 
 
-def derivatives(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """q, dq, ddq by eighth-order central differences; four samples are lost at either end.
+def central_differences(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q, dq, ddq at the samples, of eighth order: the paper's scheme. q (N, n) -> three (N - 8, n)."""
+    return q[REACH:-REACH], _odd(q, _FIRST) / period, _even(q, _SECOND) / period**2
 
-    q (N, n) -> three arrays (N - 8, n).
-    """
-    n = len(q) - 2 * _REACH
-    inner = q[_REACH : _REACH + n]
-    dq, ddq = np.zeros_like(inner), _CENTRE * inner
-    for i, (first, second) in enumerate(zip(_FIRST, _SECOND, strict=True), start=1):
-        ahead, behind = q[_REACH + i : _REACH + i + n], q[_REACH - i : _REACH - i + n]
-        dq += first * (ahead - behind)
-        ddq += second * (ahead + behind)
-    return inner, dq / period, ddq / period**2
+
+def hat_means(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means of q, dq, ddq under the hat function of each sample. q (N, n) -> three (N - 8, n)."""
+    return _even(q, _HAT_MEAN), _odd(q, _FIRST) / period, _even(q, _HAT_SECOND) / period**2
+
+
+DERIVATIVES: dict[str, Callable] = {"central": central_differences, "hat": hat_means}
 
 
 def thin(columns: np.ndarray, factor: int) -> np.ndarray:
@@ -77,6 +95,39 @@ def thin(columns: np.ndarray, factor: int) -> np.ndarray:
         return columns
     sections = np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
     return sosfiltfilt(sections, columns, axis=0)[::factor]
+
+
+def _even(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Symmetric stencil: weights of offsets 0, ±1, ±2 ..."""
+    n = len(q) - 2 * REACH
+    out = weights[0] * q[REACH : REACH + n]
+    for i, weight in enumerate(weights[1:], start=1):
+        out += weight * (q[REACH + i : REACH + i + n] + q[REACH - i : REACH - i + n])
+    return out
+
+
+def _odd(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Antisymmetric stencil: weights of offsets +1, +2 ..."""
+    n = len(q) - 2 * REACH
+    out = np.zeros((n, *q.shape[1:]))
+    for i, weight in enumerate(weights[1:], start=1):
+        out += weight * (q[REACH + i : REACH + i + n] - q[REACH - i : REACH - i + n])
+    return out
+
+
+def _moving(robot: Robot, dq: np.ndarray) -> np.ndarray:
+    """(N, joints): 0 near reversals and standstill of a joint with dry friction, 1 elsewhere."""
+    moving = np.ones((len(dq), len(robot.joints)))
+    for k, joint in enumerate(robot.joints):
+        if any(effect.holds_still for effect in joint.effects):
+            v = dq[:, k]
+            slow = np.abs(v) < _STANDSTILL * np.sqrt(np.mean(v**2))
+            turning = np.append(v[1:] * v[:-1] <= 0, False)
+            near = slow | turning | np.roll(turning, 1)
+            for _ in range(_AROUND - 1):
+                near[1:-1] = near[1:-1] | near[2:] | near[:-2]
+            moving[near, k] = 0.0
+    return moving
 
 
 def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
@@ -93,5 +144,5 @@ def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
 
 def _needed(plan: Processing, parameters: int) -> int:
     """Samples without which the equations cannot be more than the unknowns."""
-    border = 2 * _REACH + (2 * _SETTLING if plan.cutoff is not None else 0)
+    border = 2 * REACH + (2 * _SETTLING if plan.cutoff is not None else 0)
     return border + max(50, 2 * parameters) * plan.decimate

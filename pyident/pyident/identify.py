@@ -1,20 +1,18 @@
 """Robot + logs -> identified robot: conditioning, regression, physical consistency."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flexmodels.robot import Robot
 
+from flexmodels.robot import Robot
 from pyident.base_parameters import BaseParameter, Support, base_parameters, supports
-from pyident.conditioning import Conditioned, condition, thin
+from pyident.conditioning import condition
+from pyident.estimate import estimate
 from pyident.log import Log
 from pyident.physical import consistent
-from pyident.regressor import regressor, regressor_blocks
-from pyident.solve import Reduced, Solution, merge, reduce, residual_squares, solve
-
-Progress = Callable[[float], None]
+from pyident.problem import Problem
+from pyident.solve import Reduced, Solution, residual_squares
 
 
 @dataclass(frozen=True)
@@ -52,38 +50,29 @@ class Identified:
         }
 
 
-def identify(robot: Robot, logs: list[Log], progress: Progress | None = None) -> Identified:
+def identify(robot: Robot, logs: list[Log], robust: bool = False) -> Identified:
     """Identify every dynamic parameter of `robot` from its logs; its own values are never used.
 
+    robust   give single equations that stick out less weight (Huber)
     Raises LogError for logs that cannot be used.
     """
-    parts = []
-    for i, log in enumerate(logs):
-        conditioned = condition(log, robot)
-        parts.append(reduce(_blocks(robot, conditioned), robot.coordinates, tuple(robot.parameters)))
-        if progress:
-            progress((i + 1) / len(logs))
-    reduced = merge(parts)
-    solution = solve(reduced)
+    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    reduced, solution = estimate(problem, robust)
+    return identified(robot, reduced, solution)
+
+
+def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified:
+    """Name and judge a solution; the robot gets the physically consistent parameters nearest to it."""
     p = consistent(robot, reduced, solution)
-    renewed = robot.with_parameters(dict(zip(reduced.columns, p, strict=True)), f"{robot.name}_identified")
+    name = robot.name if robot.name.endswith("_identified") else f"{robot.name}_identified"
     return Identified(
-        robot=renewed,
+        robot=robot.with_parameters(dict(zip(reduced.columns, p, strict=True)), name),
         reduced=reduced,
         solution=solution,
         support=supports(reduced, solution),
         base=base_parameters(reduced, solution),
         relative_error=_relative_error(reduced, solution, len(robot.joints)),
     )
-
-
-def _blocks(robot: Robot, conditioned: Conditioned) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    if conditioned.thinning == 1:
-        for part, Phi in regressor_blocks(robot, conditioned.motion):
-            yield Phi, conditioned.target[part]
-    else:
-        Phi = regressor(robot, conditioned.motion).matrix
-        yield thin(Phi, conditioned.thinning), thin(conditioned.target, conditioned.thinning)
 
 
 def _relative_error(reduced: Reduced, solution: Solution, joints: int) -> dict[str, float]:

@@ -23,7 +23,8 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     Raises RuntimeError when the solver finds no such parameters.
     """
     names, scale = list(reduced.columns), solution.scale
-    R = np.linalg.qr(reduced.A / scale, mode="r")
+    A, y = reduced.stacked(solution.weights)
+    R = np.linalg.qr(A / scale, mode="r")
     z = cp.Variable(len(names))
     near = solution.p * scale
     p = cp.multiply(z, 1 / scale)
@@ -36,7 +37,7 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
         z[names.index(name)] >= bound * scale[names.index(name)]
         for name, bound in lower_bounds(robot).items()
     ]
-    problem = cp.Problem(cp.Minimize(misfit / float(np.linalg.norm(reduced.y))), limits)
+    problem = cp.Problem(cp.Minimize(misfit / float(np.linalg.norm(y))), limits)
     problem.solve(solver=cp.CLARABEL)
     if z.value is None:
         raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")

@@ -9,7 +9,7 @@ import sympy
 from flexmodels.effect import Effect
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
 
-from pyident.fem import body, chain, structure
+from pyident.fem import body, robot_structure, transfer
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
 
@@ -81,7 +81,7 @@ class _Builder:
 
     def __init__(self, robot: Robot, motion: Motion):
         self.gravity = np.array(robot.gravity)
-        self.structure = structure.of_robot(robot)
+        self.structure = robot_structure.of_robot(robot)
         names = list(robot.parameters)
         starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
         self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
@@ -100,7 +100,7 @@ class _Builder:
     def _fill_links(self, Phi: np.ndarray, part: slice) -> None:
         """Φ^(l): virtual power DFᵀ(M x'' − f) of every lumped body, eq. (8)."""
         q, dq, ddq = (np.ascontiguousarray(rate[part].T) for rate in self.rates)
-        nodes = chain.nodes(self.structure, q, dq, ddq)
+        nodes = transfer.nodes(self.structure, q, dq, ddq)
         for (x, R), columns in zip(self.structure.bodies, self.links, strict=True):
             position, orientation = nodes.positions[x], nodes.orientations[R]
             DF = np.concatenate([position.DF, orientation.DF])
@@ -115,14 +115,7 @@ class _Builder:
 
 def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
     """Every signal that a law may use, by its name in flexmodels.signals behind `joint{k}.`; and `time`."""
-    n, joints = len(robot.coordinates), len(robot.joints)
-    samples = len(motion.q)
-    for name, width in (("q", n), ("dq", n), ("ddq", n), ("tau", joints)):
-        values = getattr(motion, name)
-        if values is not None and np.shape(values) != (samples, width):
-            raise ValueError(
-                f"motion.{name} of robot {robot.name} is {np.shape(values)}, not {(samples, width)}"
-            )
+    _check(robot, motion)
     signals = {} if motion.time is None else {"time": np.asarray(motion.time)}
     for j, coordinate in enumerate(robot.coordinates):
         joint, name = _signal_name(coordinate).split(".")
@@ -131,6 +124,21 @@ def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
     if motion.tau is not None:
         signals |= {f"joint{k}.tau": motion.tau[:, k - 1] for k, _ in robot.numbered}
     return signals
+
+
+def _check(robot: Robot, motion: Motion) -> None:
+    n, samples = len(robot.coordinates), len(motion.q)
+    shapes = {"q": (samples, n), "dq": (samples, n), "ddq": (samples, n)}
+    shapes |= {"tau": (samples, len(robot.joints)), "time": (samples,)}
+    for name, shape in shapes.items():
+        values = getattr(motion, name)
+        if values is None:
+            continue
+        if np.shape(values) != shape:
+            raise ValueError(f"motion.{name} of robot {robot.name} has shape {np.shape(values)}, not {shape}")
+        if not np.isfinite(values).all():
+            at = int(np.argwhere(~np.isfinite(values))[0, 0])
+            raise ValueError(f"motion.{name} of robot {robot.name} is not finite at sample {at}; drop it")
 
 
 def _law_columns(robot: Robot, known: frozenset[str]) -> Iterator[_LawColumn]:

@@ -1,8 +1,8 @@
 """Least squares of y = A p, eqs. (12)-(15), without ever storing A.
 
 Blocks of rows are folded into one triangular factor per coordinate (QR), so memory does not grow with
-the log; the singular value decomposition is taken of the stacked factors. Residuals per coordinate follow
-from the same factors, without a second pass over the data.
+the log; the singular value decomposition is taken of the stacked factors. Weights per coordinate and
+residuals per coordinate follow from the same factors, without a second pass over the data.
 """
 
 from collections.abc import Iterable
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 _ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
-_NOISE = 1.0  # relative standard deviation above which a direction says nothing
+_ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
+_ROUNDS = 6  # of weighting by residuals; it settles to a per mille
 
 
 @dataclass(frozen=True)
@@ -26,36 +27,48 @@ class Reduced:
     rows: tuple[str, ...]
     columns: tuple[str, ...]
 
-    @property
-    def A(self) -> np.ndarray:
-        """(n (P + 1), P): has the same A^T A as the whole regression matrix."""
-        return self.triangles[:, :, :-1].reshape(-1, len(self.columns))
-
-    @property
-    def y(self) -> np.ndarray:
-        return self.triangles[:, :, -1].ravel()
+    def stacked(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A (n (P + 1), P) and y of the weighted problem, of the same normal equations."""
+        weighted = self.triangles * weights[:, None, None]
+        return weighted[:, :, :-1].reshape(-1, len(self.columns)), weighted[:, :, -1].ravel()
 
 
 @dataclass(frozen=True)
 class Solution:
-    """The minimum-norm solution (in scaled columns) of eq. (14) and how well the data support it.
+    """The minimum-norm solution (in scaled columns) of eq. (14) and what it stands on.
 
-    p, std           (P,) values and standard deviations; std is inf where only a combination is seen
+    p                (P,) values
+    covariance       (P, P) in the directions that the data determine
     singular_values  (P,) of A with columns scaled to unit length, largest first
-    rank             number of directions that the data determine
-    null             (P, P - rank) scaled directions that the data do not determine
+    seen, null       (P, rank), (P, P - rank) scaled directions that the data do and do not determine
     scale            (P,) length of each column of A
+    weights          (n,) of the coordinates' equations
     residual         (n,) rms of the residual per coordinate;  signal (n,) rms of y per coordinate
     """
 
     p: np.ndarray
-    std: np.ndarray
+    covariance: np.ndarray
     singular_values: np.ndarray
-    rank: int
+    seen: np.ndarray
     null: np.ndarray
     scale: np.ndarray
+    weights: np.ndarray
     residual: np.ndarray
     signal: np.ndarray
+
+    @property
+    def rank(self) -> int:
+        return self.seen.shape[1]
+
+    @property
+    def open(self) -> np.ndarray:
+        """(P,) whether a parameter takes part in a direction that the data do not determine."""
+        return np.linalg.norm(self.null, axis=1) > _ABSENT
+
+    @property
+    def std(self) -> np.ndarray:
+        """(P,) standard deviations; inf where a parameter is open."""
+        return np.where(self.open, np.inf, np.sqrt(np.maximum(np.diag(self.covariance), 0)))
 
 
 def reduce(
@@ -72,37 +85,48 @@ def reduce(
     return Reduced(triangles, samples, rows, columns)
 
 
-def merge(parts: list[Reduced]) -> Reduced:
-    """One problem from the logs' several."""
-    size = len(parts[0].columns) + 1
-    stacked = np.concatenate([part.triangles for part in parts], axis=1)
-    triangles = np.array([_triangle(rows, size) for rows in stacked])
-    return Reduced(triangles, sum(p.samples for p in parts), parts[0].rows, parts[0].columns)
+def solve_weighted(reduced: Reduced) -> Solution:
+    """Least squares with each coordinate's equations weighted by the residual that they leave."""
+    solution = solve(reduced)
+    for _ in range(_ROUNDS):
+        floor = 1e-6 * solution.residual.max()
+        solution = solve(reduced, 1 / np.maximum(solution.residual, floor))
+    return solution
 
 
-def solve(reduced: Reduced) -> Solution:
+def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     """Pseudo-inverse solution by SVD, eq. (15), on columns scaled to unit length.
 
+    weights  (n,) per coordinate; none: the plain sum of squares of eq. (14)
     Rank: a direction counts when its singular value stands above the arithmetic (1e-10 of the largest) and
-    the residual leaves its coefficient a standard deviation below the largest coefficient found before it.
+    the residual leaves its coefficient a standard deviation below the largest coefficient before it.
     """
-    A, y = reduced.A, reduced.y
+    weights = np.ones(len(reduced.rows)) if weights is None else weights
+    A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
     scale[scale == 0] = 1.0
     U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
     coefficients = U.T @ y
-    rank = _rank(s, coefficients, y, reduced)
-    z = Vt[:rank].T @ (coefficients[:rank] / s[:rank])
-    p = z / scale
-    squares = residual_squares(reduced, p)
     equations = reduced.samples * len(reduced.rows)
-    sigma = np.sqrt(squares.sum() / max(equations - rank, 1))
-    null = Vt[rank:].T
-    std = sigma * np.linalg.norm(Vt[:rank].T / s[:rank], axis=1) / scale
-    std[np.linalg.norm(null, axis=1) > 1e-4] = np.inf
+    rank = _rank(s, coefficients, float(y @ y), equations)
+    seen, null = Vt[:rank].T, Vt[rank:].T
+    p = seen @ (coefficients[:rank] / s[:rank]) / scale
+    squares = residual_squares(reduced, p)
+    variance = (weights**2 @ squares) / max(equations - rank, 1)
+    spread = seen / s[:rank] / scale[:, None]
     signal = np.linalg.norm(reduced.triangles[:, :, -1], axis=1)
     n = np.sqrt(reduced.samples)
-    return Solution(p, std, s, rank, null, scale, np.sqrt(squares) / n, signal / n)
+    return Solution(
+        p=p,
+        covariance=variance * spread @ spread.T,
+        singular_values=s,
+        seen=seen,
+        null=null,
+        scale=scale,
+        weights=weights,
+        residual=np.sqrt(squares) / n,
+        signal=signal / n,
+    )
 
 
 def residual_squares(reduced: Reduced, p: np.ndarray) -> np.ndarray:
@@ -115,19 +139,13 @@ def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
     return R if len(R) == size else np.vstack([R, np.zeros((size - len(R), size))])
 
 
-def _rank(s: np.ndarray, coefficients: np.ndarray, y: np.ndarray, reduced: Reduced) -> int:
+def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:
     """Number of leading directions that pass the rule of `solve`."""
-    rest = np.concatenate([np.cumsum((coefficients**2)[::-1])[::-1], [0.0]]) + max(
-        y @ y - coefficients @ coefficients, 0
-    )
+    explained = np.concatenate([[0.0], np.cumsum(coefficients**2)])
+    sigma = np.sqrt(np.maximum(y_squared - explained, 0) / equations)
     largest = np.abs(coefficients[0] / s[0])
-    rank = 0
     for i in range(len(s)):
-        if s[i] <= _ROUNDING * s[0]:
-            break
-        sigma = np.sqrt(rest[i] / (reduced.samples * len(reduced.rows)))
-        if sigma / s[i] > _NOISE * largest:
-            break
-        largest = max(largest, abs(coefficients[i] / s[i]))
-        rank = i + 1
-    return rank
+        if s[i] <= _ROUNDING * s[0] or (i and sigma[i] / s[i] > largest):
+            return i
+        largest = max(largest, np.abs(coefficients[i] / s[i]))
+    return len(s)

@@ -28,7 +28,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         simulate_robot(original, identification(original), lambda f: progress(0.4 * f)), "identification"
     )
     write_log(log, folder / "identification.parquet")
-    found = identify(original, [log], lambda f: progress(0.4 + 0.2 * f))
+    found = identify(original, [log])
     save_robot(found.robot, folder / "identified.toml")
 
     plan = line(original)

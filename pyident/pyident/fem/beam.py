@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from pyident.fem.nodes import Deformation, Node, Nodes, Position, Shape, Velocity
-from pyident.fem.triads import axes, compose, cross, dot, rotate, spin
+from pyident.fem.triads import axes, compose, cross, dot, rotate, second_rate, turning
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,10 @@ class Beam:
     vector: np.ndarray
     modes = 6
     turns = ()
+
+    def __post_init__(self) -> None:
+        if not np.linalg.norm(self.vector) > 0:
+            raise ValueError(f"the beam from node {self.p} to {self.q} has no length; make them one node")
 
     @property
     def inner(self) -> tuple[Node, ...]:
@@ -46,6 +50,39 @@ class Beam:
         y /= np.linalg.norm(y)
         return np.column_stack([x, y, np.cross(x, y)])
 
+    def D(self, shape: Shape) -> np.ndarray:
+        """Deformations e1 to e6 (6, N) [m]."""
+        l0, length, u, n_p, n_q = self._geometry(shape)
+        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
+        torsion = (dot(zp, yq) - dot(yp, zq)) / 2
+        return np.stack([length - l0, l0 * torsion, *(l0 * dot(u, n) for n in (-zp, zq, yp, -yq))])
+
+    def DD(self, shape: Shape) -> np.ndarray:
+        """(6, 12, N): rates of the deformations per unit of v_p, ω_r, v_q and ω_s."""
+        l0, length, u, n_p, n_q = self._geometry(shape)
+        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
+        per_v, per_wp, per_wq = np.zeros((3, 6, *u.shape))
+        per_v[0] = u
+        per_wq[1] = l0 / 2 * (cross(yq, zp) - cross(zq, yp))
+        per_wp[1] = -per_wq[1]
+        for mode, n, per_w in ((2, -zp, per_wp), (3, zq, per_wq), (4, yp, per_wp), (5, -yq, per_wq)):
+            per_v[mode] = l0 / length * (n - u * dot(u, n))
+            per_w[mode] = l0 * cross(n, u)
+        return np.concatenate([-per_v, per_wp, per_v, per_wq], axis=1)
+
+    def D2D(self, shape: Shape, velocity: Velocity) -> np.ndarray:
+        """(6, N): second derivatives of the deformations while the nodal velocities are constant."""
+        l0, length, u, n_p, n_q = self._geometry(shape)
+        _, yp, zp = axes(turning(velocity["R", self.r], n_p))
+        _, yq, zq = axes(turning(velocity["R", self.s], n_q))
+        v = velocity["x", self.q] - velocity["x", self.p]
+        rate = dot(u, v)
+        du = (v - u * rate) / length
+        elongation = length * dot(du, du)
+        along = np.stack([u, du, -(2 * du * rate + u * elongation) / length])
+        torsion = (second_rate(zp, yq) - second_rate(yp, zq)) / 2
+        return np.stack([elongation, l0 * torsion, *(l0 * second_rate(along, n) for n in (-zp, zq, yp, -yq))])
+
     def carry(self, nodes: Nodes, d: Deformation) -> None:
         """Find the nodes at q from those at p, the beam being rigid."""
         p, r = nodes.positions[self.p], nodes.orientations[self.r]
@@ -58,48 +95,9 @@ class Beam:
         )
         nodes.orientations[self.s] = r
 
-    def D(self, shape: Shape) -> np.ndarray:
-        """Deformations e1 to e6 (6, N) [m]."""
-        l0, l, u, n_p, n_q = self._geometry(shape)
-        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
-        torsion = (dot(zp, yq) - dot(yp, zq)) / 2
-        return np.stack([l - l0, l0 * torsion, *(l0 * dot(u, n) for n in (-zp, zq, yp, -yq))])
-
-    def DD(self, shape: Shape) -> np.ndarray:
-        """(6, 12, N): rates of the deformations per unit of v_p, ω_r, v_q and ω_s."""
-        l0, l, u, n_p, n_q = self._geometry(shape)
-        (_, yp, zp), (_, yq, zq) = axes(n_p), axes(n_q)
-        per_v, per_wp, per_wq = np.zeros((3, 6, *u.shape))
-        per_v[0] = u
-        per_wq[1] = l0 / 2 * (cross(yq, zp) - cross(zq, yp))
-        per_wp[1] = -per_wq[1]
-        for mode, n, per_w in ((2, -zp, per_wp), (3, zq, per_wq), (4, yp, per_wp), (5, -yq, per_wq)):
-            per_v[mode] = l0 / l * (n - u * dot(u, n))
-            per_w[mode] = l0 * cross(n, u)
-        return np.concatenate([-per_v, per_wp, per_v, per_wq], axis=1)
-
-    def D2D(self, shape: Shape, velocity: Velocity) -> np.ndarray:
-        """(6, N): second derivatives of the deformations while the nodal velocities are constant."""
-        l0, l, u, n_p, n_q = self._geometry(shape)
-        w_p, w_q = velocity["R", self.r], velocity["R", self.s]
-        dn_p, dn_q = spin(w_p, n_p), spin(w_q, n_q)
-        ddn_p, ddn_q = spin(w_p, dn_p), spin(w_q, dn_q)
-        v = velocity["x", self.q] - velocity["x", self.p]
-        dl = dot(u, v)
-        du = (v - u * dl) / l
-        ddl = l * dot(du, du)
-        ddu = -(2 * du * dl + u * ddl) / l
-
-        def second(a: int, b: int) -> np.ndarray:  # of n_a^p·n_b^q
-            return dot(ddn_p[:, a], n_q[:, b]) + 2 * dot(dn_p[:, a], dn_q[:, b]) + dot(n_p[:, a], ddn_q[:, b])
-
-        p, q = ((ddu, u, du, n, dn, ddn) for n, dn, ddn in ((n_p, dn_p, ddn_p), (n_q, dn_q, ddn_q)))
-        bend = [sign * _second_of_u_n(*end, i) for sign, end, i in ((-1, p, 2), (1, q, 2), (1, p, 1), (-1, q, 1))]
-        return np.stack([ddl, l0 / 2 * (second(2, 1) - second(1, 2)), *(l0 * b for b in bend)])
-
     def _geometry(self, shape: Shape) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """l0, l (N,), u (3, N) and the triads at p and q (3, 3, N)."""
         span = shape["x", self.q] - shape["x", self.p]
-        l = np.sqrt(dot(span, span))  # noqa: E741
+        length = np.sqrt(dot(span, span))
         n_p, n_q = (compose(shape["R", node], self.triad) for node in (self.r, self.s))
-        return float(np.linalg.norm(self.vector)), l, span / l, n_p, n_q
+        return float(np.linalg.norm(self.vector)), length, span / length, n_p, n_q

@@ -2,7 +2,7 @@
 
 Seen from the inner triad n^p, the outer axis n_x^q is (c, e2, e3) with c = √(1 − e2² − e3²): it bends
 there by the shortest rotation B, then the outer triad twists about it by e1. So n^q = n^p B Rx(e1).
-After Geradin, Robert and Bernardin (1986), Schwab and Meijaard (1999).
+After Geradin et al. (1986), Schwab and Meijaard (1999).
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyident.fem.nodes import Deformation, Node, Nodes, Orientation, Shape, Velocity
-from pyident.fem.triads import about_x, axes, compose, cross, dot, rotate, spin
+from pyident.fem.triads import about_x, axes, compose, cross, dot, rotate, second_rate, turning
 
 
 @dataclass(frozen=True)
@@ -45,16 +45,11 @@ class Hinge:
         """(3, N): second derivatives of the deformations while ω_p and ω_q are constant."""
         n_p, n_q = self._triads(shape)
         w_p, w_q = velocity["R", self.p], velocity["R", self.q]
-        dn_p, dn_q = spin(w_p, n_p), spin(w_q, n_q)
-        c, sum_x = 1 + dot(n_p[:, 0], n_q[:, 0]), n_p[:, 0] + n_q[:, 0]
-        dc, dsum_x = dot(dn_p[:, 0], n_q[:, 0]) + dot(n_p[:, 0], dn_q[:, 0]), dn_p[:, 0] + dn_q[:, 0]
-        twist = dot(dsum_x - sum_x * dc / c, w_q - w_p) / c
-        ddn_p, ddn_q = spin(w_p, dn_p), spin(w_q, dn_q)
-        bend = [
-            dot(ddn_p[:, i], n_q[:, 0]) + 2 * dot(dn_p[:, i], dn_q[:, 0]) + dot(n_p[:, i], ddn_q[:, 0])
-            for i in (1, 2)
-        ]
-        return np.stack([twist, *bend])
+        (xp, yp, zp), (xq, _, _) = axes(turning(w_p, n_p)), axes(turning(w_q, n_q))
+        double = xp + xq
+        c, dc = 1 + dot(xp[0], xq[0]), dot(xp[1], xq[0]) + dot(xp[0], xq[1])
+        twist = dot(double[1] - double[0] * dc / c, w_q - w_p) / c
+        return np.stack([twist, second_rate(yp, xq), second_rate(zp, xq)])
 
     def _triads(self, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
         return compose(shape["R", self.p], self.triad), compose(shape["R", self.q], self.triad)
@@ -63,14 +58,11 @@ class Hinge:
         """Find node q from node p: R, then ω_q = ω_p + A de, then its derivative."""
         p = nodes.orientations[self.p]
         n = compose(p.R, self.triad)
-        if d.columns[1] is None and d.columns[2] is None:
-            relative, A, A_dot_de = about_x(d.e[0]), n[:, :1], np.zeros_like(p.w)
+        if d.columns[1] is None and d.columns[2] is None:  # no bending: a plain rotation about x'
+            relative, A, convective = about_x(d.e[0]), n[:, :1], np.zeros_like(p.w)
         else:
-            relative, A, A_dot_de = (
-                relative_rotation(d.e),
-                compose(n, axes(d.e)),
-                rotate(n, axes_rate(d.e, d.de)),
-            )
+            relative, A = relative_rotation(d.e), compose(n, rate_axes(d.e))
+            convective = rotate(n, convective_rate(d.e, d.de))
         modes = A.shape[1]
         w = rotate(A, d.de[:modes])
         DF = p.DF.copy()
@@ -80,7 +72,7 @@ class Hinge:
         nodes.orientations[self.q] = Orientation(
             R=compose(compose(n, relative), self.triad.T),
             w=p.w + w,
-            dw=p.dw + rotate(A, d.dde[:modes]) + cross(p.w, w) + A_dot_de,
+            dw=p.dw + rotate(A, d.dde[:modes]) + cross(p.w, w) + convective,
             DF=DF,
         )
 
@@ -95,7 +87,8 @@ def deformations(n_p: np.ndarray, n_q: np.ndarray) -> np.ndarray:
 def relative_rotation(e: np.ndarray) -> np.ndarray:
     """The inverse of D: n^pᵀ n^q = B(e2, e3) Rx(e1), (3, 3, N), of deformations e (3, N)."""
     _, e2, e3 = e
-    c, a = _cosine(e), 1 / (1 + _cosine(e))
+    c = _cosine(e)
+    a = 1 / (1 + c)
     B = np.empty((3, *e.shape))
     B[0, 0], B[0, 1], B[0, 2] = c, -e2, -e3
     B[1, 0], B[1, 1], B[1, 2] = e2, 1 - a * e2**2, -a * e2 * e3

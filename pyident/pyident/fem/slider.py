@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyident.fem.nodes import Deformation, Node, Nodes, Position, Shape, Velocity
-from pyident.fem.triads import compose, cross, rotate, spin, unrotate
+from pyident.fem.triads import compose, cross, rotate, turning, unrotate
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Slider:
         """(3, N): second derivatives of the deformations while v_p, v_q and ω_r are constant."""
         n, w = compose(shape["R", self.r], self.triad), velocity["R", self.r]
         offset = shape["x", self.q] - shape["x", self.p]
-        dn = spin(w, n)
-        return unrotate(spin(w, dn), offset) + 2 * unrotate(dn, velocity["x", self.q] - velocity["x", self.p])
+        _, dn, ddn = turning(w, n)
+        return unrotate(ddn, offset) + 2 * unrotate(dn, velocity["x", self.q] - velocity["x", self.p])
 
     def carry(self, nodes: Nodes, d: Deformation) -> None:
         """Find node q from nodes p and r: x_q = x_p + n e, then its derivatives."""

@@ -3,60 +3,96 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from flexmodels.robot import Robot
-
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
+from pyident.fem.nodes import Node
 from pyident.fem.slider import Slider
 
 Element = Beam | Hinge | Slider
 Mode = tuple[int, int]  # number of the element, number of its deformation, both from 0
+GROUND: tuple[Node, ...] = (("x", 0), ("R", 0))
+
+
+class StructureError(ValueError):
+    """A structure whose deformations do not determine its nodes; the message says what to change."""
 
 
 @dataclass(frozen=True)
 class Structure:
-    """Elements listed from the ground outwards. Translational and rotational nodes 0 are the ground.
+    """Elements listed from the ground outwards; translational and rotational nodes 0 are the ground.
 
     independent   the deformations that are the degrees of freedom, in the order of q
+    released      the deformations that nothing holds; they follow from the motion
     bodies        per lumped body its translational and its rotational node
-    Every deformation that is not independent is fixed at zero.
+    Every other deformation is fixed at zero. What is held must just determine the nodes. A planar loop in
+    space is overconstrained by three; as in a real machine, release a spherical and a universal joint's
+    bendings there (they stay zero), rather than hold more than geometry allows.
     """
 
     elements: tuple[Element, ...]
     independent: tuple[Mode, ...]
+    released: tuple[Mode, ...] = ()
     bodies: tuple[tuple[int, int], ...] = ()
+
+    def __post_init__(self) -> None:
+        self._check_names()
+        self._check_order()
+        held, unknown = len(self.rows), 3 * len(self.moving)
+        if held != unknown:
+            cure = f"release {held - unknown} more" if held > unknown else f"hold {unknown - held} more"
+            raise StructureError(f"{held} held deformations for {unknown} nodal coordinates; {cure}")
 
     @cached_property
     def columns(self) -> tuple[tuple[int | None, ...], ...]:
-        """Per element and mode its place in q, None where fixed."""
+        """Per element and mode its place in q, None where it is not independent."""
         place = {mode: j for j, mode in enumerate(self.independent)}
         return tuple(
             tuple(place.get((i, mode)) for mode in range(element.modes))
             for i, element in enumerate(self.elements)
         )
 
+    @cached_property
+    def held(self) -> tuple[tuple[Element, tuple[int, ...]], ...]:
+        """Per element the modes that are fixed or independent."""
+        return tuple(
+            (element, tuple(mode for mode in range(element.modes) if (i, mode) not in self.released))
+            for i, element in enumerate(self.elements)
+        )
 
-def of_robot(robot: Robot) -> Structure:
-    """Per joint: a beam from the previous joint, the motor hinge (or slider), the flexible hinge if any."""
-    elements: list[Element] = []
-    place: dict[str, Mode] = {}
-    bodies: list[tuple[int, int]] = []
-    x, R = 0, 0
-    for k, joint in robot.numbered:
-        if any(joint.origin):
-            elements.append(Beam(x, R, x + 1, R + 1, np.array(joint.origin)))
-            x, R = x + 1, R + 1
-        place[f"joint{k}.e"] = (len(elements), 0)
-        if joint.kind == "revolute":
-            elements.append(Hinge(R, R + 1, joint.triad))
-            R += 1
-        else:
-            elements.append(Slider(x, R, x + 1, joint.triad))
-            x += 1
-        if joint.flexible:
-            place |= {f"joint{k}.eps[{i + 1}]": (len(elements), i) for i in range(Hinge.modes)}
-            elements.append(Hinge(R, R + 1, joint.triad))
-            R += 1
-        bodies.append((x, R))
-    return Structure(tuple(elements), tuple(place[name] for name in robot.coordinates), tuple(bodies))
+    @cached_property
+    def rows(self) -> dict[Mode, int]:
+        """The place of each held mode among all held modes."""
+        modes = [(i, mode) for i, (_, held) in enumerate(self.held) for mode in held]
+        return {mode: row for row, mode in enumerate(modes)}
+
+    @cached_property
+    def moving(self) -> tuple[Node, ...]:
+        """Every node but the ground, in the order in which the elements name them."""
+        named = [node for element in self.elements for node in element.inner + element.outer]
+        return tuple(node for node in dict.fromkeys(named) if node not in GROUND)
+
+    @cached_property
+    def is_chain(self) -> bool:
+        """Whether each element can place its outer nodes from inner ones already placed."""
+        placed = set(GROUND)
+        for i, element in enumerate(self.elements):
+            deforms = isinstance(element, Beam) and any(j is not None for j in self.columns[i])
+            if deforms or not placed.issuperset(element.inner) or not placed.isdisjoint(element.outer):
+                return False
+            placed.update(element.outer)
+        return not self.released
+
+    def _check_names(self) -> None:
+        named = self.independent + self.released
+        for i, mode in named:
+            if not (0 <= i < len(self.elements) and 0 <= mode < self.elements[i].modes):
+                raise StructureError(f"there is no deformation {mode} of element {i}; both count from 0")
+            if named.count((i, mode)) > 1:
+                raise StructureError(f"deformation {mode} of element {i} is listed twice; list it once")
+
+    def _check_order(self) -> None:
+        reached = set(GROUND)
+        for i, element in enumerate(self.elements):
+            if not reached.issuperset(element.inner):
+                raise StructureError(f"element {i} starts at a node that none before it reaches; reorder")
+            reached.update(element.outer)

@@ -33,9 +33,20 @@ def spin(w: np.ndarray, n: np.ndarray) -> np.ndarray:
     return cross(w[:, None], n)
 
 
+def turning(w: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """A triad that turns at constant ω, with its first and second derivative: (3 orders, 3, 3, N)."""
+    dn = spin(w, n)
+    return np.stack([n, dn, spin(w, dn)])
+
+
+def second_rate(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Second derivative of a·b; a and b come with their derivatives, (3 orders, 3, N)."""
+    return dot(a[2], b[0]) + 2 * dot(a[1], b[1]) + dot(a[0], b[2])
+
+
 def axes(n: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x', y', z' (3, N) of a triad."""
-    return n[:, 0], n[:, 1], n[:, 2]
+    """x', y', z' of a triad, or of a triad with its derivatives."""
+    return n[..., 0, :], n[..., 1, :], n[..., 2, :]
 
 
 def about_x(e: np.ndarray) -> np.ndarray:
