@@ -12,36 +12,42 @@ from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
 
 from pyident.solve import Reduced, Solution
 
-_OPEN = 1e-4  # weight, against the best seen direction, that keeps undetermined directions small
+_OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
 
 def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray:
-    """Parameters (P,) that minimise |A p - y| under the physical bounds.
+    """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
 
     Directions that the data do not determine are settled by the bounds and by small size.
     Raises RuntimeError when the solver finds no such parameters.
     """
     names, scale = list(reduced.columns), solution.scale
-    A, y = reduced.stacked(solution.weights)
-    R = np.linalg.qr(A / scale, mode="r")
-    z = cp.Variable(len(names))
     near = solution.p * scale
+    u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
+    sigma = max(_sigma(reduced, solution), 1e-9 * float(np.linalg.norm(near)))
+    deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
+    z = near + deviations @ u + solution.null @ t
     p = cp.multiply(z, 1 / scale)
-    keep_small = _OPEN * solution.singular_values[0]
-    misfit = cp.norm(cp.hstack([R @ (z - near), keep_small * (z - near)]))
     limits: list[cp.Constraint] = [
-        _pseudo_inertia(p, names, k) >> _SMALLEST * np.eye(4) for k, _ in robot.numbered
+        _pseudo_inertia(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
     ]
     limits += [
         z[names.index(name)] >= bound * scale[names.index(name)]
         for name, bound in lower_bounds(robot).items()
     ]
-    problem = cp.Problem(cp.Minimize(misfit / float(np.linalg.norm(y))), limits)
+    cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
+    problem = cp.Problem(cp.Minimize(cost), limits)
     problem.solve(solver=cp.CLARABEL)
     if z.value is None:
         raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")
     return np.asarray(z.value) / scale
+
+
+def _sigma(reduced: Reduced, solution: Solution) -> float:
+    """Standard deviation of one weighted equation."""
+    squares = (solution.weights * solution.residual) ** 2 * reduced.samples
+    return float(np.sqrt(squares.sum() / max(reduced.samples * len(reduced.rows) - solution.rank, 1)))
 
 
 def lower_bounds(robot: Robot) -> dict[str, float]:
