@@ -16,6 +16,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import pytest
+from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Joint, Link, Robot
 from flexmodels.robot_file import load_robot
 
@@ -36,30 +37,34 @@ class NodeMotion:
 
 
 class PinocchioRobot:
-    """A robot of ours in Pinocchio; every method takes vectors in the order of `robot.coordinates`."""
+    """A robot of ours in Pinocchio, with branches and with passive joints that follow.
+
+    Every method takes vectors in the order of `robot.coordinates`.
+    """
 
     def __init__(self, robot: Robot):
         self.robot = robot
         self.model = pin.Model()
         self.model.gravity.linear = np.array(robot.gravity)
-        self.ends: list[int] = []
-        places: list[int] = []  # per angle of z, in our order of coordinates, its place in Pinocchio's q
-        hinge_places: list[int] = []
-        parent, axes = 0, np.eye(3)
-        for joint, link in zip(robot.joints, robot.links, strict=True):
-            triad = joint.triad
-            place = pin.SE3(axes.T @ triad, axes.T @ np.array(joint.origin))
-            motor = pin.JointModelRX() if joint.kind == "revolute" else pin.JointModelPX()
-            parent, axes = self._add(parent, motor, place), triad
-            places.append(parent - 1)
-            if joint.flexible:
-                start = parent
-                for turn in (pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelRX()):
-                    parent = self._add(parent, turn, pin.SE3.Identity())
-                hinge_places += [start, start + 1, start + 2]
-            self.model.appendBodyToJoint(parent, _inertia(link, triad), pin.SE3.Identity())
-            self.ends.append(parent)
-        self.order = places + hinge_places
+        joints = (*robot.joints, *robot.passive)
+        ends, self.triads = {0: 0}, [joint.triad for joint in joints]
+        places: dict[int, list[int]] = {}  # per link those of its joint and of the turns behind it
+        for k in _depth_first(robot):
+            before, triad = robot.parents[k - 1], self.triads[k - 1]
+            axes = self.triads[before - 1] if before else np.eye(3)
+            place = pin.SE3(axes.T @ triad, axes.T @ np.array(joints[k - 1].origin))
+            end, places[k] = ends[before], []
+            for turn in _joint_models(joints[k - 1]):
+                end = self._add(end, turn, place)
+                places[k].append(end - 1)
+                place = pin.SE3.Identity()
+            self.model.appendBodyToJoint(end, _inertia(robot.links[k - 1], triad), pin.SE3.Identity())
+            ends[k] = end
+        self.ends = [ends[k] for k in sorted(places)]
+        driven, passive = sorted(places)[: len(robot.joints)], sorted(places)[len(robot.joints) :]
+        hinges = [i for k in driven for i in places[k][1:]]
+        # per angle of z, in our order (every e, every eps, the passive ones), its place in Pinocchio's q
+        self.order = [places[k][0] for k in driven] + hinges + [places[k][0] for k in passive]
         self.data = self.model.createData()
 
     def nodes(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> list[NodeMotion]:
@@ -69,14 +74,14 @@ class PinocchioRobot:
         pin.computeJointJacobians(self.model, self.data, z)
         world = pin.LOCAL_WORLD_ALIGNED
         motions = []
-        for end, joint in zip(self.ends, self.robot.joints, strict=True):
+        for end, triad in zip(self.ends, self.triads, strict=True):
             frame = self.data.oMi[end]
             velocity = pin.getVelocity(self.model, self.data, end, world)
             acceleration = pin.getClassicalAcceleration(self.model, self.data, end, world)
             motions.append(
                 NodeMotion(
                     x=frame.translation.copy(),
-                    R=frame.rotation @ joint.triad.T,
+                    R=frame.rotation @ triad.T,
                     v=velocity.linear.copy(),
                     w=velocity.angular.copy(),
                     a=acceleration.linear.copy(),
@@ -109,12 +114,35 @@ class PinocchioRobot:
 
     @cached_property
     def _map(self) -> ca.Function:
-        n, joints = len(self.robot.coordinates), len(self.robot.joints)
+        names, n = self.robot.coordinates, len(self.robot.coordinates)
         q, dq = ca.SX.sym("q", n), ca.SX.sym("dq", n)
-        parts = [q[:joints]] + [_turns(q[i], q[i + 1], q[i + 2]) for i in range(joints, n, 3)]
+        parts = [q[: len(self.robot.joints)]]
+        for k, joint in self.robot.numbered:
+            eps = [q[names.index(f"joint{k}.eps[{i}]")] for i in joint.deformations]
+            parts += [_turns(*eps)] if len(eps) == 3 else eps
+        for joint in self.robot.passive:
+            angle = ca.SX(0)
+            for k, factor in joint.follows.items():
+                own = (name for name in (f"joint{k}.e", f"joint{k}.eps[1]") if name in names)
+                angle += factor * sum(q[names.index(name)] for name in own)
+            parts.append(angle)
         z = ca.vertcat(*parts)
         T = ca.jacobian(z, q)
         return ca.Function("angles", [q, dq], [z, T, ca.jtimes(T @ dq, q, dq)])
+
+
+def _depth_first(robot: Robot, parent: int = 0) -> list[int]:
+    """Numbers of the links, each branch to its end: the order that Pinocchio's algorithms ask for."""
+    children = [k for k, before in enumerate(robot.parents, start=1) if before == parent]
+    return [n for k in children for n in (k, *_depth_first(robot, k))]
+
+
+def _joint_models(joint: Joint | PassiveJoint) -> list:
+    if isinstance(joint, PassiveJoint):
+        return [pin.JointModelRX()]
+    motor = pin.JointModelRX() if joint.kind == "revolute" else pin.JointModelPX()
+    bends = [pin.JointModelRZ(), pin.JointModelRY()] if joint.flexible and joint.bends else []
+    return [motor, *bends, *([pin.JointModelRX()] if joint.flexible else [])]
 
 
 def mixed_robot(seed: int = 0) -> Robot:
@@ -142,12 +170,39 @@ def mixed_robot(seed: int = 0) -> Robot:
     return replace(base, name="mixed", joints=tuple(joints), links=tuple(links), controller=None)
 
 
+def tree_robot(seed: int = 0, passive: int = 0) -> Robot:
+    """The mixed robot's joints on branches, two of them only twisting; and hinges that follow the others."""
+    rng = np.random.default_rng(seed + 100)
+    robot = mixed_robot(seed)
+    joints = [replace(j, parent=p) for j, p in zip(robot.joints, (0, 1, 1, 2, 0), strict=True)]
+    for k in (2, 4):
+        laws = joints[k].values
+        one = {"stiffness": {"k[1]": 90.0}, "damping": {"d[1]": 3.0}}
+        joints[k] = replace(joints[k], bends=False, values={**laws, **one})
+    more = {5 + i: joint for i, joint in enumerate(mixed_robot(seed + 1).joints[:passive])}
+    return replace(
+        robot,
+        name=f"tree_{seed}_{passive}",
+        joints=tuple(joints),
+        links=robot.links + mixed_robot(seed + 1).links[:passive],
+        passive=tuple(
+            PassiveJoint(
+                j.x, j.y, j.origin, {2: rng.normal(), 5: rng.normal()}, parent=int(rng.integers(0, k))
+            )
+            for k, j in more.items()
+        ),
+        tip=(0.3, -0.2, 0.5),
+        tip_link=4,
+    )
+
+
 def random_motion(robot: Robot, samples: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """q, dq, ddq (samples, n): large motor hinge angles, deformations up to 0.2."""
+    """q, dq, ddq (samples, n): large motor hinge angles (loops: far from flat), deformations up to 0.2."""
     rng = np.random.default_rng(seed)
     n, joints = len(robot.coordinates), len(robot.joints)
     q = rng.uniform(-0.2, 0.2, size=(samples, n))
-    q[:, :joints] = rng.uniform(-3, 3, size=(samples, joints))
+    reach = 0.5 if robot.closures else 3.0
+    q[:, :joints] = rng.uniform(-reach, reach, size=(samples, joints))
     return q, rng.uniform(-2, 2, size=(samples, n)), rng.uniform(-5, 5, size=(samples, n))
 
 

@@ -11,10 +11,13 @@ from flexmodels.effect import Effect, Parameter
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import LINK_PARAMETERS, Robot
 from flexmodels.robot_file import load_robot
-from pinocchio_model import PinocchioRobot, mixed_robot, random_motion
+from pinocchio_model import PinocchioRobot, mixed_robot, random_motion, tree_robot
 from pyident.regressor import Motion, Regressor, regressor, regressor_blocks
 
-ROBOTS = [load_robot("four_link"), load_robot("emps"), mixed_robot(0), mixed_robot(1)]
+ROBOTS = [
+    *(load_robot(name) for name in ("four_link", "emps", "parallelogram")),
+    *(mixed_robot(0), mixed_robot(1), tree_robot(0)),
+]
 robots = pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
 
 
@@ -37,7 +40,7 @@ def joint_forces(robot: Robot, motion: Motion) -> np.ndarray:
             value["J_m"] * motion.ddq[:, at] + value["coulomb"] * np.sign(de) + value["viscous"] * de
         )
         total[:, at] += value.get("offset", 0.0)
-        for i in (1, 2, 3) if joint.flexible else ():
+        for i in joint.deformations:
             at = robot.coordinates.index(f"joint{k}.eps[{i}]")
             total[:, at] = value[f"k[{i}]"] * motion.q[:, at] + value[f"d[{i}]"] * motion.dq[:, at]
     return total

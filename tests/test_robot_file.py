@@ -49,6 +49,46 @@ def test_a_wrong_file_is_named_by_its_key(old, new, words, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+LOOP = "[[closure]]\nlinks = [4, 5]\npoint = [-0.1, 0.0, 1.8]\naxis = [0.0, 1.0, 0.0]\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("parent = 1", "parent = 2", r"joint\[2\]\.parent must be a whole number from 0 to 1, not 2"),
+        ("parent = 3", "parent = 1.5", r"joint\[4\]\.parent must be a whole number from 0 to 3, not 1\.5"),
+        ("tip_link = 5", "tip_link = 6", r"tip_link must be a whole number from 1 to 5"),
+        (
+            "joint3 = -1.0",
+            "joint7 = -1.0",
+            r"joint\[4\]\.follows\.joint7 is no driven joint; .* joint1 to joint3",
+        ),
+        ("joint3 = -1.0", "joint4 = -1.0", r"joint\[4\]\.follows\.joint4 is no driven joint"),
+        ("joint3 = -1.0", "joint1 = -1.0", r"joint\[4\]\.follows\.joint1 must be a hinge that does not bend"),
+        ("joint3 = -1.0", "joint3 = 1.0", r"closure\[1\]: the pin opens by 0\.\d+ m when the joints turn"),
+        ("origin = [0.0, 0.0, 1.0]", "origin = [0.0, 0.0, 1.1]", r"closure\[1\]: the pin opens"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.6, 0.8]", r"closure\[1\]: the pin opens"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 1.0, 1.0]", r"closure\[1\]\.axis must be a unit vector"),
+        ("links = [4, 5]", "links = [4, 9]", r"closure\[1\]\.links\[2\] must be a whole number from 1 to 5"),
+        ("links = [4, 5]", "links = [4, 4]", r"closure\[1\]\.links must be two different links"),
+        ("links = [4, 5]", "links = [2, 4]", r"closure\[1\]\.links\[1\] must be the rod"),
+        ("passive = true", "passive = 1", r"joint\[4\]\.passive must be true or false, not 1"),
+        ("passive = true", "", r"joint\[4\]\.follows is not a known key"),
+        ("parent = 1", "passive = true", r"joint\[2\] is passive but stands before a driven one"),
+        ("d = [900.0]", "d = [9.0, 9.0, 9.0]", r"joint\[2\]\.d must have as many numbers as joint\[2\]\.k"),
+        ("k = [2.5e6]", "k = [2.5e6, 1.0]", r"joint\[2\]\.k must be 3 numbers"),
+        (LOOP, "", r"closure: a loop has two passive joints and one pin, found 2 .* and 0"),
+    ],
+)
+def test_a_wrong_linkage_is_named_by_its_key(old, new, words, tmp_path):
+    text = shipped()["parallelogram"].read_text()
+    assert old in text
+    (tmp_path / "wrong.toml").write_text(text.replace(old, new, 1))
+    with pytest.raises(RobotError, match=words) as caught:
+        load_robot(tmp_path / "wrong.toml")
+    assert "\n" not in str(caught.value)
+
+
 def test_unknown_names_are_refused(four_link):
     with pytest.raises(RobotError, match="unknown robot 'nobody'"):
         load_robot("nobody")

@@ -1,4 +1,4 @@
-"""Rigid-body mechanics of a robot in CasADi: inverse dynamics (Newton-Euler) and forward dynamics.
+"""Rigid-body mechanics of a tree of links in CasADi: inverse dynamics (Newton-Euler), forward dynamics.
 
 Recursions in link axes with 6-vectors [angular; linear] (Featherstone, Rigid Body Dynamics Algorithms,
 2008: RNEA table 5.1, ABA table 7.1). Deliberately not the finite elements of pyident: that both agree is
@@ -11,7 +11,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS, Robot
+from flexmodels.linkage import PassiveJoint
+from flexmodels.robot import LINK_PARAMETERS, Joint, Robot
 
 SX = Any  # casadi.SX; its stubs do not describe operators
 
@@ -20,13 +21,15 @@ SX = Any  # casadi.SX; its stubs do not describe operators
 class Hinge:
     """One joint of the recursion: a frame that moves relative to its parent's.
 
-    coordinates  indices into q
+    parent       place of the hinge that it sits on, which stands before it; None for the base
+    coordinates  indices into the tree's coordinates
     E            3 x 3, child axes to parent axes
     r            3, child origin in parent axes
     S            6 x m motion subspace in child axes;  c  6, its rate times the speeds
     inertia      6 x 6 about the child's origin, None for a massless frame
     """
 
+    parent: int | None
     coordinates: list[int]
     E: SX
     r: SX
@@ -37,51 +40,73 @@ class Hinge:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Symbols and hinges of a robot; q and v stack e of every joint, then every eps."""
+    """Symbols and hinges of a robot.
+
+    q, v     n: e of every driven joint, then every eps, and their rates
+    tree     (n + passive) x n: the tree's coordinates, with the angles of passive joints, are tree @ q
+    bodies   10 x links: the lumped parameters of eq. (1), a column per link
+    tip      from the frame of hinge `tip_hinge` [m]
+    """
 
     q: SX
     v: SX
-    bodies: SX  # 10 x links: the lumped parameters of eq. (1), a column per link
+    tree: ca.DM
+    bodies: SX
     hinges: tuple[Hinge, ...]
     gravity: np.ndarray
     tip: np.ndarray
+    tip_hinge: int | None
 
 
 def mechanism(robot: Robot) -> Mechanism:
-    """The robot's hinges in order: per joint the motor hinge, then the flexible one."""
-    names = robot.coordinates
-    q, v = ca.SX.sym("q", len(names)), ca.SX.sym("v", len(names))
+    """The robot's hinges, parents first: per joint the motor hinge, then the flexible one."""
+    names, n = robot.coordinates, len(robot.coordinates)
+    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
     bodies = ca.SX.sym("bodies", len(LINK_PARAMETERS), len(robot.links))
     hinges: list[Hinge] = []
+    ends: list[int | None] = [None]  # last hinge of the base and of every link
     for k, joint in robot.numbered:
-        body = _inertia(bodies[:, k - 1])
+        parent, body = ends[robot.parents[k - 1]], _inertia(bodies[:, k - 1])
         i = names.index(f"joint{k}.e")
-        motor = _motor_hinge if joint.kind == "revolute" else _slider
-        hinges.append(motor(joint, i, q[i], None if joint.flexible else body))
+        motor = _turning_hinge if joint.kind == "revolute" else _slider
+        hinges.append(motor(joint, parent, i, q[i], None if joint.flexible else body))
         if joint.flexible:
-            i = names.index(f"joint{k}.eps[1]")
-            hinges.append(_flexible_hinge(joint.triad, [i, i + 1, i + 2], q[i : i + 3], v[i : i + 3], body))
-    return Mechanism(q, v, bodies, tuple(hinges), np.array(robot.gravity), np.array(robot.tip))
+            at = [names.index(f"joint{k}.eps[{i}]") for i in joint.deformations]
+            hinges.append(_flexible_hinge(joint, len(hinges) - 1, at, q[at], v[at], body))
+        ends.append(len(hinges) - 1)
+    tree = ca.sparsify(ca.DM(np.vstack([np.eye(n), robot.following])))
+    for i, (joint, angle) in enumerate(zip(robot.passive, ca.vertsplit(tree @ q)[n:], strict=True)):
+        k = len(robot.joints) + i
+        hinges.append(_turning_hinge(joint, ends[robot.parents[k]], n + i, angle, _inertia(bodies[:, k])))
+        ends.append(len(hinges) - 1)
+    tip_hinge = ends[len(robot.links) if robot.tip_link is None else robot.tip_link]
+    return Mechanism(
+        q, v, tree, bodies, tuple(hinges), np.array(robot.gravity), np.array(robot.tip), tip_hinge
+    )
 
 
 def inverse_dynamics(m: Mechanism, a: SX) -> SX:
-    """Generalised forces for accelerations `a` [n], without motor inertia: M(q) a + h(q, v)."""
-    force = ca.SX.zeros(m.q.numel())
-    motions = _motions(m)
-    acceleration, wrenches = ca.vertcat(ca.SX.zeros(3), -m.gravity), []
+    """Generalised forces for accelerations `a` [n], without motor inertia: M(q) a + h(q, v).
+
+    What the passive joints of the tree would need is put upon the coordinates that they follow.
+    """
+    a = m.tree @ a
+    force, motions = ca.SX.zeros(a.numel()), _motions(m)
+    accelerations, wrenches = [], []
     for hinge, (X, velocity, bias) in zip(m.hinges, motions, strict=True):
-        acceleration = X @ acceleration + bias + hinge.S @ a[hinge.coordinates]
-        wrenches.append(_wrench(hinge, velocity, acceleration))
-    carried = ca.SX.zeros(6)
-    for hinge, (X, _, _), wrench in reversed(list(zip(m.hinges, motions, wrenches, strict=True))):
-        total = wrench + carried
-        force[hinge.coordinates] = hinge.S.T @ total
-        carried = X.T @ total
-    return force
+        before = _base_acceleration(m) if hinge.parent is None else accelerations[hinge.parent]
+        accelerations.append(X @ before + bias + hinge.S @ a[hinge.coordinates])
+        wrenches.append(_wrench(hinge, velocity, accelerations[-1]))
+    for i in reversed(range(len(m.hinges))):
+        hinge, (X, _, _) = m.hinges[i], motions[i]
+        force[hinge.coordinates] = hinge.S.T @ wrenches[i]
+        if hinge.parent is not None:
+            wrenches[hinge.parent] = wrenches[hinge.parent] + X.T @ wrenches[i]
+    return m.tree.T @ force
 
 
 def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[SX, SX]:
-    """Accelerations under generalised forces, and the torque imbalance at each coordinate that is held.
+    """Accelerations of a tree without passive joints under generalised forces, and the torque imbalance.
 
     force, armature, free   [n]; free = 0 holds a (motor) coordinate at constant speed, 1 lets it move.
     The imbalance at a held coordinate is the torque that a brake must take there.
@@ -101,39 +126,46 @@ def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[S
         u = force[at] - S.T @ pA
         gain = _inverse(D) * (free[at] if len(at) == 1 else 1)
         reduced.insert(0, (U, gain, u))
-        if i:
+        if hinge.parent is not None:
             Ia = IA - U @ gain @ U.T
             pa = pA + Ia @ c + U @ gain @ u
-            inertia[i - 1] = inertia[i - 1] + X.T @ Ia @ X
-            bias_force[i - 1] = bias_force[i - 1] + X.T @ pa
-    acceleration = ca.vertcat(ca.SX.zeros(3), -m.gravity)
+            inertia[hinge.parent] = inertia[hinge.parent] + X.T @ Ia @ X
+            bias_force[hinge.parent] = bias_force[hinge.parent] + X.T @ pa
+    accelerations = []
     qdd, imbalance = ca.SX.zeros(m.q.numel()), ca.SX.zeros(m.q.numel())
     for hinge, (X, _, c), (U, gain, u) in zip(m.hinges, motions, reduced, strict=True):
-        acceleration = X @ acceleration + c
+        before = _base_acceleration(m) if hinge.parent is None else accelerations[hinge.parent]
+        acceleration = X @ before + c
         net = u - U.T @ acceleration
         qdd[hinge.coordinates] = gain @ net
         imbalance[hinge.coordinates] = net
-        acceleration = acceleration + hinge.S @ qdd[hinge.coordinates]
+        accelerations.append(acceleration + hinge.S @ qdd[hinge.coordinates])
     return qdd, imbalance
 
 
 def tip_position(m: Mechanism) -> SX:
     """Position of the tip in base axes [m]."""
-    position = ca.SX(m.tip)
-    for hinge in reversed(m.hinges):
-        position = hinge.r + hinge.E @ position
+    position, at = ca.SX(m.tip), m.tip_hinge
+    while at is not None:
+        hinge = m.hinges[at]
+        position, at = hinge.r + hinge.E @ position, hinge.parent
     return position
 
 
 def _motions(m: Mechanism) -> list[tuple[SX, SX, SX]]:
     """Per hinge: motion transform from the parent, velocity, velocity-product acceleration."""
-    velocity, out = ca.SX.zeros(6), []
+    v, out = m.tree @ m.v, []
     for hinge in m.hinges:
         X = _motion_transform(hinge)
-        relative = hinge.S @ m.v[hinge.coordinates]
-        velocity = X @ velocity + relative
+        relative = hinge.S @ v[hinge.coordinates]
+        velocity = relative if hinge.parent is None else X @ out[hinge.parent][1] + relative
         out.append((X, velocity, hinge.c + _cross_motion(velocity, relative)))
     return out
+
+
+def _base_acceleration(m: Mechanism) -> SX:
+    """Gravity as an upward acceleration of the base."""
+    return ca.vertcat(ca.SX.zeros(3), -m.gravity)
 
 
 def _motion_transform(hinge: Hinge) -> SX:
@@ -167,22 +199,30 @@ def _inverse(D: SX) -> SX:
     return 1 / D if D.numel() == 1 else ca.inv_minor(D)
 
 
-def _motor_hinge(joint, i: int, e: SX, body: SX | None) -> Hinge:
+def _turning_hinge(joint: Joint | PassiveJoint, parent: int | None, i: int, e: SX, body: SX | None) -> Hinge:
     x = joint.triad[:, 0]
-    across = np.eye(3) - np.outer(x, x)
-    E = np.outer(x, x) + ca.cos(e) * across + ca.sin(e) * ca.skew(x)
-    return Hinge([i], E, ca.SX(joint.origin), ca.SX(np.r_[x, 0, 0, 0]), ca.SX.zeros(6), body)
+    r, S = ca.SX(joint.origin), ca.SX(np.r_[x, 0, 0, 0])
+    return Hinge(parent, [i], _rotation(x, e), r, S, ca.SX.zeros(6), body)
 
 
-def _slider(joint, i: int, e: SX, body: SX | None) -> Hinge:
+def _slider(joint: Joint, parent: int | None, i: int, e: SX, body: SX | None) -> Hinge:
     x = joint.triad[:, 0]
-    return Hinge(
-        [i], ca.SX.eye(3), np.array(joint.origin) + x * e, ca.SX(np.r_[0, 0, 0, x]), ca.SX.zeros(6), body
-    )
+    r, S = np.array(joint.origin) + x * e, ca.SX(np.r_[0, 0, 0, x])
+    return Hinge(parent, [i], ca.SX.eye(3), r, S, ca.SX.zeros(6), body)
 
 
-def _flexible_hinge(triad: np.ndarray, at: list[int], eps: SX, deps: SX, body: SX) -> Hinge:
+def _rotation(x: np.ndarray, e: SX) -> SX:
+    along = np.outer(x, x)
+    return along + ca.cos(e) * (np.eye(3) - along) + ca.sin(e) * ca.skew(x)
+
+
+def _flexible_hinge(joint: Joint, parent: int, at: list[int], eps: SX, deps: SX, body: SX) -> Hinge:
     """Bend, then twist: x' goes to (c, eps2, eps3) by the shortest rotation, then eps1 about the new x'."""
+    triad = joint.triad
+    if len(at) == 1:
+        x = triad[:, 0]
+        S = ca.SX(np.r_[x, 0, 0, 0])
+        return Hinge(parent, at, _rotation(x, eps), ca.SX.zeros(3), S, ca.SX.zeros(6), body)
     bend = ca.SX.sym("bend", 2)
     c = ca.sqrt(1 - ca.sumsqr(bend))
     shear = -bend[0] * bend[1] / (1 + c)
@@ -203,7 +243,7 @@ def _flexible_hinge(triad: np.ndarray, at: list[int], eps: SX, deps: SX, body: S
     E = triad @ (B @ twist) @ triad.T
     S = ca.vertcat(E.T @ (triad @ S_parent), ca.SX.zeros(3, 3))
     bias = ca.vertcat(E.T @ (triad @ S_dot), ca.SX.zeros(3))
-    return Hinge(at, E, ca.SX.zeros(3), S, bias, body)
+    return Hinge(parent, at, E, ca.SX.zeros(3), S, bias, body)
 
 
 def _vee(skew: SX) -> SX:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import sympy
 
-from flexmodels import dynamics, signals
+from flexmodels import dynamics, projected, signals
 from flexmodels.effect import Effect
 from flexmodels.robot import Controller, Robot, parameter_name
 
@@ -72,7 +72,8 @@ def equations(robot: Robot) -> Equations:
         free[k] = ca.fabs(mode[k]) if laws.sticking[k] else 1
     resisting = laws.forces(mode)
     applied = ca.vertcat(u, ca.SX.zeros(n - joints)) - resisting
-    a, imbalance = dynamics.forward_dynamics(m, applied, laws.armature, free)
+    forward_dynamics = projected.forward_dynamics if robot.passive else dynamics.forward_dynamics
+    a, imbalance = forward_dynamics(m, applied, laws.armature, free)
     dx, imbalance = ca.substitute([ca.vertcat(q_dot, a), imbalance[:joints]], [m.bodies], [bodies])
 
     at_rest = {k: ca.SX.zeros(n) for k in (1, 0, -1)}
@@ -113,8 +114,7 @@ class _Laws:
         self.places: list[dict[str, int]] = []
         for k, joint in robot.numbered:
             at = {"e": names.index(f"joint{k}.e")}
-            if joint.flexible:
-                at |= {f"eps{i}": names.index(f"joint{k}.eps[{i}]") for i in (1, 2, 3)}
+            at |= {f"eps{i}": names.index(f"joint{k}.eps[{i}]") for i in joint.deformations}
             known = {name: m.q[i] for name, i in at.items()}
             known |= {"d" + name: m.v[i] for name, i in at.items()}
             self.signals.append(known | {"tau": u[k - 1]})
@@ -134,7 +134,7 @@ class _Laws:
             for law in joint.effects
             for p in law.parameters
             if p.lower >= 0
-        ) | {f"link{k}.m" for k, _ in robot.numbered}
+        ) | {f"link{k}.m" for k, _ in enumerate(robot.links, start=1)}
 
     def forces(self, mode: ca.SX) -> ca.SX:
         """Sum of the laws at each coordinate, without the part that multiplies accelerations."""

@@ -10,15 +10,17 @@ from typing import Literal
 
 import numpy as np
 
+from flexmodels import signals
 from flexmodels.effect import Effect
 from flexmodels.effects import BASE, CATALOGUE
+from flexmodels.linkage import Closure, PassiveJoint
+from flexmodels.restriction import restricted
 
 LINK_PARAMETERS: dict[str, str] = {
     "m": "kg",
     **{f"ms[{a}]": "kg.m" for a in "xyz"},
     **{f"J[{ab}]": "kg.m2" for ab in ("xx", "xy", "xz", "yy", "yz", "zz")},
 }
-DEFORMATIONS = 3
 
 
 class RobotError(ValueError):
@@ -56,8 +58,10 @@ class Joint:
     """A motor hinge (or slider), with or without a flexible hinge behind it.
 
     x, y      hinge triad in the zero pose (z = x cross y); motion is about (or along) x
-    origin    from the previous joint [m]
+    origin    from the joint of the parent link [m]
     values    effect name -> parameter name -> value, for every law that acts at this joint
+    bends     whether the flexible hinge bends too; else it only twists (eps[1])
+    parent    number of the link that it sits on, 0 for the base; None takes the link before
     """
 
     kind: Literal["revolute", "prismatic"]
@@ -66,6 +70,8 @@ class Joint:
     origin: tuple[float, ...]
     flexible: bool
     values: Mapping[str, Mapping[str, float]]
+    bends: bool = True
+    parent: int | None = None
 
     @property
     def triad(self) -> np.ndarray:
@@ -74,8 +80,17 @@ class Joint:
         return np.column_stack([x, y, np.cross(x, y)])
 
     @property
+    def deformations(self) -> tuple[int, ...]:
+        """Which of eps[1], eps[2], eps[3] the joint has."""
+        return (1, 2, 3) if self.flexible and self.bends else (1,) if self.flexible else ()
+
+    def law(self, effect: str) -> Effect:
+        """A law of the catalogue as it acts here: on the coordinates that the joint has."""
+        return restricted(CATALOGUE[effect], {signals.e, *(signals.eps[i] for i in self.deformations)})
+
+    @property
     def effects(self) -> tuple[Effect, ...]:
-        return tuple(CATALOGUE[name] for name in self.values)
+        return tuple(self.law(name) for name in self.values)
 
 
 @dataclass(frozen=True)
@@ -150,6 +165,15 @@ class Line:
 
 @dataclass(frozen=True)
 class Robot:
+    """A tree of links, one on each joint, with or without pins that close loops.
+
+    joints     the driven joints, numbered from 1; they have the motors, coordinates and laws
+    passive    hinges without a motor, numbered on from there
+    links      of the joints, then of the passive joints
+    closures   pins that make the passive joints follow
+    tip        from the joint of link `tip_link` (None: the last link) [m]
+    """
+
     name: str
     joints: tuple[Joint, ...]
     links: tuple[Link, ...]
@@ -161,22 +185,38 @@ class Robot:
     identification: Identification | None = None
     line: Line | None = None
     description: str = ""
+    passive: tuple[PassiveJoint, ...] = ()
+    closures: tuple[Closure, ...] = ()
+    tip_link: int | None = None
 
     @property
     def numbered(self) -> Iterator[tuple[int, Joint]]:
-        """The joints, counted from 1."""
+        """The driven joints, counted from 1."""
         return enumerate(self.joints, start=1)
+
+    @property
+    def parents(self) -> tuple[int, ...]:
+        """Per link the number of the link before it, 0 for the base."""
+        listed = (*self.joints, *self.passive)
+        return tuple(k if joint.parent is None else joint.parent for k, joint in enumerate(listed))
+
+    @property
+    def following(self) -> np.ndarray:
+        """(passive, n): angles of the passive joints per unit of `coordinates`."""
+        names = self.coordinates
+        rows = np.zeros((len(self.passive), len(names)))
+        for row, joint in zip(rows, self.passive, strict=True):
+            for k, factor in joint.follows.items():
+                row[names.index(f"joint{k}.e")] = factor
+                if self.joints[k - 1].flexible:
+                    row[names.index(f"joint{k}.eps[1]")] = factor
+        return rows
 
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of q: every e first, then every eps."""
         e = [f"joint{k}.e" for k, _ in self.numbered]
-        eps = [
-            f"joint{k}.eps[{i + 1}]"
-            for k, joint in self.numbered
-            if joint.flexible
-            for i in range(DEFORMATIONS)
-        ]
+        eps = [f"joint{k}.eps[{i}]" for k, joint in self.numbered for i in joint.deformations]
         return tuple(e + eps)
 
     @property
@@ -199,7 +239,7 @@ class Robot:
     @property
     def units(self) -> dict[str, str]:
         """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m."""
-        units = {f"link{k}.{p}": u for k, _ in self.numbered for p, u in LINK_PARAMETERS.items()}
+        units = {f"link{k + 1}.{p}": u for k in range(len(self.links)) for p, u in LINK_PARAMETERS.items()}
         for k, joint in self.numbered:
             for effect in joint.effects:
                 for p in effect.parameters:
@@ -226,8 +266,13 @@ class Robot:
             raise RobotError(f"unknown effect {effect!r}; known are {', '.join(sorted(CATALOGUE))}")
         if not 1 <= joint <= len(self.joints):
             raise RobotError(f"robot {self.name} has no joint {joint}; it has 1 to {len(self.joints)}")
-        start = {p.name: p.start for p in CATALOGUE[effect].parameters}
-        changed = replace(self.joints[joint - 1], values={**self.joints[joint - 1].values, effect: start})
+        old = self.joints[joint - 1]
+        if not old.law(effect).forces:
+            raise RobotError(
+                f"effect {effect} acts on deformations that joint {joint} of {self.name} has not"
+            )
+        start = {p.name: p.start for p in old.law(effect).parameters}
+        changed = replace(old, values={**old.values, effect: start})
         return replace(self, joints=(*self.joints[: joint - 1], changed, *self.joints[joint:]))
 
     def _effect_order(self) -> list[str]:

@@ -4,7 +4,6 @@ import os
 import tempfile
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,12 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from flexmodels.effects import BASE, CATALOGUE
+from flexmodels.joint_tables import read_closures, read_joints
+from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import (
     Column,
     Controller,
     Identification,
-    Joint,
     Line,
     Link,
     Multisine,
@@ -25,9 +24,8 @@ from flexmodels.robot import (
     Robot,
     RobotError,
 )
-
-_BASE_PARAMETERS = {p.name: effect for effect in BASE.values() for p in effect.parameters}
-_PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
+from flexmodels.robot_document import document
+from flexmodels.toml_table import Table
 
 
 def shipped() -> dict[str, Path]:
@@ -53,75 +51,20 @@ def load_robot(model: str | Path) -> Robot:
 def save_robot(robot: Robot, path: str | Path) -> None:
     """Write a robot file: to a temporary file beside it first, then renamed."""
     path = Path(path)
-    text = tomli_w.dumps(_document(robot))
+    text = tomli_w.dumps(document(robot))
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     with os.fdopen(handle, "w", encoding="utf-8") as file:
         file.write(text)
     os.replace(temporary, path)
 
 
-class _Table:
-    """A TOML table that knows its place, so that every complaint names the key."""
-
-    def __init__(self, data: Any, where: str):
-        if not isinstance(data, Mapping):
-            raise RobotError(f"{where} must be a table")
-        self.data, self.where, self.read = data, where, set()
-
-    def place(self, key: str) -> str:
-        return f"{self.where}.{key}" if self.where else key
-
-    def __contains__(self, key: str) -> bool:
-        return key in self.data
-
-    def get(self, key: str, default: Any = None) -> Any:
-        self.read.add(key)
-        if key in self.data:
-            return self.data[key]
-        if default is None:
-            raise RobotError(f"{self.place(key)} is missing")
-        return default
-
-    def number(
-        self, key: str, default: float | None = None, lower: float = -np.inf, above: bool = False
-    ) -> float:
-        return _number(self.get(key, default), self.place(key), lower, above)
-
-    def vector(self, key: str, size: int, default: Any = None, lower: float = -np.inf) -> tuple[float, ...]:
-        value = self.get(key, default)
-        if not isinstance(value, list | tuple) or len(value) != size:
-            raise RobotError(f"{self.place(key)} must be {size} numbers")
-        return tuple(_number(v, f"{self.place(key)}[{i + 1}]", lower) for i, v in enumerate(value))
-
-    def table(self, key: str) -> "_Table":
-        return _Table(self.get(key), self.place(key))
-
-    def tables(self, key: str) -> list["_Table"]:
-        value = self.get(key)
-        if not isinstance(value, list) or not value:
-            raise RobotError(f"{self.place(key)} must be a list of tables ([[{key}]])")
-        return [_Table(v, f"{self.place(key)}[{i + 1}]") for i, v in enumerate(value)]
-
-    def done(self) -> None:
-        unknown = sorted(set(self.data) - self.read)
-        if unknown:
-            raise RobotError(f"{self.place(unknown[0])} is not a known key; remove or rename it")
-
-
-def _number(value: Any, place: str, lower: float = -np.inf, above: bool = False) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise RobotError(f"{place} must be a finite number, not {value!r}")
-    if value < lower or (above and value <= lower):
-        raise RobotError(f"{place} = {value} must be {'above' if above else 'at least'} {lower:g}")
-    return float(value)
-
-
 def _robot(data: Mapping[str, Any], stem: str) -> Robot:
-    table = _Table(data, "")
-    joints = tuple(_joint(t) for t in table.tables("joint"))
+    table = Table(data, "")
+    joints, passive = read_joints(table.tables("joint"))
     links = tuple(_link(t) for t in table.tables("link"))
-    if len(links) != len(joints):
-        raise RobotError(f"link: {len(joints)} joints need as many links, found {len(links)}")
+    count = len(joints) + len(passive)
+    if len(links) != count:
+        raise RobotError(f"link: {count} joints need as many links, found {len(links)}")
     controller = _controller(table.table("controller"), len(joints)) if "controller" in table else None
     columns = _columns(table.table("columns")) if "columns" in table else {}
     processing = _processing(table.table("processing")) if "processing" in table else Processing()
@@ -139,61 +82,16 @@ def _robot(data: Mapping[str, Any], stem: str) -> Robot:
         else None,
         line=_line(table.table("line"), len(joints)) if "line" in table else None,
         description=str(table.get("description", " ")).strip(),
+        passive=passive,
+        closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
+        tip_link=table.whole(table.get("tip_link"), "tip_link", 1, count) if "tip_link" in table else None,
     )
     table.done()
+    check_linkage(robot)
     return robot
 
 
-def _joint(table: _Table) -> Joint:
-    kind = table.get("kind", "revolute")
-    if kind not in ("revolute", "prismatic"):
-        raise RobotError(f"{table.place('kind')} must be revolute or prismatic, not {kind!r}")
-    x, y = table.vector("x", 3), table.vector("y", 3)
-    if abs(np.linalg.norm(x) - 1) > 1e-9 or abs(np.linalg.norm(y) - 1) > 1e-9 or abs(np.dot(x, y)) > 1e-9:
-        raise RobotError(f"{table.place('x')} and y must be unit vectors at right angles")
-    values = _laws(table)
-    joint = Joint(
-        kind=kind,
-        x=x,
-        y=y,
-        origin=table.vector("origin", 3, (0.0, 0.0, 0.0)),
-        flexible="stiffness" in values,
-        values=values,
-    )
-    if "damping" in values and not joint.flexible:
-        raise RobotError(f"{table.place('d')} needs {table.place('k')}")
-    table.done()
-    return joint
-
-
-def _laws(table: _Table) -> dict[str, dict[str, float]]:
-    values: dict[str, dict[str, float]] = {}
-    for key, effect in (("k", "stiffness"), ("d", "damping")):
-        if key in table:
-            numbers = table.vector(key, 3, lower=0.0)
-            values[effect] = {f"{key}[{i + 1}]": v for i, v in enumerate(numbers)}
-    for name, effect in _BASE_PARAMETERS.items():
-        if name in table:
-            lower = effect.parameters[0].lower
-            values.setdefault(effect.name, {})[name] = table.number(name, lower=lower)
-    if "effects" in table:
-        effects = table.table("effects")
-        for name in effects.data:
-            values[name] = _effect_values(effects, name)
-    return values
-
-
-def _effect_values(effects: _Table, name: str) -> dict[str, float]:
-    if name not in CATALOGUE or name in BASE:
-        known = ", ".join(sorted(set(CATALOGUE) - set(BASE)))
-        raise RobotError(f"{effects.place(name)} is not a known effect; known are {known}")
-    table = effects.table(name)
-    values = {p.name: table.number(p.name, lower=p.lower) for p in CATALOGUE[name].parameters}
-    table.done()
-    return values
-
-
-def _link(table: _Table) -> Link:
+def _link(table: Table) -> Link:
     m = table.number("m", lower=0.0)
     if "com" in table:
         com = np.array(table.vector("com", 3))
@@ -216,7 +114,7 @@ def _symmetric(J: tuple[float, ...]) -> np.ndarray:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _controller(table: _Table, n: int) -> Controller:
+def _controller(table: Table, n: int) -> Controller:
     controller = Controller(
         rate=table.number("rate", lower=0.0, above=True),
         Kp=table.vector("Kp", n),
@@ -227,19 +125,19 @@ def _controller(table: _Table, n: int) -> Controller:
     return controller
 
 
-def _columns(table: _Table) -> dict[str, Column]:
+def _columns(table: Table) -> dict[str, Column]:
     columns = {}
     for signal, value in table.data.items():
         if isinstance(value, str):
             columns[signal] = Column(value)
         else:
-            entry = _Table(value, table.place(signal))
+            entry = Table(value, table.place(signal))
             columns[signal] = Column(str(entry.get("source")), entry.number("gain", 1.0))
             entry.done()
     return columns
 
 
-def _processing(table: _Table) -> Processing:
+def _processing(table: Table) -> Processing:
     decimate = table.number("decimate", 1, lower=1)
     derivative = table.get("derivative") if "derivative" in table else None
     if derivative not in (None, "central", "hat"):
@@ -254,7 +152,7 @@ def _processing(table: _Table) -> Processing:
     return processing
 
 
-def _identification(table: _Table, n: int) -> Identification:
+def _identification(table: Table, n: int) -> Identification:
     multisine = table.table("multisine")
     experiment = Identification(
         swing=table.vector("swing", n),
@@ -272,7 +170,7 @@ def _identification(table: _Table, n: int) -> Identification:
     return experiment
 
 
-def _line(table: _Table, n: int) -> Line:
+def _line(table: Table, n: int) -> Line:
     locked = tuple(int(k) for k in table.get("locked", ()))
     if any(not 1 <= k <= n for k in locked):
         raise RobotError(f"{table.place('locked')} must name joints from 1 to {n}")
@@ -284,57 +182,3 @@ def _line(table: _Table, n: int) -> Line:
     )
     table.done()
     return line
-
-
-def _document(robot: Robot) -> dict[str, Any]:
-    document: dict[str, Any] = {
-        "name": robot.name,
-        "description": robot.description,
-        "gravity": list(robot.gravity),
-        "tip": list(robot.tip),
-    }
-    if robot.controller:
-        c = robot.controller
-        document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
-    if robot.columns:
-        document["columns"] = {
-            s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
-            for s, c in robot.columns.items()
-        }
-    if robot.processing != Processing():
-        p = robot.processing
-        document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
-    if robot.identification:
-        document["identification"] = _plain(asdict(robot.identification))
-    if robot.line:
-        document["line"] = _plain(asdict(robot.line))
-    document["joint"] = [_joint_document(joint) for joint in robot.joints]
-    document["link"] = [{"m": link.m, "ms": list(link.ms), "J": list(link.J)} for link in robot.links]
-    return document
-
-
-def _plain(value: Any) -> Any:
-    """Tuples as lists, for TOML."""
-    if isinstance(value, dict):
-        return {key: _plain(v) for key, v in value.items()}
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _joint_document(joint: Joint) -> dict[str, Any]:
-    table: dict[str, Any] = {
-        "kind": joint.kind,
-        "origin": list(joint.origin),
-        "x": list(joint.x),
-        "y": list(joint.y),
-    }
-    others = {}
-    for effect, values in joint.values.items():
-        if effect in _PREFIXES:
-            table[next(iter(values))[0]] = list(values.values())
-        elif effect in BASE:
-            table |= values
-        else:
-            others[effect] = dict(values)
-    if others:
-        table["effects"] = others
-    return table

@@ -15,6 +15,7 @@ from pyident.fem.triads import compose, turn
 STEP = 0.5  # largest change of a coordinate between two converged configurations [rad or m]
 NEAR, CLOSE = 1e-2, 1e-7  # errors from which to step on, and to stop: the last update squares the error
 ITERATIONS = 20
+SPARSE = 16
 
 
 def nodes(structure: Structure, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Nodes:
@@ -43,16 +44,30 @@ def nodes(structure: Structure, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) 
 
 
 def configuration(structure: Structure, q: np.ndarray) -> Shape:
-    """F(q): the nodes for q (n, N), followed from the reference configuration in steps."""
-    steps = max(1, int(np.ceil(np.abs(q).max(initial=0.0) / STEP)))
-    shape = reference(structure, q.shape[1])
+    """F(q): the nodes for q (n, N), followed from the reference configuration in steps.
+
+    Where neighbouring samples lie close, only every `SPARSE`-th is followed; the others start from it.
+    """
+    few = q[:, ::SPARSE]
+    near = few.repeat(SPARSE, axis=1)[:, : q.shape[1]]
+    if np.abs(q - near).max(initial=0.0) > STEP:
+        return _follow(structure, reference(structure, q.shape[1]), 0 * q, q)
+    sparse = _follow(structure, reference(structure, few.shape[1]), 0 * few, few)
+    start = {node: value.repeat(SPARSE, axis=-1)[..., : q.shape[1]] for node, value in sparse.items()}
+    return _follow(structure, start, near, q)
+
+
+def _follow(structure: Structure, shape: Shape, start: np.ndarray, end: np.ndarray) -> Shape:
+    """From a configuration at q = start to the one at q = end, both (n, N)."""
+    steps = max(1, int(np.ceil(np.abs(end - start).max(initial=0.0) / STEP)))
     for k in range(1, steps + 1):
+        q = start + (end - start) * k / steps
         for _ in range(ITERATIONS):
-            shape, error = newton(structure, shape, q * k / steps)
+            shape, error = newton(structure, shape, q)
             if error.max() < (NEAR if k < steps else CLOSE):
                 break
         else:
-            at = ", ".join(f"{value:.4g}" for value in q[:, np.argmax(error)] * k / steps)
+            at = ", ".join(f"{value:.4g}" for value in q[:, np.argmax(error)])
             raise StructureError(f"the structure does not close at q = ({at}); keep q within its reach")
     return shape
 

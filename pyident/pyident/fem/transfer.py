@@ -21,5 +21,5 @@ def tip_positions(robot: Robot, q: np.ndarray) -> np.ndarray:
     structure = of_robot(robot)
     still = np.zeros_like(q.T)
     found = nodes(structure, q.T, still, still)
-    x, R = structure.bodies[-1]
+    x, R = structure.bodies[-1 if robot.tip_link is None else robot.tip_link - 1]
     return (found.positions[x].x + rotate(found.orientations[R].R, np.array(robot.tip))).T

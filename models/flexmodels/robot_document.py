@@ -1,0 +1,77 @@
+"""A robot as the nested tables of its file."""
+
+from dataclasses import asdict
+from typing import Any
+
+from flexmodels.effects import BASE
+from flexmodels.linkage import PassiveJoint
+from flexmodels.robot import Joint, Processing, Robot
+
+_PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
+
+
+def document(robot: Robot) -> dict[str, Any]:
+    """What `flexmodels.robot_file` reads back as the same robot."""
+    document: dict[str, Any] = {
+        "name": robot.name,
+        "description": robot.description,
+        "gravity": list(robot.gravity),
+        "tip": list(robot.tip),
+    }
+    if robot.controller:
+        c = robot.controller
+        document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
+    if robot.columns:
+        document["columns"] = {
+            s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
+            for s, c in robot.columns.items()
+        }
+    if robot.processing != Processing():
+        p = robot.processing
+        document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
+    if robot.identification:
+        document["identification"] = _plain(asdict(robot.identification))
+    if robot.line:
+        document["line"] = _plain(asdict(robot.line))
+    if robot.tip_link is not None:
+        document["tip_link"] = robot.tip_link
+    document["joint"] = [
+        *(_joint_document(joint) for joint in robot.joints),
+        *(_passive_document(joint) for joint in robot.passive),
+    ]
+    document["link"] = [{"m": link.m, "ms": list(link.ms), "J": list(link.J)} for link in robot.links]
+    if robot.closures:
+        document["closure"] = [_plain(asdict(closure)) for closure in robot.closures]
+    return document
+
+
+def _plain(value: Any) -> Any:
+    """Tuples as lists, for TOML."""
+    if isinstance(value, dict):
+        return {key: _plain(v) for key, v in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
+    parent = {} if joint.parent is None else {"parent": joint.parent}
+    return parent | {"origin": list(joint.origin), "x": list(joint.x), "y": list(joint.y)}
+
+
+def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
+    follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
+    return {"passive": True} | _place(joint) | {"follows": follows}
+
+
+def _joint_document(joint: Joint) -> dict[str, Any]:
+    table = {"kind": joint.kind} | _place(joint)
+    others = {}
+    for effect, values in joint.values.items():
+        if effect in _PREFIXES:
+            table[next(iter(values))[0]] = list(values.values())
+        elif effect in BASE:
+            table |= values
+        else:
+            others[effect] = dict(values)
+    if others:
+        table["effects"] = others
+    return table
