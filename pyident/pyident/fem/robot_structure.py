@@ -1,8 +1,8 @@
 """The finite elements of a robot, figure 1 of the paper."""
 
 import numpy as np
-from flexmodels.robot import Robot
 
+from flexmodels.robot import Robot
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
 from pyident.fem.slider import Slider
