@@ -59,9 +59,9 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
     return {
         parameter_name(k, effect, parameter.name): parameter.lower
         for k, joint in robot.numbered
-        for effect in joint.values
+        for effect, values in joint.values.items()
         for parameter in CATALOGUE[effect].parameters
-        if np.isfinite(parameter.lower)
+        if parameter.name in values and np.isfinite(parameter.lower)
     }
 
 

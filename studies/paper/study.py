@@ -59,8 +59,8 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     factor = min(tip.factor("corrected by replicas", d) for d in validation.DIRECTIONS)
     summary = (
         f"The arm of the paper's figure 1, simulated and identified from {plan.time[-1]:g} s of motion "
-        f"without noise. On the validation line the identified model's tip stays {factor:.2g} times closer to the "
-        f"original's than the original to the line."
+        f"without noise. On the validation line the identified model's tip stays {factor:.2g} times closer "
+        f"to the original's than the original to the line."
     )
     page = write_page(folder / "index.html", "The seed paper, section 3", summary, sections)
     return StudyResult(statements, [page, *paths])
@@ -157,7 +157,7 @@ def _sections(
         ),
         Section(
             "Figure 7: the tip",
-            "Above, how far the original's tip leaves the line; below, what differs in the identified models.",
+            "Above, how far the original's tip leaves the line; below, what differs after identification.",
             [Picture(figures["tip"], "Tip deviation and differences, vertical and horizontal.")],
         ),
         Section(
