@@ -2,6 +2,7 @@ import os
 from pathlib import Path
 
 import pytest
+
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import identification

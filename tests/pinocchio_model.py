@@ -16,6 +16,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import pytest
+
 from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Joint, Link, Robot
 from flexmodels.robot_file import load_robot

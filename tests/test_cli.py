@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+
 from flexmodels.robot_file import load_robot, shipped
 from pyident.cli import main
 from pyident.log import write_log

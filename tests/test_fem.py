@@ -3,10 +3,11 @@
 import casadi as ca
 import numpy as np
 import pytest
+from pinocchio_model import PinocchioRobot, mixed_robot, random_motion
+
 from flexmodels import dynamics
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
-from pinocchio_model import PinocchioRobot, mixed_robot, random_motion
 from pyident.fem import chain, hinge
 from pyident.fem.nodes import Nodes
 from pyident.fem.robot_structure import of_robot

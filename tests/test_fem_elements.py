@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
 from pyident.fem.nodes import Shape, Velocity

@@ -5,9 +5,10 @@ from dataclasses import fields, replace
 import casadi as ca
 import numpy as np
 import pytest
+from pinocchio_model import mixed_robot, random_motion
+
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
-from pinocchio_model import mixed_robot, random_motion
 from pyident.fem import assembly, chain, loop, transfer
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+
 from flexmodels.robot_file import load_robot
-from pyident.conditioning import central_differences, hat_means, thin
+from pyident.conditioning import central_differences, thin
 from pyident.identify import identify
 from pyident.log import Log
 from pyident.solve import merge, reduce, solve

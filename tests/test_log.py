@@ -1,9 +1,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.io import savemat
+
 from flexmodels.robot import Column
 from pyident.log import Log, LogError, read_log, require, write_log
-from scipy.io import savemat
 
 
 def frame(n=20):

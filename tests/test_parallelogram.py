@@ -5,6 +5,9 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from pinocchio_model import PinocchioRobot, random_motion
+from scipy.integrate import solve_ivp
+
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels import dynamics
@@ -12,7 +15,6 @@ from flexmodels.experiment import Experiment, identification, line
 from flexmodels.linkage import Closure
 from flexmodels.plant import equations
 from flexmodels.robot_file import load_robot
-from pinocchio_model import PinocchioRobot, random_motion
 from pyident.conditioning import condition
 from pyident.estimate import estimate
 from pyident.fem import loop, transfer
@@ -24,7 +26,6 @@ from pyident.log import Log
 from pyident.physical import lower_bounds
 from pyident.problem import Problem
 from pyident.regressor import Motion, regressor
-from scipy.integrate import solve_ivp
 
 ROBOT = load_robot("parallelogram")
 SHOULDER, LOWER, REACH, DROP = (0.25, 0.8), 1.0, 1.3, 0.2  # of parallelogram.toml [m]

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
+from scipy.integrate import solve_ivp
+
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu, SimulationError
 from flexmodels.experiment import Experiment, identification
 from flexmodels.plant import equations
 from flexmodels.robot_file import load_robot
-from fmpy.validation import validate_fmu
-from scipy.integrate import solve_ivp
 
 TIP = ["tip.x", "tip.y", "tip.z"]
 

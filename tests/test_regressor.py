@@ -6,12 +6,13 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy
+from pinocchio_model import PinocchioRobot, mixed_robot, random_motion, tree_robot
+
 from flexmodels import dynamics, signals
 from flexmodels.effect import Effect, Parameter
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import LINK_PARAMETERS, Robot
 from flexmodels.robot_file import load_robot
-from pinocchio_model import PinocchioRobot, mixed_robot, random_motion, tree_robot
 from pyident.regressor import Motion, Regressor, regressor, regressor_blocks
 
 ROBOTS = [

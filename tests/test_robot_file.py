@@ -1,4 +1,5 @@
 import pytest
+
 from flexmodels.robot import RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
 

@@ -5,11 +5,12 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from pinocchio_model import PinocchioRobot, random_motion, tree_robot
+
 from flexmodels import dynamics, projected
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot
-from pinocchio_model import PinocchioRobot, random_motion, tree_robot
 from pyident.fem import chain
 from pyident.fem.robot_structure import of_robot
 from pyident.fem.transfer import tip_positions

@@ -10,10 +10,9 @@ import zipfile
 from importlib.util import find_spec
 from pathlib import Path
 
-from flexmodels.plant import Equations
-
 from flexfmu.description import identifier, model_description
 from flexfmu.source import RUNTIME, model_sources, token_of
+from flexmodels.plant import Equations
 
 _SOURCES = ["model.c", "plant.c", "fmi2.c"]
 

@@ -8,7 +8,6 @@ from types import TracebackType
 
 import numpy as np
 import pandas as pd
-from flexmodels.experiment import Experiment
 from fmpy import calloc, extract, free, read_model_description
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -21,6 +20,7 @@ from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription
 
 from flexfmu.description import fmi_name
+from flexmodels.experiment import Experiment
 
 Progress = Callable[[float], None]
 

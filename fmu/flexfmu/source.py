@@ -7,9 +7,9 @@ from importlib import resources
 from pathlib import Path
 
 import casadi as ca
-from flexmodels.plant import Equations
 
 from flexfmu.description import STEP, identifier, variables
+from flexmodels.plant import Equations
 
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 _FUNCTIONS = ("rates", "breakaway", "balance", "tip")

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
-from flexmodels import dynamics
+from flexmodels import dynamics, multisine
 from flexmodels.robot import Line, Robot, RobotError
 
 
@@ -24,8 +24,14 @@ class Experiment:
     feedforward: np.ndarray
 
 
-def identification(robot: Robot, seed: int = 0, duration: float | None = None) -> Experiment:
-    """The paper's section 3: every joint swings, a multisine of random phases excites the flexibilities."""
+def identification(
+    robot: Robot, seed: int = 0, duration: float | None = None, flat: bool = False
+) -> Experiment:
+    """The paper's section 3: every joint swings, a multisine excites the flexibilities.
+
+    seed    of the random phases;  duration [s], none: the robot file's
+    flat    optimise the phases for a small peak (crest factor) instead of leaving them random
+    """
     plan = robot.identification
     if plan is None:
         raise RobotError(f"robot {robot.name} has no [identification] experiment; add one or give a file")
@@ -35,8 +41,10 @@ def identification(robot: Robot, seed: int = 0, duration: float | None = None) -
     tones = plan.multisine
     frequencies = np.linspace(tones.lowest, tones.highest, tones.lines)
     phases = np.random.default_rng(seed).uniform(0, 2 * np.pi, (len(robot.joints), tones.lines))
-    waves = np.sin(2 * np.pi * time[:, None, None] * frequencies + phases).sum(axis=2)
-    return Experiment(time, reference, np.sqrt(2 / tones.lines) * waves * np.array(tones.rms))
+    if flat:
+        phases = np.array([multisine.flattened(p, frequencies) for p in phases])
+    waves = np.column_stack([multisine.wave(time, frequencies, p) for p in phases])
+    return Experiment(time, reference, waves * np.array(tones.rms))
 
 
 def line(robot: Robot) -> Experiment:
@@ -45,10 +53,15 @@ def line(robot: Robot) -> Experiment:
     if plan is None:
         raise RobotError(f"robot {robot.name} has no [line] experiment; add one or give a file")
     time = _grid(robot, plan.duration)
-    s = time / plan.duration
-    s = 10 * s**3 - 15 * s**4 + 6 * s**5
-    path = np.array(plan.start) + np.outer(s, np.array(plan.end) - plan.start)
+    path = np.array(plan.start) + np.outer(
+        line_profile(time / plan.duration), np.subtract(plan.end, plan.start)
+    )
     return Experiment(time, _inverse_kinematics(robot, plan, path), np.zeros((len(time), len(robot.joints))))
+
+
+def line_profile(share: np.ndarray) -> np.ndarray:
+    """Share of the way [0, 1] at a share of the time: at rest, without jump of acceleration, at both ends."""
+    return 10 * share**3 - 15 * share**4 + 6 * share**5
 
 
 def _grid(robot: Robot, duration: float) -> np.ndarray:

@@ -9,20 +9,22 @@ from pathlib import Path
 from typing import Any
 
 import click
-from flexfmu.build import BuildError, export_fmu
-from flexfmu.simulate import SimulationError
-from flexmodels.effects import CATALOGUE
-from flexmodels.plant import equations
-from flexmodels.robot import RobotError
-from flexmodels.robot_file import load_robot, save_robot, shipped
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from flexfmu.build import BuildError, export_fmu
+from flexfmu.simulate import SimulationError
+from flexmodels.effects import CATALOGUE
+from flexmodels.plant import equations
+from flexmodels.robot import Robot, RobotError
+from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.experiment_file import ExperimentError, load_experiment
 from pyident.identify import Identified, identify
+from pyident.indirect import correct_by_replicas
 from pyident.log import Log, LogError, read_log, write_log
-from pyident.pipeline import simulate_robot
+from pyident.output_error import output_error
+from pyident.pipeline import FmuRuns, simulate_robot
 from pyident.studies import find_study, study_names
 
 console = Console()
@@ -146,10 +148,13 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
 @click.argument("logs", nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="Robot file to write.")
 @click.option("--robust", is_flag=True, help="Give single equations that stick out less weight (Huber).")
+@click.option(
+    "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
+)
 @_json
 @_reported
 def identify_command(
-    model: str, logs: tuple[str, ...], output: str | None, robust: bool, json_file: str | None
+    model: str, logs: tuple[str, ...], output: str | None, robust: bool, refine: bool, json_file: str | None
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
@@ -157,7 +162,7 @@ def identify_command(
     """
     robot = load_robot(model)
     read = [read_log(log, robot.columns) for log in logs]
-    found = identify(robot, read, robust=robust)
+    found = _refined(robot, read) if refine else identify(robot, read, robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)
@@ -200,11 +205,25 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
         sys.exit(1)
 
 
-def _simulable(model: str):
+def _simulable(model: str) -> Robot:
     robot = load_robot(model)
+    _require_controller(robot)
+    return robot
+
+
+def _require_controller(robot: Robot) -> None:
     if robot.controller is None:
         raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
-    return robot
+
+
+def _refined(robot: Robot, logs: list[Log]) -> Identified:
+    """Regression, bias removed by replicas, then output error."""
+    _require_controller(robot)
+    with FmuRuns(robot) as runs:
+        with _progress("removing the regression's bias") as progress:
+            start = correct_by_replicas(robot, logs, runs, progress)
+        with _progress("output error") as progress:
+            return output_error(robot, logs, start, runs, progress=progress)[0]
 
 
 def _print_identified(found: Identified) -> None:

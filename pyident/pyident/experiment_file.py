@@ -1,10 +1,10 @@
 """Experiments by name or from a file of references."""
 
 import numpy as np
+
 from flexmodels import experiment as plans
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
-
 from pyident.log import LogError, read_log
 
 

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from flexmodels.robot import Column, Robot
 from scipy.io import loadmat, savemat
+
+from flexmodels.robot import Column, Robot
 
 _JITTER = 0.01  # of one period: what still counts as uniform
 

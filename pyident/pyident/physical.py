@@ -5,11 +5,13 @@ friction level and motor inertia stays non-negative; so the model's mass matrix 
 whatever the data left open.
 """
 
+import warnings
+
 import cvxpy as cp
 import numpy as np
+
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
-
 from pyident.solve import Reduced, Solution
 
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
@@ -38,10 +40,14 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     ]
     cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
     problem = cp.Problem(cp.Minimize(cost), limits)
-    problem.solve(solver=cp.CLARABEL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
+        problem.solve(solver=cp.CLARABEL)
     if z.value is None:
         raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")
-    return np.asarray(z.value) / scale
+    found = np.asarray(z.value) / scale
+    bounds = lower_bounds(robot)
+    return np.maximum(found, [bounds.get(name, -np.inf) for name in names])
 
 
 def _sigma(reduced: Reduced, solution: Solution) -> float:
@@ -55,9 +61,9 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
     return {
         parameter_name(k, effect, parameter.name): parameter.lower
         for k, joint in robot.numbered
-        for effect in joint.values
+        for effect, values in joint.values.items()
         for parameter in CATALOGUE[effect].parameters
-        if np.isfinite(parameter.lower)
+        if parameter.name in values and np.isfinite(parameter.lower)
     }
 
 

@@ -1,4 +1,4 @@
-"""The regression of all logs, piece by piece: eq. (12) as blocks of equations that can be gone through again."""
+"""The regression of all logs, eq. (12), as blocks of equations that can be gone through again."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

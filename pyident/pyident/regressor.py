@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 import sympy
+
 from flexmodels.effect import Effect
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
-
 from pyident.fem import body, robot_structure, transfer
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)

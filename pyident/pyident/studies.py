@@ -1,11 +1,14 @@
 """Finds the studies: folders with a study.py, beside the packages or inside the installed wheel."""
 
-import importlib.util
+import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+_PACKAGE = "flexident_studies"
 Study = Callable[[Path, Callable[[float], None]], "StudyResult"]
 
 
@@ -29,17 +32,15 @@ def study_names() -> list[str]:
 
 def find_study(name: str) -> Study | None:
     """The function `run` of studies/<name>/study.py, None when there is no such study."""
-    file = _folder() / name / "study.py"
     if name not in study_names():
         return None
-    spec = importlib.util.spec_from_file_location(f"studies_{name}", file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.run
+    if _PACKAGE not in sys.modules:
+        package = ModuleType(_PACKAGE)
+        package.__path__ = [str(_folder())]
+        sys.modules[_PACKAGE] = package
+    return importlib.import_module(f"{_PACKAGE}.{name}.study").run
 
 
 def _folder() -> Path:
-    installed = Path(__file__).parent / "studies"
+    installed = Path(__file__).parent / "_studies"
     return installed if installed.is_dir() else Path(__file__).parents[2] / "studies"

@@ -1,9 +1,9 @@
 """The finite elements of a robot, figure 1 of the paper; closed loops after Jonker (1990)."""
 
 import numpy as np
+
 from flexmodels.linkage import Closure
 from flexmodels.robot import Robot
-
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
 from pyident.fem.slider import Slider

@@ -1,8 +1,8 @@
 """The geometric transfer function x = F(q) and its derivatives, eqs (5)-(7)."""
 
 import numpy as np
-from flexmodels.robot import Robot
 
+from flexmodels.robot import Robot
 from pyident.fem import chain, loop
 from pyident.fem.nodes import Nodes
 from pyident.fem.robot_structure import of_robot

@@ -1,0 +1,105 @@
+"""Bias and noise: indirect inference, output error, robust and coloured-residual estimation."""
+
+import numpy as np
+import pytest
+
+from flexmodels.experiment import identification
+from pyident.base_parameters import weakest_directions
+from pyident.conditioning import condition
+from pyident.estimate import estimate
+from pyident.identify import identify
+from pyident.indirect import correct_by_replicas
+from pyident.log import Log, LogError
+from pyident.output_error import output_error
+from pyident.pipeline import FmuRuns
+from pyident.problem import Problem
+from pyident.simulated import replay_of
+
+
+@pytest.fixture(scope="module")
+def runs(four_link):
+    with FmuRuns(four_link) as runs:
+        yield runs
+
+
+def test_runs_come_back_in_their_order(four_link, runs):
+    plan = identification(four_link, duration=0.2)
+    frames = list(runs(plan, [{"joint1.coulomb": c} for c in (0.0, 200.0, 0.0)]))
+    assert frames[0].equals(frames[2])
+    assert not frames[0].equals(frames[1])
+
+
+def test_replicas_remove_the_regressions_bias(four_link, identification_log, runs):
+    """Noise-free, held torque: goals 0.5 % (drives), 1 % (bendings, motor inertias), 2 % (friction)."""
+    found = correct_by_replicas(four_link, [identification_log], runs)
+    goals = {"k[1]": 0.5, "k[2]": 1.0, "k[3]": 1.0, "J_m": 1.0, "coulomb": 2.0, "viscous": 2.0}
+    checked = 0
+    for i, (name, true) in enumerate(four_link.parameters.items()):
+        goal = goals.get(name.split(".")[1])
+        if goal and found.support[name] == "alone":
+            assert 100 * abs(found.solution.p[i] / true - 1) < goal / 10, name
+            checked += 1
+    assert checked == 22
+
+
+def test_the_regression_alone_leaves_less_than_a_percent(four_link, identification_log):
+    found = identify(four_link, [identification_log])
+    assert max(found.relative_error.values()) < 1.0
+    assert "link1.ms[z], joint1.k[2] and joint1.k[3] act together" in "\n".join(
+        weakest_directions(found.reduced, found.solution)
+    )
+
+
+def test_output_error_needs_the_reference(four_link, identification_log):
+    bare = Log(identification_log.frame.drop(columns="joint3.r"), "bare")
+    with pytest.raises(LogError, match=r"column joint3\.r is missing, the reference"):
+        replay_of(four_link, bare)
+
+
+def test_output_error_finds_the_noise_level_and_covers_the_truth(four_link, identification_log, runs):
+    """A short noisy log: what is left is the noise that was put in, and intervals are neither wide nor narrow."""
+    rng = np.random.default_rng(4)
+    frame = identification_log.frame.head(1100).copy()
+    for name in frame:
+        if name.endswith(".e") or ".eps" in name:
+            frame[name] += (2e-6 if name.endswith(".e") else 1e-6) * rng.standard_normal(len(frame))
+    log = Log(frame, "noisy")
+    start = identify(four_link, [Log(identification_log.frame.head(1100), "clean")])
+    slopes = None
+    for _ in range(2):  # slopes at the clean start, then only the residual is followed
+        refined, slopes = output_error(four_link, [log], start, runs, slopes)
+    replay = replay_of(four_link, log)
+    left = replay.missed(next(iter(runs(replay.plan, [refined.robot.parameters]))))
+    np.testing.assert_allclose(left[:, :4].std(axis=0), 2e-6, rtol=0.1)
+    np.testing.assert_allclose(left[:, 4:16].std(axis=0), 1e-6, rtol=0.15)
+    true = np.array(list(four_link.parameters.values()))
+    alone = ~refined.solution.open
+    z = (refined.solution.p - true)[alone] / refined.solution.std[alone]
+    assert np.mean(np.abs(z) < 1.96) > 0.85
+
+
+def test_robust_estimation_shrugs_off_outliers(four_link, identification_log):
+    frame = identification_log.frame.head(2000).copy()
+    rng = np.random.default_rng(5)
+    hit = rng.choice(len(frame), 25, replace=False)
+    frame.loc[hit, "joint2.tau"] += rng.choice([-300.0, 300.0], len(hit))
+    log = Log(frame, "outliers")
+    true = four_link.parameters["joint2.coulomb"]
+    errors = [
+        abs(identify(four_link, [log], robust=robust).robot.parameters["joint2.coulomb"] / true - 1)
+        for robust in (False, True)
+    ]
+    assert errors[1] < errors[0] / 5
+    assert errors[1] < 0.01
+
+
+def test_covariance_widens_under_coloured_residuals(four_link, identification_log):
+    """The same residual repeated in time holds no more information: standard deviations must grow."""
+    log = Log(identification_log.frame.head(1500), "short")
+    problem = Problem(four_link, (condition(log, four_link),))
+    reduced, coloured = estimate(problem)
+    white = coloured.weights  # weights come from the residuals; compare per parameter
+    assert white.shape == (16,)
+    assert np.isfinite(coloured.std[~coloured.open]).all()
+    assert (np.linalg.eigvalsh(coloured.covariance * np.outer(coloured.scale, coloured.scale)) > -1e-9).all()
+    assert reduced.samples == 1492
