@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from flexmodels.robot_file import load_robot
-from pyident.conditioning import central_differences, thin
+from pyident.conditioning import central_differences, hat_means, thin
 from pyident.identify import identify
 from pyident.log import Log
-from pyident.solve import merge, reduce, solve
+from pyident.solve import reduce, solve
 
 
 def test_central_differences_are_of_eighth_order():
@@ -20,6 +20,23 @@ def test_central_differences_are_of_eighth_order():
     assert np.log2(coarse[1] / fine[1]) == pytest.approx(8, abs=0.2)
 
 
+def test_hat_means_are_exact_between_jumps_of_the_acceleration():
+    """A position whose acceleration jumps at every sample: the second difference is the hat's mean of it."""
+    rng, period, fine = np.random.default_rng(2), 0.01, 200
+    a = np.repeat(rng.normal(size=60), fine)
+    dt = period / fine
+    v = np.concatenate([[0], np.cumsum(a) * dt])
+    q = np.concatenate([[0], np.cumsum((v[1:] + v[:-1]) / 2) * dt])
+    mean, _, ddq = hat_means(q[::fine, None], period)
+    held = a[::fine]
+    np.testing.assert_allclose(
+        ddq[:, 0], ((held[:-1] + held[1:]) / 2)[3 : 3 + len(ddq)], rtol=1e-6, atol=1e-6
+    )
+    hat = np.concatenate([np.arange(fine), fine - np.arange(fine)]) / fine**2
+    at = [q[(i - 1) * fine : (i + 1) * fine] @ hat for i in range(4, 4 + len(mean))]
+    np.testing.assert_allclose(mean[:, 0], at, atol=2e-2 * period**2)
+
+
 def test_thinning_keeps_slow_signals_in_place():
     time = np.arange(4000) / 1000
     slow, fast = np.sin(2 * np.pi * 2 * time), np.sin(2 * np.pi * 90 * time)
@@ -32,8 +49,8 @@ def test_the_streamed_solution_is_numpys():
     A, p = rng.normal(size=(300, 2, 5)), np.array([1.0, -2.0, 3.0, 0.0, 5.0])
     A[:, :, 3] = A[:, :, 0] + A[:, :, 1]  # a column that can not be told from two others
     y = A @ p + 0.01 * rng.normal(size=(300, 2))
-    parts = [reduce([(A[i : i + 70], y[i : i + 70])], ("a", "b"), tuple("vwxyz")) for i in range(0, 300, 70)]
-    solution = solve(merge(parts))
+    blocks = ((A[i : i + 70], y[i : i + 70]) for i in range(0, 300, 70))
+    solution = solve(reduce(blocks, ("a", "b"), tuple("vwxyz")))
     scale = np.linalg.norm(A.reshape(-1, 5), axis=0)
     expected = np.linalg.lstsq(A.reshape(-1, 5) / scale, y.ravel(), rcond=1e-10)[0] / scale
     np.testing.assert_allclose(solution.p, expected, rtol=1e-10)

@@ -23,7 +23,6 @@ from pyident.fem.structure import StructureError
 from pyident.fem.triads import cross, rotate
 from pyident.identify import identified
 from pyident.log import Log
-from pyident.physical import lower_bounds
 from pyident.problem import Problem
 from pyident.regressor import Motion, regressor
 
@@ -161,9 +160,6 @@ def test_stiffness_and_rank_are_found(fitted):
     assert solution.rank == 44
 
 
-@pytest.mark.xfail(
-    "joint2.k[2]" in lower_bounds(ROBOT), reason="lower_bounds lists deformations that a joint has not"
-)
 def test_it_is_identified(fitted):
     found = identified(ROBOT, *fitted)
     assert_close_to_the_truth(found.robot.parameters)

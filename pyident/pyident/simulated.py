@@ -40,11 +40,9 @@ def replay_of(robot: Robot, log: Log) -> Replay:
             raise LogError(
                 f"{log.source}: column joint{k}.r is missing, the reference that a simulation follows"
             )
-    still = pd.Series(0.0, index=log.frame.index)
-    feedforward = [log.frame.get(f"joint{k}.tau_ff", still).to_numpy() for k in joints]
+    columns = [f"joint{k}.tau_ff" for k in joints]
+    feedforward = log.frame.reindex(columns=columns).fillna(0.0).to_numpy()
     time = log.signals(["time"])[:, 0]
-    plan = Experiment(
-        time - time[0], log.signals([f"joint{k}.r" for k in joints]), np.column_stack(feedforward)
-    )
+    plan = Experiment(time - time[0], log.signals([f"joint{k}.r" for k in joints]), feedforward)
     channels = (*robot.coordinates, *(f"joint{k}.tau" for k in joints))
     return Replay(log, plan, log.signals(channels), channels)

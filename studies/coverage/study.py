@@ -79,9 +79,9 @@ def _deviations(robot: Robot, results: list[Identified]) -> pd.DataFrame:
 
 
 def _row(name: str, table: pd.DataFrame, strict: bool) -> dict[str, str]:
-    mean = float(table["coverage"].mean())
-    worst = table["coverage"].idxmin()
-    least = f"least {100 * table['coverage'].min():.0f} % ({worst})"
+    coverage = table["coverage"].to_numpy()
+    mean = float(coverage.mean())
+    least = f"least {100 * coverage.min():.0f} % ({table.index[coverage.argmin()]})"
     text = f"{100 * mean:.1f} % over {len(table)} parameters; {least}"
     return row(
         f"95 % intervals that cover the truth, {name}",

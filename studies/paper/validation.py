@@ -91,8 +91,8 @@ def path_figure(tip: Tip) -> Figure:
     ax.plot(
         run["tip.x"], run["tip.y"] + 99 * tip.deviation[:, 1], "C0", label="original, deviation 100 times"
     )
-    ax.annotate("A", plan.start[:2], xytext=(0, 8), textcoords="offset points")
-    ax.annotate("B", plan.end[:2], xytext=(0, 8), textcoords="offset points")
+    for name, (x, y, _) in (("A", plan.start), ("B", plan.end)):
+        ax.annotate(name, (x, y), xytext=(0, 8), textcoords="offset points")
     ax.plot(0, 0, "ks", ms=8, label="base")
     ax.set(xlabel="x [m]", ylabel="y [m]", ylim=(-0.1, 0.6))
     ax.legend(frameon=False, fontsize=8, loc="lower right")
