@@ -12,6 +12,7 @@ from pathlib import Path
 
 from flexfmu.description import identifier, model_description
 from flexfmu.source import RUNTIME, model_sources, token_of
+from flexmodels.atomic import replacing
 from flexmodels.plant import Equations
 
 _SOURCES = ["model.c", "plant.c", "fmi2.c"]
@@ -78,11 +79,7 @@ def _suffix() -> str:
 
 
 def _zip(folder: Path, path: Path) -> None:
-    """Zip into a temporary file beside the target, then rename."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    os.close(handle)
-    with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in sorted(folder.rglob("*")):
-            if file.is_file():
-                archive.write(file, file.relative_to(folder).as_posix())
-    os.replace(temporary, path)
+    with replacing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for member in sorted(folder.rglob("*")):
+            if member.is_file():
+                archive.write(member, member.relative_to(folder).as_posix())

@@ -1,7 +1,5 @@
 """Robot files: TOML in and out. A wrong file gets one sentence that names the key."""
 
-import os
-import tempfile
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
@@ -11,6 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from flexmodels.atomic import replacing
 from flexmodels.joint_tables import read_closures, read_joints
 from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import (
@@ -49,13 +48,9 @@ def load_robot(model: str | Path) -> Robot:
 
 
 def save_robot(robot: Robot, path: str | Path) -> None:
-    """Write a robot file: to a temporary file beside it first, then renamed."""
-    path = Path(path)
-    text = tomli_w.dumps(document(robot))
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(temporary, path)
+    """Write a robot file."""
+    with replacing(path) as file:
+        file.write_text(tomli_w.dumps(document(robot)), encoding="utf-8")
 
 
 def _robot(data: Mapping[str, Any], stem: str) -> Robot:

@@ -15,10 +15,12 @@ from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
 from flexfmu.simulate import SimulationError
+from flexmodels.atomic import replacing
 from flexmodels.effects import CATALOGUE
 from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
+from pyident.base_parameters import weakest_directions
 from pyident.experiment_file import ExperimentError, load_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
@@ -57,10 +59,8 @@ def _progress(text: str) -> Iterator[Callable[[float], None]]:
 
 def _write_json(path: str | None, content: Any) -> None:
     if path:
-        target = Path(path)
-        temporary = target.with_name(f".{target.name}.part")
-        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-        temporary.replace(target)
+        with replacing(path) as file:
+            file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 _json = click.option("--json", "json_file", metavar="FILE", help="Write the result for machines.")
@@ -227,11 +227,14 @@ def _refined(robot: Robot, logs: list[Log]) -> Identified:
 
 
 def _print_identified(found: Identified) -> None:
-    table = Table("base parameter", "value", "std", "std %")
+    table = Table("base parameter", "value", "std %", "95 % interval")
     for b in found.base:
         percent = f"{100 * b.std / abs(b.value):.2g}" if b.value else "-"
-        table.add_row(b.expression.replace("[", r"\["), f"{b.value:.6g}", f"{b.std:.2g}", percent)
+        interval = f"{b.value - 1.96 * b.std:.5g} … {b.value + 1.96 * b.std:.5g}"
+        table.add_row(b.expression.replace("[", r"\["), f"{b.value:.6g}", percent, interval)
     console.print(table)
-    click.echo(f"{len(found.reduced.columns)} parameters, rank {found.solution.rank}")
+    click.echo(f"{len(found.reduced.columns)} parameters, rank {found.solution.rank}; worst excited:")
+    for sentence in weakest_directions(found.reduced, found.solution):
+        click.echo(f"  {sentence}")
     errors = ", ".join(f"{joint} {error:.4g} %" for joint, error in found.relative_error.items())
     click.echo(f"relative torque error: {errors}")

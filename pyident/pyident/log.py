@@ -4,8 +4,6 @@ Columns: `time` [s]; per joint k from 1 `joint{k}.e`, `joint{k}.eps[1..3]`, `joi
 `joint{k}.r`, `joint{k}.tau_ff`; optionally `tip.x`, `tip.y`, `tip.z`. SI units throughout.
 """
 
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.io import loadmat, savemat
 
+from flexmodels.atomic import replacing
 from flexmodels.robot import Column, Robot
 
 _JITTER = 0.01  # of one period: what still counts as uniform
@@ -64,20 +63,18 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
 
 
 def write_log(log: Log, path: str | Path) -> None:
-    """Write CSV, Parquet or MAT by the ending; to a temporary file first, then renamed."""
+    """Write CSV, Parquet or MAT by the ending. Raises LogError."""
     path = Path(path)
     if path.suffix not in (".csv", ".parquet", ".mat"):
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-    os.close(handle)
-    if path.suffix == ".csv":
-        log.frame.to_csv(temporary, index=False)
-    elif path.suffix == ".parquet":
-        log.frame.to_parquet(temporary, index=False)
-    else:
-        names = {f"c{i}": log.frame[name].to_numpy() for i, name in enumerate(log.frame)}
-        savemat(temporary, names | {"columns": np.array(list(log.frame), dtype=object)})
-    os.replace(temporary, path)
+    with replacing(path) as file:
+        if path.suffix == ".csv":
+            log.frame.to_csv(file, index=False)
+        elif path.suffix == ".parquet":
+            log.frame.to_parquet(file, index=False)
+        else:
+            names = {f"c{i}": log.frame[name].to_numpy() for i, name in enumerate(log.frame)}
+            savemat(file, names | {"columns": np.array(list(log.frame), dtype=object)})
 
 
 def require(log: Log, robot: Robot, samples: int) -> None:

@@ -55,7 +55,8 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     paths = [folder / f"{name}.png" for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         figure.savefig(path, dpi=130)
-    sections = _sections(original, regression, corrected, statements, schemes, figures)
+    explanation = identifiability.explanation(regression, structural)
+    sections = _sections(original, regression, corrected, statements, schemes, explanation, figures)
     factor = min(tip.factor("corrected by replicas", d) for d in validation.DIRECTIONS)
     summary = (
         f"The arm of the paper's figure 1, simulated and identified from {plan.time[-1]:g} s of motion "
@@ -146,6 +147,7 @@ def _sections(
     corrected: Identified,
     statements: list[dict[str, str]],
     schemes: pd.DataFrame,
+    explanation: str,
     figures: dict,
 ) -> list[Section]:
     table = pd.DataFrame(statements).rename(columns={"value": "ours", "goal": "paper or goal"})
@@ -165,7 +167,7 @@ def _sections(
         ),
         Section(
             "Which parameters the data determine",
-            identifiability.EXPLANATION,
+            explanation,
             [
                 Picture(
                     figures["singular_values"], "Singular values, and the rank that a threshold would give."

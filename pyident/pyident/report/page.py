@@ -2,7 +2,6 @@
 
 import base64
 import io
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, PackageLoader
 from matplotlib.figure import Figure
+
+from flexmodels.atomic import replacing
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Section:
 
 
 def write_page(path: Path, title: str, summary: str, sections: Sequence[Section]) -> Path:
-    """Write the page: to a temporary file beside it first, then renamed."""
+    """Write the page and return its path."""
     content: list[dict[str, Any]] = [
         {
             "title": s.title,
@@ -44,9 +45,8 @@ def write_page(path: Path, title: str, summary: str, sections: Sequence[Section]
     ]
     environment = Environment(loader=PackageLoader("pyident", "report"), autoescape=True)
     html = environment.get_template("page.html").render(title=title, summary=summary, sections=content)
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(html, encoding="utf-8")
-    os.replace(temporary, path)
+    with replacing(path) as file:
+        file.write_text(html, encoding="utf-8")
     return path
 
 
