@@ -16,13 +16,14 @@ def explanation(found: Identified, structural: np.ndarray) -> str:
     rank, total = found.solution.rank, len(s)
     seen = int((structural > 1e-10 * structural[0]).sum())
     return (
-        f"Of {total} parameters {seen} combinations appear in the equations at all (random exact states with "
-        f"large deformations). One of them, m s_z of link 1 against the bending stiffnesses k2 and k3 of joint 1, "
-        f"only in proportion to eps²: gravity on the upright first link acts as a negative bending spring. In "
-        f"these data it lies at {s[rank]:.1e} of the largest singular value, the next at {s[rank - 1]:.1e}, and is "
-        f"lost in any noise: rank {rank}. The paper reports 64 for its arm. A rank of 64 would need a threshold "
-        f"between {s[64]:.2f} and {s[63]:.2f}, where there is no gap: such directions are less well excited, not "
-        f"undetermined."
+        f"Of {total} parameters {seen} combinations appear in the equations at all (random "
+        f"exact states with large deformations). One of them, m s_z of link 1 against the "
+        f"bending stiffnesses k2 and k3 of joint 1, only in proportion to eps²: gravity on the "
+        f"upright first link acts as a negative bending spring. In these data it lies at "
+        f"{s[rank]:.1e} of the largest singular value, the next at {s[rank - 1]:.1e}, and is "
+        f"lost in any noise: rank {rank}. The paper reports 64 for its arm. A rank of 64 would "
+        f"need a threshold between {s[64]:.2f} and {s[63]:.2f}, where there is no gap: such "
+        f"directions are less well excited, not undetermined."
     )
 
 
