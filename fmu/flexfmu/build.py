@@ -1,85 +1,94 @@
 """Equations -> FMU file: generate, compile, zip."""
 
-import os
-import platform
 import shutil
-import subprocess
-import sys
 import tempfile
 import zipfile
-from importlib.util import find_spec
 from pathlib import Path
+from typing import Literal
 
-from flexfmu.description import identifier, model_description
+from flexfmu import fmi2_description, fmi3_description
+from flexfmu.compilation import HOST, PLATFORMS, BuildError, compile_for
+from flexfmu.documentation import documentation
 from flexfmu.source import RUNTIME, model_sources, token_of
+from flexfmu.variables import identifier
 from flexmodels.atomic import replacing
 from flexmodels.plant import Equations
 
-_SOURCES = ["model.c", "plant.c", "fmi2.c"]
+__all__ = ["BuildError", "export_fmu"]
+_BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+  <BuildConfiguration modelIdentifier="{identifier}">
+    <SourceFileSet language="C99">
+{files}
+      <PreprocessorDefinition name="FMI3_OVERRIDE_FUNCTION_PREFIX"/>
+    </SourceFileSet>
+    <Library name="m"/>
+  </BuildConfiguration>
+</fmiBuildDescription>
+"""
 
 
-class BuildError(RuntimeError):
-    """The FMU could not be compiled; the message says why and how to mend it."""
+def export_fmu(
+    equations: Equations,
+    path: str | Path,
+    fmi: Literal[2, 3] = 2,
+    platforms: Literal["host", "all"] = "host",
+    derivatives: bool = True,
+) -> Path:
+    """Write an FMU for model exchange and co-simulation, with its C sources. Raises BuildError.
 
-
-def export_fmu(equations: Equations, path: str | Path) -> Path:
-    """Write an FMI 2.0 co-simulation FMU for this platform. Raises BuildError."""
+    fmi          version of the standard
+    platforms    this machine's, or Linux, Windows and macOS in one file (needs the package ziglang)
+    derivatives  whether the binary provides directional (and, in FMI 3, adjoint) derivatives
+    """
     path = Path(path)
-    generated = model_sources(equations)
-    name = identifier(equations)
+    generated = model_sources(equations, derivatives)
+    face = f"fmi{fmi}"
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         sources = root / "sources"
-        shutil.copytree(RUNTIME, sources, ignore=shutil.ignore_patterns("__pycache__"))
-        for file, text in generated.items():
-            (sources / file).write_text(text)
-        binary = root / "binaries" / _platform() / f"{name}{_suffix()}"
-        binary.parent.mkdir(parents=True)
-        compile_shared(sources, _SOURCES, binary)
-        xml = model_description(equations, token_of(generated), _SOURCES)
-        (root / "modelDescription.xml").write_bytes(xml)
-        _zip(root, path)
+        names = _write_sources(sources, generated, face)
+        for platform in PLATFORMS if platforms == "all" else [HOST]:
+            binary = root / "binaries" / platform.folder(fmi) / f"{identifier(equations)}{platform.suffix}"
+            binary.parent.mkdir(parents=True)
+            compile_for(platform, sources, names, binary, native=platforms == "host")
+        _describe(root, equations, token_of(generated), names, fmi, derivatives)
+        with replacing(path) as file:
+            _zip(root, file)
     return path
 
 
-def compile_shared(folder: Path, sources: list[str], target: Path) -> None:
-    """Compile the C files of a folder into a shared library."""
-    flags = ["-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off"]
-    if sys.platform != "win32":
-        flags.append("-fPIC")
-    command = [*compiler(), *flags, *sources, "-o", str(target), "-lm"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    if done.returncode:
-        raise BuildError(f"the C compiler failed ({' '.join(command[:3])} ...):\n{done.stderr.strip()}")
+def _write_sources(folder: Path, generated: dict[str, str], face: str) -> list[str]:
+    """The generated files and those of the runtime that this face needs; names of the C files."""
+    folder.mkdir()
+    for file in sorted(RUNTIME.iterdir()):
+        if file.suffix in (".c", ".h") and (file.name.startswith(face) or not file.name.startswith("fmi")):
+            shutil.copy(file, folder)
+    for name, text in generated.items():
+        (folder / name).write_text(text)
+    return sorted(file.name for file in folder.glob("*.c"))
 
 
-def compiler() -> list[str]:
-    """The C compiler: $CC, else cc, gcc or clang, else zig from the package ziglang."""
-    if os.environ.get("CC"):
-        return os.environ["CC"].split()
-    for name in ("cc", "gcc", "clang"):
-        if shutil.which(name):
-            return [name]
-    if find_spec("ziglang"):
-        return [sys.executable, "-m", "ziglang", "cc"]
-    raise BuildError("no C compiler was found; install one with: pip install 'flexident[compiler]'")
-
-
-def _platform() -> str:
-    """FMI 2.0's name of this platform."""
-    system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform, sys.platform)
-    bits = "64" if sys.maxsize > 2**32 else "32"
-    if platform.machine() not in ("x86_64", "AMD64"):
-        return f"{platform.machine()}-{system}"
-    return system + bits
-
-
-def _suffix() -> str:
-    return {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
+def _describe(
+    root: Path, equations: Equations, token: str, names: list[str], fmi: int, derivatives: bool
+) -> None:
+    if fmi == 2:
+        xml = fmi2_description.model_description(equations, token, names, derivatives)
+    else:
+        xml = fmi3_description.model_description(equations, token, derivatives)
+        files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
+        build = _BUILD_DESCRIPTION.format(identifier=identifier(equations), files=files)
+        (root / "sources" / "buildDescription.xml").write_text(build)
+        icons = root / "terminalsAndIcons"
+        icons.mkdir()
+        (icons / "terminalsAndIcons.xml").write_bytes(fmi3_description.terminals(equations))
+    (root / "modelDescription.xml").write_bytes(xml)
+    (root / "documentation").mkdir()
+    (root / "documentation" / "index.html").write_text(documentation(equations), encoding="utf-8")
 
 
 def _zip(folder: Path, path: Path) -> None:
-    with replacing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for member in sorted(folder.rglob("*")):
             if member.is_file():
                 archive.write(member, member.relative_to(folder).as_posix())

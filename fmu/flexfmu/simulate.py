@@ -1,6 +1,7 @@
-"""FMU + experiment -> log. The only file that imports FMPy."""
+"""FMU + experiment -> log, for any FMU that follows the log contract. The only file that imports FMPy."""
 
 import ctypes
+import re
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -8,7 +9,7 @@ from types import TracebackType
 
 import numpy as np
 import pandas as pd
-from fmpy import calloc, extract, free, read_model_description
+from fmpy import calloc, extract, free, read_model_description, simulate_fmu
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2CallbackAllocateMemoryTYPE,
@@ -19,7 +20,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription
 
-from flexfmu.description import fmi_name
+from flexfmu.variables import fmi_name
 from flexmodels.experiment import Experiment
 
 Progress = Callable[[float], None]
@@ -41,8 +42,6 @@ class LoadedFmu:
             self.description: ModelDescription = read_model_description(str(path))
         except Exception as error:
             raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
-        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
-            raise SimulationError(f"{path} is not an FMI 2.0 co-simulation FMU")
         self._folder = str(extract(str(path)))
         self._references = {v.name: v.valueReference for v in self.description.modelVariables}
 
@@ -51,6 +50,11 @@ class LoadedFmu:
 
     def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    @property
+    def joints(self) -> int:
+        """Number of driven joints: those with a reference among the inputs."""
+        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
 
     def simulate(
         self,
@@ -68,22 +72,76 @@ class LoadedFmu:
         """
         logged = self._logged() + outputs
         self._require({*map(fmi_name, parameters or {}), *outputs})
-        messages: list[str] = []
-        fmu = self._instance(messages)
-        try:
-            rows = self._run(fmu, experiment, parameters or {}, logged, progress)
-        except Exception as error:
-            raise SimulationError(messages[-1] if messages else f"the FMU failed ({error})") from None
-        finally:
-            fmu.freeInstance()
+        plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
+        run = self._step_by_step if plain else self._by_fmpy
+        rows = run(experiment, parameters or {}, logged, progress)
         frame = pd.DataFrame(rows, columns=list(logged))
         frame.insert(0, "time", experiment.time)
         return frame
 
+    def _step_by_step(
+        self,
+        experiment: Experiment,
+        parameters: Mapping[str, float],
+        logged: tuple[str, ...],
+        progress: Progress | None,
+    ) -> np.ndarray:
+        """FMI 2.0 co-simulation, with input derivatives where the FMU takes them."""
+        messages: list[str] = []
+        fmu = self._instance(messages)
+        try:
+            return self._run(fmu, experiment, parameters, logged, progress)
+        except Exception as error:
+            raise SimulationError(messages[-1] if messages else f"the FMU failed ({error})") from None
+        finally:
+            fmu.freeInstance()
+
+    def _by_fmpy(
+        self,
+        experiment: Experiment,
+        parameters: Mapping[str, float],
+        logged: tuple[str, ...],
+        progress: Progress | None,
+    ) -> np.ndarray:
+        """FMI 3.0 and model exchange, by FMPy's own loop; inputs are linear between samples."""
+        names, inputs = self._input_names(experiment), self._inputs(experiment)
+        signals = np.zeros(len(inputs), dtype=[(name, float) for name in ("time", *names)])
+        signals["time"] = experiment.time
+        for name, values in zip(names, inputs.T, strict=True):
+            signals[name] = values
+        simulation = self.description.coSimulation
+        events = bool(simulation and simulation.hasEventMode)
+        messages: list[str] = []
+        stop = float(experiment.time[-1])
+        try:
+            result = simulate_fmu(
+                self._folder,
+                fmi_type="CoSimulation" if simulation else "ModelExchange",
+                start_time=float(experiment.time[0]),
+                stop_time=stop,
+                output_interval=float(experiment.time[1] - experiment.time[0]),
+                start_values={fmi_name(name): value for name, value in parameters.items()},
+                input=signals,
+                output=list(logged),
+                relative_tolerance=1e-8,
+                use_event_mode=events,
+                early_return_allowed=events,
+                logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),
+                step_finished=lambda time, _: not (progress and progress(time / stop)),
+            )
+        except Exception as error:
+            raise SimulationError(messages[-1] if messages else f"the FMU failed ({error})") from None
+        last = np.searchsorted(result["time"], experiment.time + 1e-9) - 1  # after an event at the sample
+        rows = np.column_stack([result[name][last] for name in logged])
+        for name, values in zip(names, inputs.T, strict=True):
+            rows[:, logged.index(name)] = values
+        return rows
+
     def _logged(self) -> tuple[str, ...]:
         """Outputs and references, joint by joint as the log has them."""
         listed = self.description.modelVariables
-        return tuple(v.name for v in listed if v.causality in ("output", "input"))
+        scalar = [v for v in listed if not v.dimensions]
+        return tuple(v.name for v in scalar if v.causality in ("output", "input"))
 
     def _require(self, names: set[str]) -> None:
         unknown = sorted(names - set(self._references))

@@ -12,7 +12,7 @@ import sympy
 
 from flexmodels import dynamics, projected, signals
 from flexmodels.effect import Effect
-from flexmodels.robot import Controller, Robot, parameter_name
+from flexmodels.robot import LINK_PARAMETERS, Controller, Robot, parameter_name
 
 _MODE = sympy.Symbol("mode", real=True)
 _TO_CASADI = {
@@ -49,6 +49,8 @@ class Equations:
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
     controller: Controller
+    descriptions: dict[str, str]
+    laws: tuple[tuple[int, str, str], ...]
     rates: ca.Function
     breakaway: ca.Function
     balance: ca.Function
@@ -97,11 +99,34 @@ def equations(robot: Robot) -> Equations:
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
         controller=robot.controller,
+        descriptions=_descriptions(robot),
+        laws=tuple((k, law.title, law.latex) for k, joint in robot.numbered for law in joint.effects),
         rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, resisting[:joints]])),
         breakaway=ca.Function("breakaway", [x, u, p], ca.cse([upper, lower])),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
     )
+
+
+def _descriptions(robot: Robot) -> dict[str, str]:
+    """What each parameter is, in a sentence."""
+    words = {
+        "m": "Mass",
+        "ms": "First moment of mass about the joint",
+        "J": "Moment of inertia about the joint",
+    }
+    links = {}
+    for k in range(1, len(robot.links) + 1):
+        for name in LINK_PARAMETERS:
+            kind, _, axes = name.rstrip("]").partition("[")
+            links[f"link{k}.{name}"] = f"{words[kind]} of link {k}{axes and ', component ' + axes}"
+    joints = {
+        parameter_name(k, law.name, p.name): f"Joint {k}, {law.title}: {p.name}"
+        for k, joint in robot.numbered
+        for law in joint.effects
+        for p in law.parameters
+    }
+    return links | joints
 
 
 class _Laws:

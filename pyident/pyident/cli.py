@@ -14,14 +14,14 @@ from rich.progress import Progress
 from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
-from flexfmu.simulate import SimulationError
+from flexfmu.simulate import LoadedFmu, SimulationError
 from flexmodels.atomic import replacing
 from flexmodels.effects import CATALOGUE
 from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.base_parameters import weakest_directions
-from pyident.experiment_file import ExperimentError, load_experiment
+from pyident.experiment_file import ExperimentError, load_experiment, read_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
 from pyident.log import Log, LogError, read_log, write_log
@@ -111,12 +111,24 @@ def effects(json_file: str | None) -> None:
 @main.command()
 @click.argument("model")
 @_output
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
+@click.option(
+    "--platforms",
+    type=click.Choice(["host", "all"]),
+    default="host",
+    show_default=True,
+    help="This machine's binary, or Linux, Windows and macOS in one file.",
+)
 @_json
 @_reported
-def export(model: str, output: str, json_file: str | None) -> None:
-    """Write MODEL as an FMI 2.0 co-simulation FMU. Example: pyident export four_link -o arm.fmu"""
+def export(model: str, output: str, fmi: str, platforms: str, json_file: str | None) -> None:
+    """Write MODEL as an FMU for model exchange and co-simulation.
+
+    Example: pyident export four_link -o arm.fmu --fmi 3
+    """
     robot = _simulable(model)
-    path = export_fmu(equations(robot), output)
+    with console.status("generating and compiling"):
+        path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
     click.echo(f"wrote {path}")
     _write_json(json_file, {"fmu": str(path), "parameters": robot.parameters})
 
@@ -132,12 +144,20 @@ def export(model: str, output: str, json_file: str | None) -> None:
 def simulate(model: str, experiment: str, output: str, json_file: str | None) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
+    MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
+    experiment is then a file.
+
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """
-    robot = _simulable(model)
-    plan = load_experiment(robot, experiment)
-    with _progress(f"simulating {robot.name}") as progress:
-        frame = simulate_robot(robot, plan, progress=progress)
+    if model.endswith(".fmu"):
+        with LoadedFmu(model) as fmu, _progress(f"simulating {model}") as progress:
+            plan = read_experiment(experiment, fmu.joints)
+            frame = fmu.simulate(plan, progress=progress)
+    else:
+        robot = _simulable(model)
+        plan = load_experiment(robot, experiment)
+        with _progress(f"simulating {robot.name}") as progress:
+            frame = simulate_robot(robot, plan, progress=progress)
     write_log(Log(frame, output), output)
     click.echo(f"wrote {output}: {len(frame)} samples, {plan.time[-1]:g} s")
     _write_json(json_file, {"log": output, "samples": len(frame), "duration_s": float(plan.time[-1])})

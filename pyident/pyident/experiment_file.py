@@ -1,7 +1,5 @@
 """Experiments by name or from a file of references."""
 
-import numpy as np
-
 from flexmodels import experiment as plans
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
@@ -19,22 +17,21 @@ def load_experiment(robot: Robot, name: str) -> Experiment:
     """
     if name in ("identification", "line"):
         return getattr(plans, name)(robot)
+    return read_experiment(name, len(robot.joints))
+
+
+def read_experiment(path: str, joints: int) -> Experiment:
+    """References joint{k}.r and, where there are, torques joint{k}.tau_ff from a log file."""
     try:
-        log = read_log(name)
+        log = read_log(path)
     except LogError as error:
         raise ExperimentError(f"{error} (experiments by name: identification, line)") from None
-    joints = [k for k, _ in robot.numbered]
-    missing = [f"joint{k}.r" for k in joints if f"joint{k}.r" not in log.frame]
+    numbers = range(1, joints + 1)
+    missing = [f"joint{k}.r" for k in numbers if f"joint{k}.r" not in log.frame]
     if missing:
         raise ExperimentError(
-            f"{name}: column {missing[0]} is missing; an experiment needs every joint's reference"
+            f"{path}: column {missing[0]} is missing; it is needed as a reference"
         )
-    reference = log.signals([f"joint{k}.r" for k in joints])
-    feedforward = [
-        log.frame[f"joint{k}.tau_ff"].to_numpy(dtype=float)
-        if f"joint{k}.tau_ff" in log.frame
-        else np.zeros(len(log))
-        for k in joints
-    ]
+    feedforward = log.frame.reindex(columns=[f"joint{k}.tau_ff" for k in numbers]).fillna(0.0).to_numpy()
     time = log.signals(["time"])[:, 0]
-    return Experiment(time - time[0], reference, np.column_stack(feedforward))
+    return Experiment(time - time[0], log.signals([f"joint{k}.r" for k in numbers]), feedforward)

@@ -39,7 +39,8 @@ def output_error(
     replays = [replay_of(robot, log) for log in logs]
     best, given = start, slopes
     for number in range(_ROUNDS):
-        if given is None and number % 2 == 0:
+        renewed = given is None and number % 2 == 0
+        if renewed:
             p = _operating_point(best)
             share = _share(progress, number)
             slopes = [_slopes(replay, p, start.solution, simulate, share) for replay in replays]
@@ -50,7 +51,8 @@ def output_error(
         solution = solve(reduced, _weights(missed, replays))
         change = np.abs(solution.p - np.array(list(p.values())))[~solution.open]
         best = replace(identified(robot, reduced, solution), relative_error=start.relative_error)
-        if (change <= _SETTLED * solution.std[~solution.open]).all():
+        settled = (change <= _SETTLED * solution.std[~solution.open]).all()
+        if settled and (renewed or given is not None):  # old slopes may settle beside the optimum
             break
     assert slopes is not None
     return best, slopes

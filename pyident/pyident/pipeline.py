@@ -25,7 +25,7 @@ def simulate_robot(
     Raises BuildError, SimulationError.
     """
     with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu")
+        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", derivatives=False)
         with LoadedFmu(path) as fmu:
             return fmu.simulate(experiment, progress=progress)
 
@@ -35,7 +35,7 @@ class FmuRuns:
 
     def __init__(self, robot: Robot):
         self._folder = tempfile.TemporaryDirectory()
-        path = export_fmu(equations(robot), Path(self._folder.name) / "plant.fmu")
+        path = export_fmu(equations(robot), Path(self._folder.name) / "plant.fmu", derivatives=False)
         self._pool = ProcessPoolExecutor(
             max_workers=cpu_count(), mp_context=get_context("spawn"), initializer=_load, initargs=(path,)
         )

@@ -1,4 +1,4 @@
-/* FMI 2.0 co-simulation face of the plant. */
+/* FMI 2.0 face of the plant: model exchange and co-simulation. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -6,16 +6,10 @@
 #include <string.h>
 
 #include "fmi2Functions.h"
-#include "plant.h"
-
-typedef enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, BROKEN = 16 } Phase;
-enum { ALWAYS = INSTANTIATED | INITIALIZING | STEPPING | TERMINATED | BROKEN };
+#include "instance.h"
 
 typedef struct {
-    Plant plant;
-    int outputs_old; /* the state changed since plant_outputs */
-    Phase phase;
-    fmi2Boolean logging;
+    Memory memory;
     fmi2CallbackFunctions callbacks;
     char *name;
 } Instance;
@@ -27,13 +21,12 @@ static fmi2Status report(Instance *m, fmi2Status status, const char *format, ...
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     if (m->callbacks.logger)
-        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status,
-                            status == fmi2Warning ? "logStatusWarning" : "logStatusError", "%s", text);
+        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, "logStatusError", "%s", text);
     return status;
 }
 
 static int allowed(Instance *m, int phases, const char *function) {
-    if (m->phase & phases) return 1;
+    if (m->memory.phase & phases) return 1;
     report(m, fmi2Error, "%s is not allowed in this state of the instance.", function);
     return 0;
 }
@@ -46,16 +39,17 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     REQUIRE(ALWAYS);
-    (void)n, (void)categories;
-    m->logging = on;
+    (void)on, (void)n, (void)categories;
     return fmi2OK;
 }
+
+/* ---- life cycle ------------------------------------------------------------------------------ */
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     Instance *m;
-    (void)resources, (void)visible;
-    if (!name || !*name || !callbacks || type != fmi2CoSimulation) return NULL;
+    (void)resources, (void)visible, (void)logging;
+    if (!name || !*name || !callbacks) return NULL;
     if (!token || strcmp(token, MODEL_TOKEN)) {
         if (callbacks->logger)
             callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError",
@@ -71,9 +65,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
     }
     strcpy(m->name, name);
     m->callbacks = *callbacks;
-    m->logging = logging;
-    m->phase = INSTANTIATED;
-    plant_reset(&m->plant);
+    memory_start(&m->memory, type == fmi2ModelExchange, 1);
     return m;
 }
 
@@ -87,38 +79,34 @@ void fmi2FreeInstance(fmi2Component c) {
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean has_stop, fmi2Real stop) {
     REQUIRE(INSTANTIATED);
-    (void)has_tolerance, (void)tolerance, (void)start, (void)has_stop, (void)stop;
+    (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
+    m->memory.start = start;
     return fmi2OK;
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     REQUIRE(INSTANTIATED);
-    m->phase = INITIALIZING;
+    m->memory.phase = INITIALIZING;
     return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    char text[256];
     REQUIRE(INITIALIZING);
-    if (plant_initialise(&m->plant)) {
-        m->phase = BROKEN;
-        return report(m, fmi2Error, "No static equilibrium was found at the first reference: "
-                                    "check the stiffnesses k, the masses and the reference.");
-    }
-    m->outputs_old = 1;
-    m->phase = STEPPING;
+    if (memory_initialise(&m->memory, text, sizeof text)) return report(m, fmi2Error, "%s", text);
+    m->memory.phase = m->memory.model_exchange ? EVENT : STEPPING;
     return fmi2OK;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    REQUIRE(STEPPING);
-    m->phase = TERMINATED;
+    REQUIRE(RUNNING);
+    m->memory.phase = TERMINATED;
     return fmi2OK;
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
     REQUIRE(ALWAYS);
-    plant_reset(&m->plant);
-    m->phase = INSTANTIATED;
+    memory_reset(&m->memory);
     return fmi2OK;
 }
 
@@ -127,31 +115,22 @@ fmi2Status fmi2Reset(fmi2Component c) {
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     size_t i;
     REQUIRE(ALWAYS);
-    if (m->outputs_old) plant_outputs(&m->plant);
-    m->outputs_old = 0;
+    memory_refresh(&m->memory);
     for (i = 0; i < n; ++i) {
         if (vr[i] >= N_VALUES) return report(m, fmi2Error, "There is no variable %u.", vr[i]);
-        value[i] = m->plant.value[vr[i]];
+        value[i] = m->memory.plant.value[vr[i]];
     }
     return fmi2OK;
 }
 
-static int settable(fmi2ValueReference vr) { return vr < AT_STATE || (vr >= AT_PARAMETER && vr < N_VALUES); }
-
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
+    char text[256];
     size_t i;
-    REQUIRE(INSTANTIATED | INITIALIZING | STEPPING);
-    for (i = 0; i < n; ++i) {
-        int at = (int)vr[i] - AT_PARAMETER;
-        if (!settable(vr[i])) return report(m, fmi2Error, "Variable %u cannot be set.", vr[i]);
-        if (!isfinite(value[i])) return report(m, fmi2Error, "Variable %u was set to a value that is not finite.", vr[i]);
-        if (at >= 0 && at < N_PARAMETERS && model_nonnegative[at] && value[i] < 0)
-            return report(m, fmi2Error, "Parameter %s = %g must be at least 0.", model_parameter_names[at], value[i]);
-        if (vr[i] == AT_STEP && value[i] <= 0)
-            return report(m, fmi2Error, "Parameter solver.step = %g must be above 0.", value[i]);
-    }
-    for (i = 0; i < n; ++i) m->plant.value[vr[i]] = value[i];
-    if (m->phase == STEPPING) m->outputs_old = 1;
+    REQUIRE(INSTANTIATED | INITIALIZING | RUNNING);
+    for (i = 0; i < n; ++i)
+        if (memory_refuses(&m->memory, vr[i], value[i], text, sizeof text)) return report(m, fmi2Error, "%s", text);
+    for (i = 0; i < n; ++i) m->memory.plant.value[vr[i]] = value[i];
+    m->memory.stale = (m->memory.phase & RUNNING) != 0;
     return fmi2OK;
 }
 
@@ -168,21 +147,19 @@ NO_VARIABLES(fmi2SetInteger, (fmi2Component c, const fmi2ValueReference vr[], si
 NO_VARIABLES(fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]))
 NO_VARIABLES(fmi2SetString, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]))
 
-/* ---- states: the plant holds no pointers, so a copy is the whole state ------------------------- */
+/* ---- state: the memory holds no pointers, so a copy is the whole state ------------------------- */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    if (!*state) *state = malloc(sizeof(Plant));
+    if (!*state) *state = malloc(sizeof(Memory));
     if (!*state) return report(m, fmi2Error, "Out of memory.");
-    memcpy(*state, &m->plant, sizeof(Plant));
+    memcpy(*state, &m->memory, sizeof(Memory));
     return fmi2OK;
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    REQUIRE(INSTANTIATED | INITIALIZING | STEPPING | TERMINATED);
-    memcpy(&m->plant, state, sizeof(Plant));
-    m->outputs_old = m->plant.ticks > 0;
-    m->phase = m->plant.ticks > 0 ? STEPPING : m->phase;
+    REQUIRE(ALWAYS);
+    memcpy(&m->memory, state, sizeof(Memory));
     return fmi2OK;
 }
 
@@ -196,35 +173,53 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
     REQUIRE(ALWAYS);
     (void)state;
-    *size = sizeof(Plant);
+    *size = sizeof(Memory);
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     REQUIRE(ALWAYS);
-    if (size < sizeof(Plant)) return report(m, fmi2Error, "The buffer is too small for the state.");
-    memcpy(bytes, state, sizeof(Plant));
+    if (size < sizeof(Memory)) return report(m, fmi2Error, "The buffer is too small for the state.");
+    memcpy(bytes, state, sizeof(Memory));
     return fmi2OK;
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    if (size != sizeof(Plant)) return report(m, fmi2Error, "These bytes are not a state of this FMU.");
-    if (!*state) *state = malloc(sizeof(Plant));
+    if (size != sizeof(Memory)) return report(m, fmi2Error, "These bytes are not a state of this FMU.");
+    if (!*state) *state = malloc(sizeof(Memory));
     if (!*state) return report(m, fmi2Error, "Out of memory.");
-    memcpy(*state, bytes, sizeof(Plant));
+    memcpy(*state, bytes, sizeof(Memory));
     return fmi2OK;
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
-                                        const fmi2ValueReference known[], size_t n_known, const fmi2Real dknown[],
-                                        fmi2Real dunknown[]) {
-    REQUIRE(ALWAYS);
-    (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)dknown, (void)dunknown;
-    return report(m, fmi2Error, "This FMU provides no directional derivatives.");
+                                        const fmi2ValueReference known[], size_t n_known, const fmi2Real seed[],
+                                        fmi2Real sensitivity[]) {
+    REQUIRE(INITIALIZING | RUNNING | TERMINATED);
+#ifdef MODEL_DERIVATIVES
+    {
+        double in[N_VALUES] = {0}, out[N_VALUES];
+        size_t i;
+        for (i = 0; i < n_known; ++i) {
+            if (known[i] >= N_VALUES) return report(m, fmi2Error, "There is no variable %u.", known[i]);
+            in[known[i]] += seed[i];
+        }
+        memory_refresh(&m->memory);
+        plant_directional(&m->memory.plant, in, m->memory.phase & (INITIALIZING | EVENT), out);
+        for (i = 0; i < n_unknown; ++i) {
+            if (unknown[i] >= N_VALUES) return report(m, fmi2Error, "There is no variable %u.", unknown[i]);
+            sensitivity[i] = out[unknown[i]];
+        }
+    }
+    return fmi2OK;
+#else
+    (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)seed, (void)sensitivity;
+    return report(m, fmi2Error, "This FMU was exported without derivatives.");
+#endif
 }
 
-/* ---- stepping -------------------------------------------------------------------------------- */
+/* ---- co-simulation ----------------------------------------------------------------------------- */
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                        const fmi2Integer order[], const fmi2Real value[]) {
@@ -233,25 +228,31 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     for (i = 0; i < n; ++i) {
         if (vr[i] >= N_INPUTS || order[i] != 1)
             return report(m, fmi2Error, "Only first derivatives of inputs can be set.");
-        m->plant.input_rate[vr[i]] = value[i];
+        m->memory.plant.input_rate[vr[i]] = value[i];
     }
     return fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                         const fmi2Integer order[], fmi2Real value[]) {
-    REQUIRE(ALWAYS);
-    (void)vr, (void)n, (void)order, (void)value;
-    return report(m, fmi2Error, "This FMU provides no output derivatives.");
+    size_t i;
+    REQUIRE(STEPPING | TERMINATED);
+    memory_refresh(&m->memory);
+    for (i = 0; i < n; ++i) {
+        if (vr[i] < AT_STATE || vr[i] >= AT_RATE || order[i] != 1)
+            return report(m, fmi2Error, "Only first derivatives of coordinates and speeds are provided.");
+        value[i] = m->memory.plant.value[vr[i] - AT_STATE + AT_RATE];
+    }
+    return fmi2OK;
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_rollback) {
     REQUIRE(STEPPING);
-    (void)time, (void)no_rollback;
+    (void)no_rollback;
     if (!(step >= 0)) return report(m, fmi2Error, "The communication step %g must be at least 0.", step);
-    m->outputs_old = 1;
-    if (plant_advance(&m->plant, step)) {
-        m->phase = BROKEN;
+    m->memory.stale = 1;
+    if (plant_advance(&m->memory.plant, step)) {
+        m->memory.phase = BROKEN;
         return report(m, fmi2Error, "The state left the finite numbers before %g s: reduce solver.step or check "
                                     "the parameters.", time + step);
     }
@@ -263,30 +264,105 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
     return report(m, fmi2Error, "There is no asynchronous step to cancel.");
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    REQUIRE(ALWAYS);
-    (void)kind, (void)value;
-    return fmi2Discard;
-}
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
     REQUIRE(ALWAYS);
     if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
-    *value = m->plant.time;
+    *value = m->memory.start + m->memory.plant.time;
     return fmi2OK;
 }
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    REQUIRE(ALWAYS);
-    (void)kind, (void)value;
-    return fmi2Discard;
-}
+
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
     REQUIRE(ALWAYS);
     if (kind != fmi2Terminated) return fmi2Discard;
     *value = fmi2False;
     return fmi2OK;
 }
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    REQUIRE(ALWAYS);
-    (void)kind, (void)value;
-    return fmi2Discard;
+
+#define NO_STATUS(function, type)                                                    \
+    fmi2Status function(fmi2Component c, const fmi2StatusKind kind, type *value) {   \
+        REQUIRE(ALWAYS);                                                             \
+        (void)kind, (void)value;                                                     \
+        return fmi2Discard;                                                          \
+    }
+NO_STATUS(fmi2GetStatus, fmi2Status)
+NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)
+NO_STATUS(fmi2GetStringStatus, fmi2String)
+
+/* ---- model exchange ---------------------------------------------------------------------------- */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    REQUIRE(EVENT | CONTINUOUS);
+    m->memory.phase = EVENT;
+    return fmi2OK;
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+    REQUIRE(EVENT);
+    info->valuesOfContinuousStatesChanged = memory_handle_events(&m->memory);
+    info->newDiscreteStatesNeeded = fmi2False;
+    info->terminateSimulation = fmi2False;
+    info->nominalsOfContinuousStatesChanged = fmi2False;
+    info->nextEventTimeDefined = fmi2True;
+    info->nextEventTime = memory_next_event(&m->memory);
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    REQUIRE(EVENT);
+    m->memory.phase = CONTINUOUS;
+    return fmi2OK;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_rollback, fmi2Boolean *event,
+                                       fmi2Boolean *terminate) {
+    REQUIRE(CONTINUOUS);
+    (void)no_rollback;
+    *event = fmi2False;
+    *terminate = fmi2False;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    REQUIRE(EVENT | CONTINUOUS);
+    memory_set_time(&m->memory, time);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
+    REQUIRE(EVENT | CONTINUOUS);
+    if (n != N_STATES) return report(m, fmi2Error, "There are %d continuous states.", N_STATES);
+    memcpy(m->memory.plant.value + AT_STATE, x, N_STATES * sizeof *x);
+    m->memory.stale = 1;
+    return fmi2OK;
+}
+
+static fmi2Status copy(Instance *m, int from, size_t expected, double *to, size_t n) {
+    if (n != expected) return report(m, fmi2Error, "The vector must hold %u numbers.", (unsigned)expected);
+    memcpy(to, m->memory.plant.value + from, n * sizeof *to);
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t n) {
+    REQUIRE(EVENT | CONTINUOUS | TERMINATED);
+    plant_rates(&m->memory.plant);
+    return copy(m, AT_RATE, N_STATES, derivatives, n);
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
+    REQUIRE(EVENT | CONTINUOUS | TERMINATED);
+    return copy(m, AT_STATE, N_STATES, x, n);
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n) {
+    REQUIRE(EVENT | CONTINUOUS | TERMINATED);
+    if (n != N_JOINTS) return report(m, fmi2Error, "There are %d event indicators.", N_JOINTS);
+    plant_indicators(&m->memory.plant, indicators);
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t n) {
+    REQUIRE(EVENT | CONTINUOUS | TERMINATED);
+    if (n != N_STATES) return report(m, fmi2Error, "There are %d continuous states.", N_STATES);
+    memcpy(nominals, model_nominals, sizeof model_nominals);
+    return fmi2OK;
 }

@@ -52,7 +52,7 @@ static void margins(const Plant *s, const double *x, const double *imbalance, do
 }
 
 /* Release stuck hinges, the most overloaded first, until every reaction is within its level.
-   Leaves the rates of the present state in s->rate. */
+   Leaves the rates of the present state in its place. */
 static void settle(Plant *s) {
     double *x = s->value + AT_STATE, margin[N_JOINTS];
     int j, round;
@@ -60,7 +60,7 @@ static void settle(Plant *s) {
         if (!model_sticking[j]) s->mode[j] = x[N_COORDINATES + j] < 0 ? -1 : 1;
     for (round = 0; round <= N_JOINTS; ++round) {
         int worst = -1;
-        rates(s, x, s->rate, s->imbalance, 0);
+        rates(s, x, s->value + AT_RATE, s->imbalance, 0);
         margins(s, x, s->imbalance, margin);
         for (j = 0; j < N_JOINTS; ++j)
             if (s->mode[j] == 0 && margin[j] < 0 && (worst < 0 || margin[j] < margin[worst])) worst = j;
@@ -73,7 +73,7 @@ static void settle(Plant *s) {
 
 /* One step of the classical Runge-Kutta method with the modes as they are. */
 static void runge_kutta(const Plant *s, double h, double *x1) {
-    const double *x0 = s->value + AT_STATE, *k1 = s->rate;
+    const double *x0 = s->value + AT_STATE, *k1 = s->value + AT_RATE;
     double k2[N_STATES], k3[N_STATES], k4[N_STATES], x[N_STATES];
     int i;
     for (i = 0; i < N_STATES; ++i) x[i] = x0[i] + h / 2 * k1[i];
@@ -142,7 +142,7 @@ static void substep(Plant *s, double h) {
         double end = try_step(s, h, &t), done = h;
         if (end < 0 && events < MAX_EVENTS) done = locate(s, h, end, &t);
         memcpy(x, t.x, sizeof t.x);
-        memcpy(s->rate, t.rate, sizeof t.rate);
+        memcpy(s->value + AT_RATE, t.rate, sizeof t.rate);
         memcpy(s->imbalance, t.imbalance, sizeof t.imbalance);
         if (end < 0) switch_modes(s, &t);
         h -= done;
@@ -158,8 +158,11 @@ static void integrate(Plant *s, double duration) {
 
 /* ---- controller ------------------------------------------------------------------------------ */
 
-/* One sample of the PID at `late` seconds after the inputs were set. */
-static void sample_controller(Plant *s, double late) {
+double plant_next_sample(const Plant *s) { return (double)s->ticks * PERIOD; }
+
+int plant_sample_due(const Plant *s) { return plant_next_sample(s) <= s->time + TIME_TOLERANCE * PERIOD; }
+
+void plant_sample(Plant *s, double late) {
     double *v = s->value;
     int j;
     for (j = 0; j < N_JOINTS; ++j) {
@@ -202,37 +205,146 @@ int plant_initialise(Plant *s) {
     memset(s->mode, 0, sizeof s->mode);
     memcpy(s->integral, force, sizeof s->integral);
     s->time = 0, s->ticks = 0;
-    sample_controller(s, 0);
+    plant_sample(s, 0);
     return !(change < 1e-12);
 }
 
-int plant_advance(Plant *s, double duration) {
-    double end = s->time + duration, start = s->time;
+int plant_run(Plant *s, double until) {
     int i;
     settle(s); /* the inputs or parameters may have been changed since */
-    for (;;) {
-        double tick = (double)s->ticks * PERIOD;
-        if (tick > end + TIME_TOLERANCE * PERIOD) break;
-        if (tick > s->time) integrate(s, tick - s->time);
-        s->time = tick;
-        sample_controller(s, tick - start);
+    if (until > s->time) {
+        integrate(s, until - s->time);
+        s->time = until;
     }
-    if (end > s->time) {
-        integrate(s, end - s->time);
-        s->time = end;
-    }
-    memset(s->input_rate, 0, sizeof s->input_rate);
     for (i = 0; i < N_STATES; ++i)
         if (!isfinite(s->value[AT_STATE + i])) return 1;
     return 0;
 }
 
+int plant_advance(Plant *s, double duration) {
+    double end = s->time + duration, start = s->time;
+    while (plant_next_sample(s) <= end + TIME_TOLERANCE * PERIOD) {
+        double tick = plant_next_sample(s);
+        if (plant_run(s, tick)) return 1;
+        s->time = tick;
+        plant_sample(s, tick - start);
+    }
+    if (plant_run(s, end)) return 1;
+    memset(s->input_rate, 0, sizeof s->input_rate);
+    return 0;
+}
+
+/* ---- model exchange -------------------------------------------------------------------------- */
+
+void plant_rates(Plant *s) {
+    int j;
+    for (j = 0; j < N_JOINTS; ++j)
+        if (!model_sticking[j]) s->mode[j] = s->value[AT_STATE + N_COORDINATES + j] < 0 ? -1 : 1;
+    rates(s, s->value + AT_STATE, s->value + AT_RATE, s->imbalance, 0);
+}
+
+/* A root is accepted with this tolerance: rad/s while sliding, N m while stuck. */
+static double tolerance(const Plant *s, int j) { return s->mode[j] != 0 ? 1e-9 : 1e-6; }
+
+void plant_indicators(const Plant *s, double *indicator) {
+    const double *x = s->value + AT_STATE;
+    double dx[N_STATES], imbalance[N_JOINTS];
+    int j;
+    rates(s, x, dx, imbalance, 0);
+    margins(s, x, imbalance, indicator);
+    for (j = 0; j < N_JOINTS; ++j)
+        indicator[j] = model_sticking[j] ? indicator[j] + tolerance(s, j) : 1;
+}
+
+int plant_switch(Plant *s) {
+    double *x = s->value + AT_STATE, before[N_JOINTS], indicator[N_JOINTS];
+    int j, changed = 0;
+    memcpy(before, s->mode, sizeof before);
+    plant_indicators(s, indicator);
+    for (j = 0; j < N_JOINTS; ++j)
+        if (model_sticking[j] && s->mode[j] != 0 && indicator[j] <= 0) {
+            s->mode[j] = 0;
+            x[N_COORDINATES + j] = 0;
+            changed = 1;
+        }
+    settle(s);
+    for (j = 0; j < N_JOINTS; ++j) changed |= s->mode[j] != before[j];
+    return changed;
+}
+
 void plant_outputs(Plant *s) {
     const double *x = s->value + AT_STATE;
-    double dx[N_STATES], imbalance[N_JOINTS], *friction = s->value + AT_FRICTION;
+    double *friction = s->value + AT_FRICTION;
     int j;
     tip(x, s->value + AT_TIP);
-    rates(s, x, dx, imbalance, friction);
+    rates(s, x, s->value + AT_RATE, s->imbalance, friction);
     for (j = 0; j < N_JOINTS; ++j)
-        if (s->mode[j] == 0) friction[j] += imbalance[j];
+        if (s->mode[j] == 0) friction[j] += s->imbalance[j];
+    plant_indicators(s, s->value + AT_INDICATOR);
 }
+
+/* ---- sensitivities --------------------------------------------------------------------------- */
+
+#ifdef MODEL_DERIVATIVES
+/* d(torque of joint j)/d(error) at a sample of the controller. */
+static double loop_gain(const Plant *s, int j) {
+    return s->value[AT_KP + j] + s->value[AT_KD + j] / PERIOD + s->value[AT_KI + j] * PERIOD;
+}
+
+void plant_directional(const Plant *s, const double *seed, int sampling, double *out) {
+    const double *x = s->value + AT_STATE;
+    double w[MODEL_SZ_W], y[N_STATES + N_JOINTS], torque[N_JOINTS];
+    int j;
+    memcpy(out, seed, N_VALUES * sizeof *out);
+    for (j = 0; j < N_JOINTS; ++j)
+        torque[j] = sampling ? loop_gain(s, j) * (seed[AT_REFERENCE + j] - seed[AT_STATE + j]) + seed[AT_FEEDFORWARD + j]
+                             : seed[AT_TORQUE + j];
+    {
+        const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode,
+                                           seed + AT_STATE, torque, seed + AT_PARAMETER};
+        double *res[MODEL_SZ_RES] = {y};
+        model_rates_forward(arg, res, 0, w, 0);
+    }
+    memcpy(out + AT_RATE, y, N_STATES * sizeof *y);
+    memcpy(out + AT_FRICTION, y + N_STATES, N_JOINTS * sizeof *y);
+    memcpy(out + AT_TORQUE, torque, sizeof torque);
+    {
+        const double *arg[MODEL_SZ_ARG] = {x, seed + AT_STATE};
+        double *res[MODEL_SZ_RES] = {out + AT_TIP};
+        model_tip_forward(arg, res, 0, w, 0);
+    }
+}
+
+void plant_adjoint(const Plant *s, const double *seed, int sampling, double *out) {
+    const double *x = s->value + AT_STATE;
+    double w[MODEL_SZ_W], y[N_STATES + N_JOINTS], by_state[N_STATES], by_torque[N_JOINTS], by_parameter[N_PARAMETERS];
+    double from_tip[N_STATES];
+    int i, j;
+    memcpy(out, seed, N_VALUES * sizeof *out);
+    memset(out + AT_RATE, 0, (AT_PARAMETER - AT_RATE) * sizeof *out);
+    memcpy(y, seed + AT_RATE, N_STATES * sizeof *y);
+    memcpy(y + N_STATES, seed + AT_FRICTION, N_JOINTS * sizeof *y);
+    {
+        const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode, y};
+        double *res[MODEL_SZ_RES] = {by_state, by_torque, by_parameter};
+        model_rates_adjoint(arg, res, 0, w, 0);
+    }
+    {
+        const double *arg[MODEL_SZ_ARG] = {x, seed + AT_TIP};
+        double *res[MODEL_SZ_RES] = {from_tip};
+        model_tip_adjoint(arg, res, 0, w, 0);
+    }
+    for (i = 0; i < N_STATES; ++i) out[AT_STATE + i] += by_state[i] + from_tip[i];
+    for (i = 0; i < N_PARAMETERS; ++i) out[AT_PARAMETER + i] += by_parameter[i];
+    for (j = 0; j < N_JOINTS; ++j) {
+        double torque = by_torque[j] + seed[AT_TORQUE + j];
+        if (sampling) {
+            out[AT_REFERENCE + j] += loop_gain(s, j) * torque;
+            out[AT_STATE + j] -= loop_gain(s, j) * torque;
+            out[AT_FEEDFORWARD + j] += torque;
+        } else {
+            out[AT_TORQUE + j] += torque;
+        }
+    }
+}
+#endif

@@ -9,10 +9,12 @@ enum {
     AT_REFERENCE = 0,
     AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS,
     AT_STATE = AT_FEEDFORWARD + N_JOINTS, /* q, then v */
-    AT_TORQUE = AT_STATE + 2 * N_COORDINATES,
+    AT_RATE = AT_STATE + 2 * N_COORDINATES,
+    AT_TORQUE = AT_RATE + 2 * N_COORDINATES,
     AT_TIP = AT_TORQUE + N_JOINTS,
     AT_FRICTION = AT_TIP + 3,
-    AT_PARAMETER = AT_FRICTION + N_JOINTS,
+    AT_INDICATOR = AT_FRICTION + N_JOINTS, /* event indicators */
+    AT_PARAMETER = AT_INDICATOR + N_JOINTS,
     AT_KP = AT_PARAMETER + N_PARAMETERS,
     AT_KD = AT_KP + N_JOINTS,
     AT_KI = AT_KD + N_JOINTS,
@@ -26,7 +28,6 @@ typedef struct {
     double value[N_VALUES];
     double input_rate[N_INPUTS]; /* slopes of the inputs over the coming communication step */
     double mode[N_JOINTS];       /* +1 slides forward, -1 backward, 0 stuck */
-    double rate[N_STATES];       /* dx of the present state and modes */
     double imbalance[N_JOINTS];  /* torque that a brake takes at each motor hinge */
     double integral[N_JOINTS];   /* of the PID [N m] */
     double error[N_JOINTS];      /* of the PID at its last sample [rad] */
@@ -37,9 +38,32 @@ typedef struct {
 void plant_reset(Plant *plant);
 /* Static equilibrium at the first reference, first sample of the controller. 0 when it was found. */
 int plant_initialise(Plant *plant);
-/* Forward by `duration` >= 0 seconds. 0 when the state stayed finite. */
-int plant_advance(Plant *plant, double duration);
 /* Bring the values that follow from the state up to date. */
 void plant_outputs(Plant *plant);
+/* Time of the controller's next sample [s]. */
+double plant_next_sample(const Plant *plant);
+/* Whether the controller's next sample is due now. */
+int plant_sample_due(const Plant *plant);
+/* The controller reads the inputs, extrapolated by `late` seconds, and renews the torques. */
+void plant_sample(Plant *plant, double late);
+
+/* Co-simulation, 0 when the state stayed finite: to a time [s] with the torque held, */
+int plant_run(Plant *plant, double until);
+/* and by `duration` >= 0 seconds with every sample of the controller on the way. */
+int plant_advance(Plant *plant, double duration);
+
+/* Model exchange: rates of the state as it is. */
+void plant_rates(Plant *plant);
+/* One indicator per motor hinge: positive while its friction mode holds. */
+void plant_indicators(const Plant *plant, double indicator[N_JOINTS]);
+/* Switch the modes whose indicators have crossed. 1 when a mode, and with it a state, has changed. */
+int plant_switch(Plant *plant);
+
+#ifdef MODEL_DERIVATIVES
+/* Sensitivities by value reference: out = d(values)/d(values) seed, and its transpose. With `sampling` the
+   controller's torque answers to its inputs (an event), else it is held. */
+void plant_directional(const Plant *plant, const double seed[N_VALUES], int sampling, double out[N_VALUES]);
+void plant_adjoint(const Plant *plant, const double seed[N_VALUES], int sampling, double out[N_VALUES]);
+#endif
 
 #endif

@@ -1,0 +1,81 @@
+"""C sources -> shared libraries, for this machine or for every platform."""
+
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+
+class BuildError(RuntimeError):
+    """The FMU could not be compiled; the message says why and how to mend it."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A target: processor and system in FMI 3.0's names, suffix of libraries, target of `zig cc`."""
+
+    processor: str
+    system: str
+    suffix: str
+    zig: str
+
+    def folder(self, fmi: int) -> str:
+        """Its folder below binaries/."""
+        if fmi == 2 and self.processor == "x86_64":
+            return {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}[self.system]
+        return f"{self.processor}-{self.system}"
+
+
+# Old C libraries, so that old machines load the binaries too.
+PLATFORMS = (
+    Platform("x86_64", "linux", ".so", "x86_64-linux-gnu.2.17"),
+    Platform("aarch64", "linux", ".so", "aarch64-linux-gnu.2.17"),
+    Platform("x86_64", "windows", ".dll", "x86_64-windows-gnu"),
+    Platform("x86_64", "darwin", ".dylib", "x86_64-macos"),
+    Platform("aarch64", "darwin", ".dylib", "aarch64-macos"),
+)
+
+
+def _host() -> Platform:
+    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+    machine = platform.machine().lower()
+    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    suffix = {"windows": ".dll", "darwin": ".dylib"}.get(system, ".so")
+    return Platform(processor, system, suffix, "native")
+
+
+HOST = _host()
+_FLAGS = ["-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off"]
+
+
+def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path, native: bool) -> None:
+    """Compile the C files of `folder` into `binary`; `native` takes this machine's own compiler."""
+    command = [*compiler()] if native else [*_zig(), "-target", target.zig]
+    flags = _FLAGS if target.system == "windows" else [*_FLAGS, "-fPIC"]
+    objects = [*command, *flags, *sources, "-o", str(binary), "-lm"]
+    done = subprocess.run(objects, cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        raise BuildError(f"the C compiler failed ({' '.join(command[:3])} ...):\n{done.stderr.strip()}")
+    for leftover in binary.parent.iterdir():  # debug and import files of the Windows linker
+        if leftover != binary:
+            leftover.unlink()
+
+
+def compiler() -> list[str]:
+    """The C compiler: $CC, else cc, gcc or clang, else zig from the package ziglang."""
+    if os.environ.get("CC"):
+        return os.environ["CC"].split()
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return [name]
+    return _zig()
+
+
+def _zig() -> list[str]:
+    if find_spec("ziglang") is None:
+        raise BuildError("the compiler of the package ziglang is needed: pip install 'flexident[compiler]'")
+    return [sys.executable, "-m", "ziglang", "cc"]

@@ -1,0 +1,154 @@
+"""modelDescription.xml and terminalsAndIcons.xml of FMI 3.0."""
+
+from datetime import UTC, datetime
+from xml.etree import ElementTree as ET
+
+from flexfmu.fmi2_description import numbers, unit_definitions
+from flexfmu.variables import TYPES, Array, Variable, arrays, identifier, states, variables
+from flexmodels.plant import Equations
+
+
+def model_description(equations: Equations, token: str, derivatives: bool) -> bytes:
+    """The XML file; `derivatives`: whether the binary provides directional and adjoint derivatives."""
+    listed, views = variables(equations), arrays(equations)
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="3.0",
+        modelName=equations.name,
+        instantiationToken=token,
+        description=equations.description or f"Robot {equations.name} with its controller",
+        generationTool="flexident",
+        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        variableNamingConvention="structured",
+    )
+    common = {
+        "modelIdentifier": identifier(equations),
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": str(derivatives).lower(),
+        "providesAdjointDerivatives": str(derivatives).lower(),
+    }
+    ET.SubElement(root, "ModelExchange", common)
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        common
+        | {
+            "canHandleVariableCommunicationStepSize": "true",
+            "maxOutputDerivativeOrder": "1",
+            "providesIntermediateUpdate": "true",
+            "mightReturnEarlyFromDoStep": "true",
+            "canReturnEarlyAfterIntermediateUpdate": "true",
+            "hasEventMode": "true",
+        },
+    )
+    units = sorted({v.unit for v in listed})
+    unit_definitions(root, units)
+    types = ET.SubElement(root, "TypeDefinitions")
+    for unit in units:
+        if unit in TYPES:
+            ET.SubElement(types, "Float64Type", name=TYPES[unit], quantity=TYPES[unit], unit=unit)
+    categories = ET.SubElement(root, "LogCategories")
+    ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
+    period = repr(equations.controller.period)
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=period)
+    _model_variables(root, listed, views)
+    _model_structure(root, equations, listed, views)
+    ET.indent(root)
+    return ET.tostring(root, encoding="utf-8", xml_declaration=True)
+
+
+def terminals(equations: Equations) -> bytes:
+    """terminalsAndIcons.xml: per joint a terminal with its signals."""
+    root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    group = ET.SubElement(root, "Terminals")
+    for k in range(1, equations.joints + 1):
+        terminal = ET.SubElement(
+            group, "Terminal", name=f"joint{k}", matchingRule="bus", description=f"Signals of joint {k}"
+        )
+        for signal in ("r", "tau_ff", "e", "tau"):
+            ET.SubElement(
+                terminal,
+                "TerminalMemberVariable",
+                variableName=f"joint{k}.{signal}",
+                memberName=signal,
+                variableKind="signal",
+            )
+    ET.indent(root)
+    return ET.tostring(root, encoding="utf-8", xml_declaration=True)
+
+
+def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array]) -> None:
+    element = ET.SubElement(root, "ModelVariables")
+    reference = {v.name: i for i, v in enumerate(listed)}
+    ET.SubElement(
+        element,
+        "Float64",
+        name="time",
+        valueReference=str(len(listed)),
+        causality="independent",
+        variability="continuous",
+        description="Simulation time",
+        unit="s",
+    )
+    for v in listed:
+        variable = ET.SubElement(
+            element,
+            "Float64",
+            name=v.name,
+            valueReference=str(reference[v.name]),
+            description=v.description,
+            causality=v.causality,
+            variability=v.variability,
+        )
+        if v.initial:
+            variable.set("initial", v.initial)
+        for key, value in numbers(v).items():
+            variable.set(key, value)
+        if v.derivative_of:
+            variable.set("derivative", str(reference[v.derivative_of]))
+    for i, array in enumerate(views):
+        first = listed[reference[array.first]]
+        variable = ET.SubElement(
+            element,
+            "Float64",
+            name=array.name,
+            valueReference=str(len(listed) + 1 + i),
+            description=array.description,
+            causality=first.causality,
+            variability=first.variability,
+            initial="calculated",
+        )
+        for key, value in numbers(first).items():
+            variable.set(key, value)
+        ET.SubElement(variable, "Dimension", start=str(array.size))
+
+
+def _model_structure(
+    root: ET.Element, equations: Equations, listed: list[Variable], views: list[Array]
+) -> None:
+    structure = ET.SubElement(root, "ModelStructure")
+    reference = {v.name: i for i, v in enumerate(listed)}
+    state_names = states(equations)
+    outputs = [v for v in listed if v.causality == "output"]
+    rates = [v for v in listed if v.derivative_of]
+    array_outputs = [
+        len(listed) + 1 + i for i, a in enumerate(views) if listed[reference[a.first]].causality == "output"
+    ]
+
+    def unknown(kind: str, v: Variable) -> None:
+        element = ET.SubElement(structure, kind, valueReference=str(reference[v.name]))
+        depends = state_names if v.depends_on is None else v.depends_on
+        element.set("dependencies", " ".join(str(reference[name]) for name in depends))
+
+    for v in outputs:
+        unknown("Output", v)
+    for vr in array_outputs:
+        ET.SubElement(structure, "Output", valueReference=str(vr))
+    for v in rates:
+        unknown("ContinuousStateDerivative", v)
+    initial = [reference[v.name] for v in (*outputs, *rates)] + [reference[name] for name in state_names]
+    for vr in sorted({*initial, *array_outputs}):
+        ET.SubElement(structure, "InitialUnknown", valueReference=str(vr))
+    for k in range(1, equations.joints + 1):
+        ET.SubElement(structure, "EventIndicator", valueReference=str(reference[f"joint{k}.friction_margin"]))

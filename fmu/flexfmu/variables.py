@@ -1,0 +1,202 @@
+"""The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from flexmodels.plant import Equations
+
+STEP = 0.5e-3  # default solver step [s]
+_AXES = {"x": "1", "y": "2", "z": "3"}
+_NEWTON = {"kg": 1, "m": 1, "s": -2}
+TYPES = {
+    "rad": "Angle",
+    "rad/s": "AngularVelocity",
+    "rad/s2": "AngularAcceleration",
+    "m": "Length",
+    "m/s": "Velocity",
+    "m/s2": "Acceleration",
+    "N": "Force",
+    "N.m": "Torque",
+    "kg": "Mass",
+    "kg.m2": "MomentOfInertia",
+    "N.m/rad": "RotationalSpringConstant",
+    "N.m.s/rad": "RotationalDampingConstant",
+    "s": "Time",
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable; its place in `variables` is its value reference.
+
+    derivative_of   name of the variable whose time derivative it is
+    depends_on      names that an output or a derivative depends on, None: on everything
+    """
+
+    name: str
+    causality: str
+    variability: str
+    unit: str
+    description: str
+    start: float | None = None
+    minimum: float | None = None
+    nominal: float | None = None
+    derivative_of: str | None = None
+    depends_on: tuple[str, ...] | None = None
+
+    @property
+    def initial(self) -> str | None:
+        return (
+            "exact" if self.causality == "parameter" else None if self.causality == "input" else "calculated"
+        )
+
+
+@dataclass(frozen=True)
+class Array:
+    """A view of neighbouring variables as one array (FMI 3.0)."""
+
+    name: str
+    first: str
+    size: int
+    description: str
+
+
+def variables(equations: Equations) -> list[Variable]:
+    """Every scalar variable by value reference."""
+    return [*_inputs(equations), *_states(equations), *_results(equations), *_parameters(equations)]
+
+
+def arrays(equations: Equations) -> list[Array]:
+    """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3.c; inputs are scalars only."""
+    n = equations.joints
+    return [
+        Array("joint.e", "joint1.e", n, "Positions of all motor hinges"),
+        Array("joint.tau", "joint1.tau", n, "Motor torques of all joints"),
+        Array("joint.friction", "joint1.friction", n, "Friction of all motor hinges"),
+        Array("tip", "tip.x", 3, "Tip position in base axes"),
+    ]
+
+
+def states(equations: Equations) -> tuple[str, ...]:
+    """Names of the continuous states: coordinates, then their speeds."""
+    return (*equations.coordinates, *(_speed(name) for name in equations.coordinates))
+
+
+def nominals(equations: Equations) -> list[float]:
+    """Typical sizes of the continuous states."""
+    return [v.nominal or 1.0 for v in variables(equations) if v.name in states(equations)]
+
+
+def fmi_name(parameter: str) -> str:
+    """FMI's structured name of a parameter: link1.ms[x] -> link1.ms[1], link1.J[xy] -> link1.J[1,2]."""
+    return re.sub(r"\[([xyz]+)\]", lambda m: f"[{','.join(_AXES[a] for a in m[1])}]", parameter)
+
+
+def base_units(unit: str) -> dict[str, int]:
+    """Powers of the SI base units (and rad) in a unit such as `N.m/(rad.s)` or `kg.m2`."""
+    powers: dict[str, int] = {}
+    for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
+        for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
+            for base, power in (_NEWTON if symbol == "N" else {symbol: 1}).items():
+                powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
+    return {base: power for base, power in powers.items() if power}
+
+
+def identifier(equations: Equations) -> str:
+    """The C identifier that names the binary."""
+    return re.sub(r"\W", "_", equations.name)
+
+
+def _speed(coordinate: str) -> str:
+    return coordinate.replace(".e", ".de", 1)
+
+
+def _joint_of(name: str) -> int:
+    """Index from 0 of the joint in a variable's name."""
+    return int(re.findall(r"\d+", name)[0]) - 1
+
+
+def _motion_unit(eq: Equations, name: str) -> str:
+    return "m" if eq.prismatic[_joint_of(name)] and "eps" not in name else "rad"
+
+
+def _force_unit(eq: Equations, joint: int) -> str:
+    return "N" if eq.prismatic[joint] else "N.m"
+
+
+def _inputs(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Reference of joint {k + 1}, read at every sample of the controller"
+        name = f"joint{k + 1}.r"
+        yield Variable(name, "input", "continuous", _motion_unit(eq, name), text, 0.0)
+    for k in range(eq.joints):
+        text = f"Feed-forward torque added to the controller's output at joint {k + 1}"
+        yield Variable(f"joint{k + 1}.tau_ff", "input", "continuous", _force_unit(eq, k), text, 0.0)
+
+
+def _states(eq: Equations) -> Iterator[Variable]:
+    unit = {name: _motion_unit(eq, name) for name in eq.coordinates}
+    for name in eq.coordinates:
+        small = "eps" in name
+        kind = "deformation of the flexible hinge" if small else "position of the motor hinge"
+        text = f"Joint {_joint_of(name) + 1}: {kind}"
+        nominal = 1e-4 if small else 1.0
+        yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal, depends_on=(name,))
+    for name in eq.coordinates:
+        nominal = 1e-2 if "eps" in name else 1.0
+        speed = _speed(name)
+        yield Variable(speed, "local", "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
+    for name in eq.coordinates:
+        yield Variable(
+            f"der({name})",
+            "local",
+            "continuous",
+            f"{unit[name]}/s",
+            f"Rate of {name}",
+            derivative_of=name,
+            depends_on=(_speed(name),),
+        )
+    for name in eq.coordinates:
+        speed = _speed(name)
+        text = f"Rate of {speed}"
+        yield Variable(f"der({speed})", "local", "continuous", f"{unit[name]}/s2", text, derivative_of=speed)
+
+
+def _results(eq: Equations) -> Iterator[Variable]:
+    for k in range(1, eq.joints + 1):
+        text = f"Motor torque of joint {k}, held until the next sample"
+        depends = (f"joint{k}.r", f"joint{k}.tau_ff", f"joint{k}.e")
+        yield Variable(
+            f"joint{k}.tau", "output", "discrete", _force_unit(eq, k - 1), text, depends_on=depends
+        )
+    for axis in "xyz":
+        text = f"Tip position, base axis {axis}"
+        yield Variable(f"tip.{axis}", "output", "continuous", "m", text, depends_on=eq.coordinates)
+    for k in range(eq.joints):
+        text = f"Torque that the laws at motor hinge {k + 1} take, the reaction of a stuck hinge included"
+        yield Variable(f"joint{k + 1}.friction", "local", "continuous", _force_unit(eq, k), text)
+    for k in range(eq.joints):
+        text = (
+            f"Event indicator: how far motor hinge {k + 1} is from leaving its friction mode, "
+            "a speed while it slides, a torque while it is stuck"
+        )
+        yield Variable(f"joint{k + 1}.friction_margin", "local", "continuous", "1", text)
+
+
+def _parameters(eq: Equations) -> Iterator[Variable]:
+    for name, value in eq.parameters.items():
+        minimum = 0.0 if name in eq.nonnegative else None
+        text = eq.descriptions.get(name, name)
+        yield Variable(fmi_name(name), "parameter", "tunable", eq.units[name], text, value, minimum)
+    gains = {
+        "Kp": ("Proportional", eq.controller.Kp, "N.m/rad", "N/m"),
+        "Kd": ("Derivative", eq.controller.Kd, "N.m.s/rad", "N.s/m"),
+        "Ki": ("Integral", eq.controller.Ki, "N.m/(rad.s)", "N/(m.s)"),
+    }
+    for gain, (word, values, hinge, slider) in gains.items():
+        for k, value in enumerate(values):
+            unit = slider if eq.prismatic[k] else hinge
+            text = f"{word} gain of the controller at joint {k + 1}"
+            yield Variable(f"joint{k + 1}.{gain}", "parameter", "tunable", unit, text, value)
+    yield Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
