@@ -99,6 +99,11 @@ class PinocchioRobot:
         M = np.triu(M) + np.triu(M, 1).T
         return T.T @ M @ T
 
+    def potential_energy(self, q: np.ndarray) -> float:
+        """Of gravity [J], at coordinates q (n,)."""
+        angles, *_ = self._angles(q, np.zeros_like(q))
+        return float(pin.computePotentialEnergy(self.model, self.data, angles))
+
     def inverse_dynamics(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
         """M ddq + h(q, dq): generalised forces of the links, gravity included."""
         z, T, c = self._angles(q, dq)

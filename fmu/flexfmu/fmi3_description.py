@@ -53,7 +53,7 @@ def model_description(equations: Equations, token: str, derivatives: bool) -> by
     period = repr(equations.controller.period)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=period)
     _model_variables(root, listed, views)
-    _model_structure(root, equations, listed, views)
+    _model_structure(root, equations, listed)
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
 
@@ -115,7 +115,7 @@ def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array
             name=array.name,
             valueReference=str(len(listed) + 1 + i),
             description=array.description,
-            causality=first.causality,
+            causality="local",  # many importers read one number for every output
             variability=first.variability,
             initial="calculated",
         )
@@ -124,17 +124,12 @@ def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array
         ET.SubElement(variable, "Dimension", start=str(array.size))
 
 
-def _model_structure(
-    root: ET.Element, equations: Equations, listed: list[Variable], views: list[Array]
-) -> None:
+def _model_structure(root: ET.Element, equations: Equations, listed: list[Variable]) -> None:
     structure = ET.SubElement(root, "ModelStructure")
     reference = {v.name: i for i, v in enumerate(listed)}
     state_names = states(equations)
     outputs = [v for v in listed if v.causality == "output"]
     rates = [v for v in listed if v.derivative_of]
-    array_outputs = [
-        len(listed) + 1 + i for i, a in enumerate(views) if listed[reference[a.first]].causality == "output"
-    ]
 
     def unknown(kind: str, v: Variable) -> None:
         element = ET.SubElement(structure, kind, valueReference=str(reference[v.name]))
@@ -143,12 +138,12 @@ def _model_structure(
 
     for v in outputs:
         unknown("Output", v)
-    for vr in array_outputs:
-        ET.SubElement(structure, "Output", valueReference=str(vr))
     for v in rates:
         unknown("ContinuousStateDerivative", v)
     initial = [reference[v.name] for v in (*outputs, *rates)] + [reference[name] for name in state_names]
-    for vr in sorted({*initial, *array_outputs}):
-        ET.SubElement(structure, "InitialUnknown", valueReference=str(vr))
+    at_start = [v.name for v in listed if v.causality == "input" or v.variability == "tunable"]
+    depends = " ".join(str(reference[name]) for name in at_start)
+    for vr in sorted(set(initial)):
+        ET.SubElement(structure, "InitialUnknown", valueReference=str(vr), dependencies=depends)
     for k in range(1, equations.joints + 1):
         ET.SubElement(structure, "EventIndicator", valueReference=str(reference[f"joint{k}.friction_margin"]))

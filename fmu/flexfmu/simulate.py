@@ -17,7 +17,6 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
-from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription
 
 from flexfmu.variables import fmi_name
@@ -217,7 +216,6 @@ def _callbacks(messages: list[str]) -> fmi2CallbackFunctions:
     callbacks.logger = fmi2CallbackLoggerTYPE(keep)
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
     callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    addLoggerProxy(ctypes.byref(callbacks))
     return callbacks
 
 

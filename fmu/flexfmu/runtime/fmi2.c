@@ -20,8 +20,9 @@ static fmi2Status report(Instance *m, fmi2Status status, const char *format, ...
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    /* The text holds no '%', so it may be the format itself: importers that do not format show it too. */
     if (m->callbacks.logger)
-        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, "logStatusError", "%s", text);
+        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, "logStatusError", text);
     return status;
 }
 

@@ -246,7 +246,7 @@ void plant_rates(Plant *s) {
 /* A root is accepted with this tolerance: rad/s while sliding, N m while stuck. */
 static double tolerance(const Plant *s, int j) { return s->mode[j] != 0 ? 1e-9 : 1e-6; }
 
-void plant_indicators(const Plant *s, double *indicator) {
+void plant_indicators(const Plant *s, double indicator[N_JOINTS]) {
     const double *x = s->value + AT_STATE;
     double dx[N_STATES], imbalance[N_JOINTS];
     int j;
@@ -291,7 +291,7 @@ static double loop_gain(const Plant *s, int j) {
     return s->value[AT_KP + j] + s->value[AT_KD + j] / PERIOD + s->value[AT_KI + j] * PERIOD;
 }
 
-void plant_directional(const Plant *s, const double *seed, int sampling, double *out) {
+void plant_directional(const Plant *s, const double seed[N_VALUES], int sampling, double out[N_VALUES]) {
     const double *x = s->value + AT_STATE;
     double w[MODEL_SZ_W], y[N_STATES + N_JOINTS], torque[N_JOINTS];
     int j;
@@ -315,7 +315,7 @@ void plant_directional(const Plant *s, const double *seed, int sampling, double 
     }
 }
 
-void plant_adjoint(const Plant *s, const double *seed, int sampling, double *out) {
+void plant_adjoint(const Plant *s, const double seed[N_VALUES], int sampling, double out[N_VALUES]) {
     const double *x = s->value + AT_STATE;
     double w[MODEL_SZ_W], y[N_STATES + N_JOINTS], by_state[N_STATES], by_torque[N_JOINTS], by_parameter[N_PARAMETERS];
     double from_tip[N_STATES];
