@@ -10,82 +10,133 @@ the controller. Time: CPU time of one thread, best of three; loading a model is 
 
 import argparse
 import os
-
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"
-
-import tempfile
-import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+import sys
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
+
+os.environ["OMP_NUM_THREADS"] = "1"
 
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 
-from benchmarks.closed_loop import Plant, Start, run, static_start
-from benchmarks.reference import EventExact
-from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu, SimulationError
-from flexmodels.experiment import Experiment, identification
-from flexmodels.plant import Equations, equations
-from flexmodels.robot import Robot
+from benchmarks.cases import Case, Point, case, timed, without_coulomb
+from benchmarks.closed_loop import Plant, run
+from benchmarks.fmu_points import fmu_costs, fmu_points
 from flexmodels.robot_file import load_robot
 
-OURS = "flexident FMU"
 GOAL = 10.0  # um
-REPEATS = 3
-FACTORS = (2.0, 1.6, 1.0, 0.4, 0.2)  # of the FMU's own solver step
 RK4_STEPS = (1e-3, 0.8e-3, 0.5e-3, 0.2e-3, 0.1e-3)  # s
 IMPLICITFAST_STEPS = (0.5e-3, 0.2e-3, 0.1e-3, 0.08e-3, 0.02e-3)  # s; at 1 ms it is unstable
-PINOCCHIO_STEPS = (1e-3, 0.5e-3, 0.2e-3, 0.1e-3)  # s
-TIP = ["tip.x", "tip.y", "tip.z"]
+PEERS = {"mujoco": "mujoco", "pinocchio": "pin"}  # module -> package
 
 
-@dataclass(frozen=True)
-class Case:
-    """A robot, what it is told to do and where its tip should be (N, 3)."""
-
-    name: str
-    robot: Robot
-    equations: Equations
-    experiment: Experiment
-    start: Start
-    tip: np.ndarray
-
-    def error(self, tip: np.ndarray) -> float:
-        """Largest distance from the reference [um]."""
-        return 1e6 * float(np.linalg.norm(tip - self.tip, axis=1).max())
+def points(case: Case) -> Iterator[Point]:
+    """Every tool that is installed at every setting."""
+    yield from fmu_points(case)
+    if find_spec("mujoco"):
+        yield from mujoco_points(case)
+    if find_spec("pinocchio"):
+        yield from pinocchio_points(case)
 
 
-@dataclass(frozen=True)
-class Point:
-    """One run: a tool at a setting, the tip's error [um] and simulated seconds per CPU second."""
+def mujoco_points(case: Case) -> Iterator[Point]:
+    from benchmarks.mujoco_plant import MujocoPlant, Settings
 
-    tool: str
-    setting: str
-    error: float
-    speed: float
-
-
-def case(name: str, robot: Robot, duration: float = 1.0) -> Case:
-    """The identification experiment and its reference."""
-    eq, experiment = equations(robot), identification(robot, duration=duration)
-    start = static_start(eq, experiment.reference[0])
-    return Case(name, robot, eq, experiment, start, run(EventExact(eq), robot, experiment, start))
+    dry = any(case.robot.parameters[f"joint{k}.coulomb"] for k, _ in case.robot.numbered)
+    for integrator, steps in (("RK4", RK4_STEPS), ("implicitfast", IMPLICITFAST_STEPS)):
+        for stiff in (False, True) if dry else (False,):
+            tool = f"MuJoCo {integrator}" + (", stiff frictionloss" if stiff else "")
+            for step in steps:
+                plant = MujocoPlant(case.robot, Settings(integrator, step, stiff))
+                yield _point(case, tool, step, plant)
 
 
-def without_coulomb(robot: Robot) -> Robot:
-    return robot.with_parameters({f"joint{k}.coulomb": 0.0 for k, _ in robot.numbered})
+def pinocchio_points(case: Case) -> Iterator[Point]:
+    """The Python loop, and as a bound on a loop in C++ the time of its aba calls alone."""
+    from benchmarks.pinocchio_plant import PinocchioPlant
+
+    for step in RK4_STEPS:
+        plant = PinocchioPlant(case.robot, step)
+        point = _point(case, "Pinocchio RK4 in Python", step, plant)
+        yield point
+        calls = 4 * plant.steps * (len(case.experiment.time) - 1)
+        alone = case.duration / (calls * plant.seconds_per_call())
+        yield Point("Pinocchio, its aba calls alone", point.setting, point.error, alone)
 
 
-def cpu_seconds[T](work: Callable[[], T], repeats: int = REPEATS) -> tuple[float, T]:
-    """Least CPU time of several runs, and what the last one returned."""
-    best = np.inf
-    for _ in range(repeats):
-        begin = time.process_time()
-        result = work()
-        best = min(best, time.process_time() - begin)
-    return best, result  # pyright: ignore[reportPossiblyUnboundVariable]
+def _point(case: Case, tool: str, step: float, plant: Plant) -> Point:
+    seconds, tip = timed(lambda: run(plant, case.robot, case.experiment, case.start))
+    return Point(tool, f"step = {step:g}", case.error(tip), case.duration / seconds)
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Per case and tool the fastest setting within GOAL, or the most accurate one if there is none."""
+    rows = []
+    for (name, tool), group in table.groupby(["case", "tool"], sort=False):
+        good = group[group["tip error [um]"] <= GOAL]
+        best = good.nlargest(1, "speed") if len(good) else group.nsmallest(1, "tip error [um]")
+        verdict = f"within {GOAL:g} um" if len(good) else f"never within {GOAL:g} um: its best"
+        rows.append({"case": name, "tool": tool, "verdict": verdict} | best.iloc[0, 2:].to_dict())
+    return pd.DataFrame(rows)
+
+
+def figure(table: pd.DataFrame, path: Path) -> None:
+    """Work-precision: one panel per case, up and left is better."""
+    mpl.use("agg")
+    import matplotlib.pyplot as plt
+
+    names = list(dict.fromkeys(table["case"]))
+    tools = list(dict.fromkeys(table["tool"]))
+    fig, axes = plt.subplots(
+        1, len(names), figsize=(11, 4.6), sharey=True, squeeze=False, layout="constrained"
+    )
+    for ax, name in zip(axes[0], names, strict=True):
+        for i, tool in enumerate(tools):
+            rows = table[(table["case"] == name) & (table["tool"] == tool) & np.isfinite(table["speed"])]
+            style = {"lw": 2.5, "ms": 7} if tool.startswith("flexident") else {"lw": 1.2, "ms": 5}
+            ax.loglog(rows["tip error [um]"], rows["speed"], "osD^vPX*"[i % 8] + "-", label=tool, **style)
+        ax.axvline(GOAL, color="0.5", ls="--", lw=1)
+        ax.set(title=name, xlabel="largest tip error over 1 s [µm]")
+        ax.grid(alpha=0.3, which="major")
+    axes[0, 0].set_ylabel("simulated seconds per CPU second")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    fig.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=9)
+    fig.savefig(path, dpi=150)
+    plt.close(fig)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument(
+        "-o", "--out", type=Path, default=Path("out"), help="folder of the tables and the figure"
+    )
+    out = parser.parse_args().out
+    out.mkdir(parents=True, exist_ok=True)
+    for module, package in PEERS.items():
+        if not find_spec(module):
+            print(f"note: {module} is left out, it is not installed; pip install {package}")
+    robot = load_robot("four_link")
+    rows, costs = [], pd.DataFrame()
+    for name, variant in (("Coulomb friction", robot), ("no Coulomb friction", without_coulomb(robot))):
+        print(f"{name}: the reference ...", file=sys.stderr)
+        measured = case(name, variant)
+        costs = fmu_costs(measured) if costs.empty else costs
+        for p in points(measured):
+            print(f"{name}: {p.tool}, {p.setting}", file=sys.stderr)
+            rows.append((name, p.tool, p.setting, p.error, p.speed))
+    table = pd.DataFrame(rows, columns=["case", "tool", "setting", "tip error [um]", "speed"])
+    best = summary(table)
+    table.to_csv(out / "simulation.csv", index=False)
+    best.to_csv(out / "simulation_summary.csv", index=False)
+    figure(table, out / "simulation.png")
+    print("\nspeed: simulated seconds per CPU second; settings in SI units")
+    for text in (table, best):
+        print(text.to_string(index=False, float_format="{:.3g}".format), end="\n\n")
+    print(costs.to_string(float_format="{:.3g}".format))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

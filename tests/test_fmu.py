@@ -35,6 +35,7 @@ class Opened:
 
     def __init__(self, path, kind, reference):
         self.description = read_model_description(str(path))
+        assert self.description.coSimulation is not None
         self.vr = {v.name: v.valueReference for v in self.description.modelVariables}
         self.fmu = kind(
             guid=self.description.guid,
@@ -227,6 +228,7 @@ def test_the_adjoint_is_the_transpose(fmus):
     from fmpy.fmi3 import FMU3Model
 
     description = read_model_description(str(fmus[3]))
+    assert description.modelExchange is not None
     vr = {v.name: v.valueReference for v in description.modelVariables}
     fmu = FMU3Model(
         guid=description.guid,

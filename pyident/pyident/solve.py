@@ -99,7 +99,8 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
 
     weights  (n,) per coordinate; none: the plain sum of squares of eq. (14)
     Rank: a direction counts when its singular value stands above the arithmetic (1e-10 of the largest) and
-    the residual leaves its coefficient a standard deviation below the largest coefficient before it.
+    the residual leaves its coefficient a standard deviation below the largest coefficient of those before it;
+    the worst directions are dropped first.
     """
     weights = np.ones(len(reduced.rows)) if weights is None else weights
     A, y = reduced.stacked(weights)
@@ -140,12 +141,11 @@ def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
 
 
 def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:
-    """Number of leading directions that pass the rule of `solve`."""
-    explained = np.concatenate([[0.0], np.cumsum(coefficients**2)])
-    sigma = np.sqrt(np.maximum(y_squared - explained, 0) / equations)
-    largest = np.abs(coefficients[0] / s[0])
-    for i in range(len(s)):
-        if s[i] <= _ROUNDING * s[0] or (i and sigma[i] / s[i] > largest):
-            return i
-        largest = max(largest, np.abs(coefficients[i] / s[i]))
-    return len(s)
+    """Number of leading directions that pass the rule of `solve`, the last ones dropped first."""
+    rank = int((s > _ROUNDING * s[0]).sum())
+    rest = max(y_squared - float(coefficients[:rank] @ coefficients[:rank]), 0.0)
+    sigma = np.sqrt(rest / equations)
+    found = np.abs(coefficients[:rank] / s[:rank])
+    while rank > 1 and sigma / s[rank - 1] > found[: rank - 1].max():
+        rank -= 1
+    return rank
