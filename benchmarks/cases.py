@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-
 from benchmarks.closed_loop import Start, run, static_start
 from benchmarks.reference import EventExact
+
 from flexmodels.experiment import Experiment, identification
 from flexmodels.plant import Equations, equations
 from flexmodels.robot import Robot

@@ -7,8 +7,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
-
 from benchmarks.cases import Case, Point, timed
+
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu, SimulationError
 from flexmodels.experiment import Experiment

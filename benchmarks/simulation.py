@@ -20,10 +20,10 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
-
 from benchmarks.cases import Case, Point, case, timed, without_coulomb
 from benchmarks.closed_loop import Plant, run
 from benchmarks.fmu_points import fmu_costs, fmu_points
+
 from flexmodels.robot_file import load_robot
 
 GOAL = 10.0  # um

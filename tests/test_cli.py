@@ -98,6 +98,21 @@ def test_bad_robots_end_in_one_sentence_and_exit_code_2(log_file, tmp_path):
         assert len(done.output.strip().splitlines()) == 1
 
 
+def test_a_folder_that_is_not_there(log_file, tmp_path):
+    done = run("identify", "four_link", log_file, "-o", tmp_path / "nowhere" / "new.toml")
+    assert done.exit_code == 2
+    assert "nowhere: there is no such folder" in done.output
+
+
+def test_an_fmu_can_take_the_plants_place(tmp_path):
+    assert run("export", "four_link", "-o", tmp_path / "arm.fmu", "--fmi", "3").exit_code == 0
+    assert run("simulate", "four_link", "--experiment", "line", "-o", tmp_path / "a.csv").exit_code == 0
+    done = run("simulate", tmp_path / "arm.fmu", "--experiment", tmp_path / "a.csv", "-o", tmp_path / "b.csv")
+    assert done.exit_code == 0, done.output
+    a, b = pd.read_csv(tmp_path / "a.csv"), pd.read_csv(tmp_path / "b.csv")
+    np.testing.assert_allclose(a["tip.z"], b["tip.z"], atol=1e-9)
+
+
 def test_other_bad_input(tmp_path, identification_log):
     output = tmp_path / "x.csv"
     assert "no [controller]" in run("simulate", "emps", "--experiment", "line", "-o", output).output

@@ -6,7 +6,7 @@ from typing import Literal, cast
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from pyident.solve import Reduced, Solution
+from pyident.solve import ROUNDING, Reduced, Solution
 
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
@@ -60,16 +60,20 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
     return out
 
 
-def weakest_directions(reduced: Reduced, solution: Solution, count: int = 8) -> list[str]:
-    """The directions that the data see worst or not at all, each as a sentence, worst first."""
-    directions = np.hstack([solution.seen, solution.null])[:, ::-1]
+def weakest_directions(reduced: Reduced, solution: Solution, count: int = 5) -> list[str]:
+    """The directions that these data see worst, each as a sentence, worst first.
+
+    Directions that no data can see (parameters that never appear but in combinations) are not among them;
+    `base_parameters` writes these combinations out.
+    """
+    s = solution.singular_values / solution.singular_values[0]
+    directions = np.hstack([solution.seen, solution.null])
     sentences = []
-    for i, v in enumerate(directions.T[: max(count, 1)]):
-        size = np.abs(v)
+    for i in np.flatnonzero(s > ROUNDING)[::-1][:count]:
+        size = np.abs(directions[:, i])
         names = [reduced.columns[j] for j in np.argsort(-size) if size[j] > 0.2 * size.max()][:6]
         joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
         verb = "acts alone" if len(names) == 1 else "act together"
-        fate = "not determined" if i < solution.null.shape[1] else "weakly determined"
-        relative = solution.singular_values[::-1][i] / solution.singular_values[0]
-        sentences.append(f"{joined} {verb}: {fate} (singular value {relative:.1e} of the largest)")
+        fate = "weakly determined" if i < solution.rank else "not determined"
+        sentences.append(f"{joined} {verb}: {fate} (singular value {s[i]:.1e} of the largest)")
     return sentences

@@ -43,6 +43,9 @@ def _reported(command: Callable[..., Any]) -> Callable[..., Any]:
         except _BAD_INPUT as error:
             click.echo(f"error: {error}", err=True)
             sys.exit(2)
+        except OSError as error:
+            click.echo(f"error: {error.filename}: {error.strerror}", err=True)
+            sys.exit(2)
         except KeyboardInterrupt:
             click.echo("stopped", err=True)
             sys.exit(130)

@@ -29,9 +29,7 @@ def read_experiment(path: str, joints: int) -> Experiment:
     numbers = range(1, joints + 1)
     missing = [f"joint{k}.r" for k in numbers if f"joint{k}.r" not in log.frame]
     if missing:
-        raise ExperimentError(
-            f"{path}: column {missing[0]} is missing; it is needed as a reference"
-        )
+        raise ExperimentError(f"{path}: column {missing[0]} is missing; it is needed as a reference")
     feedforward = log.frame.reindex(columns=[f"joint{k}.tau_ff" for k in numbers]).fillna(0.0).to_numpy()
     time = log.signals(["time"])[:, 0]
     return Experiment(time - time[0], log.signals([f"joint{k}.r" for k in numbers]), feedforward)

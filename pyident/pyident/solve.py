@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
+ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
 _ROUNDS = 6  # of weighting by residuals; it settles to a per mille
 
@@ -142,7 +142,7 @@ def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
 
 def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:
     """Number of leading directions that pass the rule of `solve`, the last ones dropped first."""
-    rank = int((s > _ROUNDING * s[0]).sum())
+    rank = int((s > ROUNDING * s[0]).sum())
     rest = max(y_squared - float(coefficients[:rank] @ coefficients[:rank]), 0.0)
     sigma = np.sqrt(rest / equations)
     found = np.abs(coefficients[:rank] / s[:rank])
