@@ -5,7 +5,6 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
-from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu, SimulationError
 from flexmodels.experiment import Experiment, identification
 from flexmodels.plant import equations
@@ -164,31 +163,3 @@ def test_wrong_use_is_explained(four_link, four_link_fmu, tmp_path):
 def test_a_robot_without_controller_cannot_be_simulated():
     with pytest.raises(ValueError, match=r"emps has no \[controller\]"):
         equations(load_robot("emps"))
-
-
-def test_a_slider_is_simulated_too(tmp_path):
-    """A carriage on a rail: uniform acceleration under a constant force, against the closed form."""
-    (tmp_path / "rail.toml").write_text("""
-        [controller]
-        rate = 100.0
-        Kp = [0.0]
-        Kd = [0.0]
-        Ki = [0.0]
-        [[joint]]
-        kind = "prismatic"
-        x = [1.0, 0.0, 0.0]
-        y = [0.0, 1.0, 0.0]
-        J_m = 5.0
-        coulomb = 20.0
-        viscous = 0.0
-        [[link]]
-        m = 95.0
-        ms = [0.0, 0.0, 0.0]
-        J = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    """)
-    fmu_file = export_fmu(equations(load_robot(tmp_path / "rail.toml")), tmp_path / "rail.fmu")
-    time = np.arange(101) * 0.01
-    with LoadedFmu(fmu_file) as fmu:
-        log = fmu.simulate(Experiment(time, np.zeros((101, 1)), np.full((101, 1), 70.0)))
-    np.testing.assert_allclose(log["joint1.e"], 0.5 * (70 - 20) / 100 * time**2, atol=1e-12)
-    np.testing.assert_allclose(log["tip.x"], log["joint1.e"], atol=1e-15)

@@ -100,6 +100,15 @@ def test_stick_slip_against_the_event_exact_solution(rail, tmp_path, simulated):
     np.testing.assert_array_equal(rests, expected_rests)
 
 
+def test_a_constant_force_gives_a_parabola(rail, tmp_path):
+    path = export_fmu(equations(rail), tmp_path / "rail.fmu")
+    time = np.arange(101) * PERIOD
+    with LoadedFmu(path) as fmu:
+        log = fmu.simulate(Experiment(time, np.zeros((101, 1)), np.full((101, 1), 70.0)), {"joint1.Kp": 0.0})
+    np.testing.assert_allclose(log["joint1.e"], 0.5 * (70 - COULOMB) / MASS * time**2, atol=1e-12)
+    np.testing.assert_allclose(log["tip.x"], log["joint1.e"], atol=1e-15)
+
+
 def test_one_file_for_every_platform(rail, tmp_path):
     pytest.importorskip("ziglang", reason="the compiler for other platforms is not installed")
     path = export_fmu(equations(rail), tmp_path / "all.fmu", fmi=3, platforms="all")
