@@ -67,10 +67,10 @@ def fmu_costs(case: Case) -> pd.DataFrame:
 
 def solver_setting(fmu: LoadedFmu) -> tuple[str, float]:
     """Name and start value of the parameter that sets the solver's accuracy."""
-    found = [v for v in fmu.description.modelVariables if v.name.startswith("solver.")]
-    if not found:
-        raise ValueError("the FMU has no parameter solver.*, so its accuracy cannot be varied")
-    return found[0].name, float(found[0].start)
+    for variable in fmu.description.modelVariables:
+        if variable.name.startswith("solver.") and variable.start:
+            return variable.name, float(variable.start)
+    raise ValueError("the FMU has no parameter solver.*, so its accuracy cannot be varied")
 
 
 def _start_up(fmu: LoadedFmu, experiment: Experiment) -> float:

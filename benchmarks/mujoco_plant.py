@@ -5,9 +5,9 @@ One body per link with four hinge joints, which MuJoCo turns one behind the othe
 stiffness and damping. For small deformations these three are eps[2], eps[3] and eps[1]; the difference is of
 second order in the deformations and shows as the error that remains at small steps.
 
-Frictionloss is not Coulomb's law but a soft constraint. At MuJoCo's own settings a stuck joint creeps (its speed
-decays with the time constant 0.02 s of solreffriction, and 10 % of the motion is let through by the impedance
-0.9 of solimpfriction); `stiff` sets them to twice the step and to 0.9999, MuJoCo's limits.
+Frictionloss is not Coulomb's law but a soft constraint. At MuJoCo's own settings a stuck joint creeps (its
+speed decays with the time constant 0.02 s of solreffriction, and the impedance 0.9 of solimpfriction lets
+10 % of the acceleration through); `stiff` sets them to twice the step and to 0.9999, MuJoCo's limits.
 
 Solver PGS without islands: of the settings tried the fastest here (33 against 23 times real time with Newton
 at 0.5 ms), with the same motion.
@@ -25,11 +25,14 @@ from flexmodels.robot import Joint, Link, Robot
 HINGE = ("e", "eps[2]", "eps[3]", "eps[1]")  # the order in which they turn
 
 
+Integrator = Literal["RK4", "implicitfast"]
+
+
 @dataclass(frozen=True)
 class Settings:
     """Integrator, step [s] and whether frictionloss is as stiff as MuJoCo allows."""
 
-    integrator: Literal["RK4", "implicitfast"]
+    integrator: Integrator
     step: float
     stiff: bool = False
 

@@ -2,8 +2,8 @@
 
 A flexible hinge is three revolute joints with massless bodies between, about z', -y' and x', with springs and
 dampers; they equal the deformations to first order (see mujoco_plant). Coulomb friction has a mode per motor
-hinge: the sign of its speed, or stuck. A step in which a joint reverses is taken again up to the reversal (one
-linear interpolation), where the joint sticks; a stuck joint whose reaction exceeds the Coulomb level is
+hinge: the sign of its speed, or stuck. A step in which a joint reverses is taken again up to the reversal
+(one linear interpolation), where the joint sticks; a stuck joint whose reaction exceeds the Coulomb level is
 released at the end of a step. A stuck joint has an armature of 1e12 kg m2, and its reaction is that times its
 acceleration.
 """
@@ -11,7 +11,7 @@ acceleration.
 import time
 
 import numpy as np
-import pinocchio as pin
+import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
 from flexmodels.robot import Joint, Link, Robot
 

@@ -17,7 +17,7 @@ from pyident.physical import lower_bounds
 from pyident.simulated import Progress, Replay, Simulate, replay_of
 from pyident.solve import Reduced, Solution, reduce, solve
 
-_STEP = 1e-5  # of the length of the scaled parameters: finite difference
+_STEP = 1e-6  # of the length of the scaled parameters: finite difference
 _ROUNDS = 12  # every second one renews the slopes
 _SETTLED = 5e-2  # of a standard deviation: change at which the rounds end
 _FLOOR = 1e-9  # of a channel's rms: its least noise
@@ -63,11 +63,11 @@ def _share(progress: Progress | None, number: int) -> Progress | None:
 
 
 def _operating_point(found: Identified) -> dict[str, float]:
-    """The parameters, with those that must not be negative a few finite differences away from zero."""
+    """The parameters, with those that must not be negative two finite differences away from zero."""
     scale = dict(zip(found.reduced.columns, found.solution.scale, strict=True))
     length = float(np.linalg.norm(found.solution.p * found.solution.scale))
     bounds = lower_bounds(found.robot)
-    floors = {name: 10 * _STEP * length / scale[name] for name, lower in bounds.items() if lower == 0}
+    floors = {name: 2 * _STEP * length / scale[name] for name, lower in bounds.items() if lower == 0}
     return {name: max(value, floors.get(name, -np.inf)) for name, value in found.robot.parameters.items()}
 
 

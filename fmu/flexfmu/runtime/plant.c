@@ -104,7 +104,7 @@ static double try_step(const Plant *s, double h, Trial *t) {
 static double locate(const Plant *s, double h, double end, Trial *t) {
     const double close_enough = 1e-10 * end;
     double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS];
-    int j, i;
+    int j, i, kept = 0;
     margins(s, s->value + AT_STATE, s->imbalance, start);
     for (j = 0; j < N_JOINTS; ++j)
         if (start[j] > 0) fa = fmin(fa, start[j]);
@@ -112,9 +112,13 @@ static double locate(const Plant *s, double h, double end, Trial *t) {
         double c = i % 8 == 7 ? (a + b) / 2 : (a * fb - b * fa) / (fb - fa);
         double fc = try_step(s, c, t);
         if (fc < 0) {
-            b = c, fb = fc, fa /= 2;
+            b = c, fb = fc;
+            if (kept == -1) fa /= 2; /* the same end moved twice: pull the other one in */
+            kept = -1;
         } else {
-            a = c, fa = fc, fb /= 2;
+            a = c, fa = fc;
+            if (kept == 1) fb /= 2;
+            kept = 1;
         }
     }
     try_step(s, b, t);
@@ -212,10 +216,8 @@ int plant_initialise(Plant *s) {
 int plant_run(Plant *s, double until) {
     int i;
     settle(s); /* the inputs or parameters may have been changed since */
-    if (until > s->time) {
-        integrate(s, until - s->time);
-        s->time = until;
-    }
+    if (until > s->time + TIME_TOLERANCE * PERIOD) integrate(s, until - s->time);
+    if (until > s->time) s->time = until;
     for (i = 0; i < N_STATES; ++i)
         if (!isfinite(s->value[AT_STATE + i])) return 1;
     return 0;
