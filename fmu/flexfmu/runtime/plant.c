@@ -102,13 +102,13 @@ static double try_step(const Plant *s, double h, Trial *t) {
 
 /* Shorten a step at whose end a margin is negative to just behind the first crossing (Illinois). */
 static double locate(const Plant *s, double h, double end, Trial *t) {
-    const double close_enough = 1e-10 * end;
+    const double close_enough = 1e-13 * end;
     double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS];
     int j, i, kept = 0;
     margins(s, s->value + AT_STATE, s->imbalance, start);
     for (j = 0; j < N_JOINTS; ++j)
         if (start[j] > 0) fa = fmin(fa, start[j]);
-    for (i = 0; i < MAX_BISECTIONS && b - a > 1e-12 * h && fb < close_enough; ++i) {
+    for (i = 0; i < MAX_BISECTIONS && b - a > 1e-14 * h && fb < close_enough; ++i) {
         double c = i % 8 == 7 ? (a + b) / 2 : (a * fb - b * fa) / (fb - fa);
         double fc = try_step(s, c, t);
         if (fc < 0) {
