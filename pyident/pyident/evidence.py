@@ -1,0 +1,96 @@
+"""What further columns would explain of a residual, once the base model has taken what it can.
+
+With A p = y the base equations (whitened: their floor is one), r their residual and X further columns, the
+part of X that the base cannot imitate is X⊥ = X − A A⁺X. The columns then explain
+
+    gain = rᵀX⊥ (X⊥ᵀX⊥)⁻¹ X⊥ᵀr      of the energy rᵀr,   at the coefficients (X⊥ᵀX⊥)⁻¹ X⊥ᵀr,
+
+where only coefficients within their physical bounds count (Frisch and Waugh 1933; Lovell 1963).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from pyident.spectra import Equations
+
+_IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
+_ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
+
+Columns = Sequence[Mapping[int, np.ndarray]]  # per log: row -> (E, K) whitened columns
+
+
+@dataclass(frozen=True)
+class Base:
+    """The base equations of all logs, solved.
+
+    p         (P,) smallest solution
+    basis     per log (n, E, R): an orthonormal basis of what the base can imitate
+    residual  per log (n, E)
+    """
+
+    p: np.ndarray
+    basis: list[np.ndarray]
+    residual: list[np.ndarray]
+
+    @property
+    def energy(self) -> float:
+        return float(sum(np.square(r).sum() for r in self.residual))
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What K columns explain. energy; coefficients and std (K,); left: least share that the base cannot imitate."""
+
+    energy: float
+    coefficients: np.ndarray
+    std: np.ndarray
+    left: float
+
+
+def solve_base(whitened: Sequence[Equations]) -> Base:
+    """Least squares over all logs."""
+    P = whitened[0].A.shape[2]
+    A = [e.A.reshape(-1, P) for e in whitened]
+    y = [e.y.ravel() for e in whitened]
+    scale = np.sqrt(sum(np.square(a).sum(axis=0) for a in A))
+    scale[scale == 0] = 1.0
+    R = np.linalg.qr(np.vstack([np.linalg.qr(np.column_stack([a / scale, b]), "r") for a, b in zip(A, y, strict=True)]), "r")
+    U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
+    kept = s > _ROUNDING * s[0]
+    directions = Vt[kept].T / s[kept] / scale[:, None]
+    p = directions @ (U.T @ R[:, -1])[kept]
+    return Base(p, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
+
+
+def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> Gain:
+    """Of K columns, with bounds (K,) on their coefficients."""
+    K = len(lower)
+    G, g, b = np.zeros((K, K)), np.zeros(K), np.zeros((base.basis[0].shape[2], K))
+    for rows, basis, residual in zip(columns, base.basis, base.residual, strict=True):
+        for c, X in rows.items():
+            G += X.T @ X
+            g += X.T @ residual[c]
+            b += basis[c].T @ X
+    return _gain(G, G - b.T @ b, g, lower, upper)
+
+
+def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
+    size = np.sqrt(np.maximum(np.diag(full), 1e-300))
+    w, V = np.linalg.eigh(G / np.outer(size, size))
+    left = float(w[-1])
+    kept = w > _IMITATED
+    if not kept.any():
+        return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), left)
+    half = V[:, kept] * np.sqrt(w[kept])  # G = half halfᵀ, in scaled columns
+    target = V[:, kept].T @ (g / size) / np.sqrt(w[kept])
+    x = V[:, kept] @ (target / np.sqrt(w[kept])) / size
+    if (x < lower).any() or (x > upper).any():
+        lo, hi = lower * size, upper * size
+        x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
+    z = half.T @ (x * size)
+    spread = V[:, kept] / np.sqrt(w[kept])
+    std = np.sqrt(np.square(spread).sum(axis=1)) / size
+    return Gain(float(2 * z @ target - z @ z), x, std, left)

@@ -1,0 +1,143 @@
+"""A fitted model against its logs, and against replicas of itself that went through the very same analysis."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.candidates import Candidate, bounds, candidates, columns
+from pyident.conditioning import condition
+from pyident.estimate import estimate
+from pyident.evidence import Base, Gain, gain, solve_base
+from pyident.identify import identified
+from pyident.log import Log
+from pyident.problem import Problem
+from pyident.replica import Repeat, repeat
+from pyident.sensor_noise import sensor_noise
+from pyident.spectra import Equations, Floor, equations, floor
+
+REPLICAS = 24
+_EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # Hz: bands in which the residual is watched
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise."""
+
+    robot: Robot
+    simulated: Robot
+    repeats: tuple[Repeat, ...]
+    noise: dict[str, float]
+    weights: np.ndarray
+
+
+@dataclass(frozen=True)
+class Examination:
+    """Data and B replicas, analysed alike.
+
+    candidates, gains   what could be added and what each would explain of the data's residual
+    replica_gains       (B, C) the same of the replicas' residuals: the method's own trace
+    energy              (n, bands) mean square of the data's residual over the floor; replica_energy (B, n, bands)
+    """
+
+    setting: Setting
+    floor: Floor
+    logs: list[Equations]
+    base: Base
+    candidates: list[Candidate]
+    gains: list[Gain]
+    replica_gains: np.ndarray
+    energy: np.ndarray
+    replica_energy: np.ndarray
+    count: np.ndarray
+
+    @property
+    def levels(self) -> list[np.ndarray]:
+        return [self.floor.at(log.band) for log in self.logs]
+
+
+def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
+    """Fit the robot to the logs and prepare its replicas. Raises LogError."""
+    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    reduced, solution = estimate(problem)
+    fitted = identified(robot, reduced, solution).robot
+    noise = sensor_noise(fitted, logs, solution.p)
+    repeats = [repeat(fitted, log) for log in logs]
+    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, solution.weights)
+
+
+def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
+    """Run the replicas and hold the data against them. workers: processes that hold the fitted robot's FMU."""
+    robot, logs = setting.robot, [r.log for r in setting.repeats]
+    jobs = [workers.submit(_replica, setting, seed) for seed in range(count)]
+    replicas, bands, residuals = [], [], []
+    for i, job in enumerate(jobs):
+        made, found, left = job.result()
+        replicas.append(made)
+        bands += found
+        residuals += left
+        progress(0.5 * (i + 1) / count)
+    level = floor(bands, residuals)
+    data = _whitened(robot, logs, level)
+    listed = candidates(robot, data)
+    jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
+    base = solve_base(data)
+    gains = _gains(robot, data, base, level, listed)
+    judged = []
+    for i, job in enumerate(jobs):
+        judged.append(job.result())
+        progress(0.5 + 0.5 * (i + 1) / count)
+    energy, number = _energy(data, base)
+    return Examination(
+        setting, level, data, base, listed, gains,
+        np.array([g for g, _ in judged]), energy, np.array([e for _, e in judged]), number,
+    )
+
+
+def _replica(fmu: Any, setting: Setting, seed: int):
+    """Logs of one replica, their bands and the residuals that the regression leaves."""
+    parameters = setting.robot.parameters
+    made = [
+        r.replica(fmu.simulate, parameters, setting.noise, 1000 * seed + i) for i, r in enumerate(setting.repeats)
+    ]
+    logs = _equations(setting.robot, made)
+    level = 1 / np.maximum(setting.weights, 1e-300)
+    weighted = [e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs]
+    base = solve_base(weighted)
+    return made, [e.band for e in logs], [r * level[:, None] for r in base.residual]
+
+
+def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
+    data = _whitened(robot, logs, level)
+    base = solve_base(data)
+    return [g.energy for g in _gains(robot, data, base, level, listed)], _energy(data, base)[0]
+
+
+def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
+    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    return equations(problem, [log.period for log in logs])
+
+
+def _whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
+    return [e.over(level.at(e.band)) for e in _equations(robot, logs)]
+
+
+def _gains(
+    robot: Robot, data: Sequence[Equations], base: Base, level: Floor, listed: Sequence[Candidate]
+) -> list[Gain]:
+    levels = [level.at(e.band) for e in data]
+    return [gain(base, columns(robot, c, data, levels), *bounds(robot, c)) for c in listed]
+
+
+def _energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
+    """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
+    total, number = 0.0, 0.0
+    for e, r in zip(data, base.residual, strict=True):
+        at = np.digitize(np.tile(e.band.frequencies, 2), _EDGES) - 1
+        total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(_EDGES))]).T
+        number = number + np.array([np.sum(at == b) for b in range(len(_EDGES))])
+    return np.asarray(total) / np.maximum(number, 1), np.asarray(number)
