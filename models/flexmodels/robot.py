@@ -265,8 +265,7 @@ class Robot:
         for k, joint in self.numbered:
             for effect in joint.effects:
                 for p in effect.parameters:
-                    unit = _of_slider(p.unit) if joint.kind == "prismatic" else p.unit
-                    units[parameter_name(k, effect.name, p.name)] = unit
+                    units[parameter_name(k, effect.name, p.name)] = unit_at(joint, p.unit)
         return {name: units[name] for name in self.parameters}
 
     def with_parameters(self, values: Mapping[str, float], name: str | None = None) -> "Robot":
@@ -307,7 +306,10 @@ def parameter_name(joint: int, effect: str, parameter: str) -> str:
     return f"joint{joint}.{parameter}" if effect in BASE else f"joint{joint}.{effect}.{parameter}"
 
 
-def _of_slider(unit: str) -> str:
+def unit_at(joint: Joint, unit: str) -> str:
+    """A hinge's unit as it reads at the joint."""
+    if joint.kind == "revolute":
+        return unit
     return unit.replace("kg.m2", "kg").replace("N.m", "N").replace("rad", "m")
 
 
