@@ -12,12 +12,13 @@ import casadi as ca
 from flexfmu.variables import STEP, identifier, nominals, variables
 from flexmodels.plant import Equations
 
+_FUNCTIONS = ("rates", "breakaway", "laws", "balance", "start", "tip")
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 
 
 def model_sources(equations: Equations, derivatives: bool) -> dict[str, str]:
     """File name -> text of the generated files: model.h, model.c and, on demand, model_derivatives.c."""
-    functions = [_renamed(getattr(equations, name)) for name in ("rates", "breakaway", "balance", "tip")]
+    functions = [_renamed(getattr(equations, name)) for name in _FUNCTIONS]
     extra = _derivatives(equations) if derivatives else []
     files = {"model.c": _tables(equations) + _generated(functions, "model")}
     if derivatives:
@@ -88,6 +89,8 @@ def _header(equations: Equations, functions: list[ca.Function], token: str, deri
 #define MODEL_TOKEN "{token}"
 #define N_JOINTS {joints}
 #define N_COORDINATES {len(equations.coordinates)}
+#define N_MEMORIES {len(equations.memories)}
+#define N_STATES (2 * N_COORDINATES + N_MEMORIES)
 #define N_PARAMETERS {len(equations.parameters)}
 #define PERIOD {equations.controller.period!r}
 #define MODEL_STEP {STEP!r}
@@ -100,7 +103,7 @@ extern const double model_parameters[N_PARAMETERS];
 extern const char *const model_parameter_names[N_PARAMETERS];
 extern const unsigned char model_nonnegative[N_PARAMETERS];
 extern const double model_gains[3 * N_JOINTS]; /* Kp, Kd, Ki */
-extern const double model_nominals[2 * N_COORDINATES];
+extern const double model_nominals[N_STATES];
 extern const unsigned char model_sticking[N_JOINTS];
 extern const int model_stiffness[N_COORDINATES - N_JOINTS + 1]; /* parameter of each deformation */
 

@@ -79,8 +79,9 @@ def arrays(equations: Equations) -> list[Array]:
 
 
 def states(equations: Equations) -> tuple[str, ...]:
-    """Names of the continuous states: coordinates, then their speeds."""
-    return (*equations.coordinates, *(_speed(name) for name in equations.coordinates))
+    """Names of the continuous states: coordinates, then their speeds, then the laws' own states."""
+    speeds = (_speed(name) for name in equations.coordinates)
+    return (*equations.coordinates, *speeds, *(memory.name for memory in equations.memories))
 
 
 def nominals(equations: Equations) -> list[float]:
@@ -147,6 +148,8 @@ def _states(eq: Equations) -> Iterator[Variable]:
         nominal = 1e-2 if "eps" in name else 1.0
         speed = _speed(name)
         yield Variable(speed, "local", "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
+    for memory in eq.memories:
+        yield Variable(memory.name, "local", "continuous", memory.unit, memory.description, nominal=1.0)
     for name in eq.coordinates:
         yield Variable(
             f"der({name})",
@@ -161,6 +164,9 @@ def _states(eq: Equations) -> Iterator[Variable]:
         speed = _speed(name)
         text = f"Rate of {speed}"
         yield Variable(f"der({speed})", "local", "continuous", f"{unit[name]}/s2", text, derivative_of=speed)
+    for name, unit_of in ((memory.name, memory.unit) for memory in eq.memories):
+        rate = f"{unit_of}/s"
+        yield Variable(f"der({name})", "local", "continuous", rate, f"Rate of {name}", derivative_of=name)
 
 
 def _results(eq: Equations) -> Iterator[Variable]:
@@ -182,6 +188,12 @@ def _results(eq: Equations) -> Iterator[Variable]:
             "a speed while it slides, a torque while it is stuck"
         )
         yield Variable(f"joint{k + 1}.friction_margin", "local", "continuous", "1", text)
+    for name in eq.coordinates:
+        unit = "N.m" if "eps" in name else _force_unit(eq, _joint_of(name))
+        text = (
+            f"Force that the laws take at {name}, motor inertia included, the reaction of a stuck hinge not"
+        )
+        yield Variable(f"laws.{name}", "local", "continuous", unit, text)
 
 
 def _parameters(eq: Equations) -> Iterator[Variable]:

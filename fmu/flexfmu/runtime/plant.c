@@ -1,5 +1,7 @@
 #include "plant.h"
 
+#include "equilibrium.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -22,11 +24,19 @@ static void breakaway(const Plant *s, const double *x, double *upper, double *lo
     model_breakaway(arg, res, 0, w, 0);
 }
 
-static void balance(const Plant *s, const double *x, double *force) {
-    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_PARAMETER};
+static void laws(const Plant *s, const double *x, const double *dx, double *force) {
+    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode, dx};
     double *res[MODEL_SZ_RES] = {force};
     double w[MODEL_SZ_W];
-    model_balance(arg, res, 0, w, 0);
+    model_laws(arg, res, 0, w, 0);
+}
+
+/* The laws' own states at rest under the torques. */
+static void start(const Plant *s, double *x) {
+    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER};
+    double *res[MODEL_SZ_RES] = {x + 2 * N_COORDINATES};
+    double w[MODEL_SZ_W];
+    model_start(arg, res, 0, w, 0);
 }
 
 static void tip(const double *x, double *position) {
@@ -192,25 +202,18 @@ void plant_reset(Plant *s) {
 }
 
 int plant_initialise(Plant *s) {
-    double *x = s->value + AT_STATE, force[N_COORDINATES], change = HUGE_VAL;
-    int i, round;
+    double *x = s->value + AT_STATE, force[N_COORDINATES];
+    int lost;
     memset(x, 0, N_STATES * sizeof *x);
     memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x);
-    for (round = 0; round < 200 && change > 1e-15; ++round) {
-        change = 0;
-        balance(s, x, force);
-        for (i = N_JOINTS; i < N_COORDINATES; ++i) {
-            double step = force[i] / s->value[AT_PARAMETER + model_stiffness[i - N_JOINTS]];
-            x[i] -= step;
-            change = fmax(change, fabs(step));
-        }
-    }
-    balance(s, x, force);
+    lost = equilibrium(s->value + AT_PARAMETER, x, force);
     memset(s->mode, 0, sizeof s->mode);
     memcpy(s->integral, force, sizeof s->integral);
+    memcpy(s->value + AT_TORQUE, force, N_JOINTS * sizeof *force);
+    start(s, x);
     s->time = 0, s->ticks = 0;
     plant_sample(s, 0);
-    return !(change < 1e-12);
+    return lost;
 }
 
 int plant_run(Plant *s, double until) {
@@ -282,6 +285,7 @@ void plant_outputs(Plant *s) {
     rates(s, x, s->value + AT_RATE, s->imbalance, friction);
     for (j = 0; j < N_JOINTS; ++j)
         if (s->mode[j] == 0) friction[j] += s->imbalance[j];
+    laws(s, x, s->value + AT_RATE, s->value + AT_LAW);
     plant_indicators(s, s->value + AT_INDICATOR);
 }
 

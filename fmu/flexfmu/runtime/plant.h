@@ -8,13 +8,14 @@
 enum {
     AT_REFERENCE = 0,
     AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS,
-    AT_STATE = AT_FEEDFORWARD + N_JOINTS, /* q, then v */
-    AT_RATE = AT_STATE + 2 * N_COORDINATES,
-    AT_TORQUE = AT_RATE + 2 * N_COORDINATES,
+    AT_STATE = AT_FEEDFORWARD + N_JOINTS, /* q, then v, then the laws' own */
+    AT_RATE = AT_STATE + N_STATES,
+    AT_TORQUE = AT_RATE + N_STATES,
     AT_TIP = AT_TORQUE + N_JOINTS,
     AT_FRICTION = AT_TIP + 3,
     AT_INDICATOR = AT_FRICTION + N_JOINTS, /* event indicators */
-    AT_PARAMETER = AT_INDICATOR + N_JOINTS,
+    AT_LAW = AT_INDICATOR + N_JOINTS, /* what the laws take at each coordinate */
+    AT_PARAMETER = AT_LAW + N_COORDINATES,
     AT_KP = AT_PARAMETER + N_PARAMETERS,
     AT_KD = AT_KP + N_JOINTS,
     AT_KI = AT_KD + N_JOINTS,
@@ -22,7 +23,7 @@ enum {
     N_VALUES
 };
 
-enum { N_INPUTS = 2 * N_JOINTS, N_STATES = 2 * N_COORDINATES };
+enum { N_INPUTS = 2 * N_JOINTS };
 
 typedef struct {
     double value[N_VALUES];
