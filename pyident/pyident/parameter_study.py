@@ -20,12 +20,15 @@ import pandas as pd
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexfmu.variables import fmi_name
+from flexmodels.atomic import replacing
 from flexmodels.experiment import Experiment
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
 from pyident.metrics import METRICS, Metric, evaluate
 from pyident.pipeline import loaded_fmu
 from pyident.results_store import ResultsStore, StudyError
+from pyident.study_plan import StudyPlan
+from pyident.study_summary import sensitivities
 from pyident.workers import Workers, configured_scheduler, dask_workers
 
 _BATCH_SECONDS = 0.5  # of simulation per task: a hundred times what Dask spends on one
@@ -98,8 +101,8 @@ def parameter_study(
     scheduler   address of a Dask cluster; none: the configured one, else `workers` processes here (all cores)
     progress    called with the fraction done
 
-    Index `run`, the row's position in the design; columns: parameters, results, `seconds`, and `failure`, why a
-    run has no results (else ""). Called again with the same folder after an interrupt, it does the rest.
+    Index `run`, the row's position in the design; columns: parameters, results, `seconds`, and `failure`, why
+    a run has no results (else ""). Called again with the same folder after an interrupt, it does the rest.
     Called from a script, it has to stand under `if __name__ == "__main__":`, because it starts processes.
     Raises StudyError, WorkersError, SimulationError, BuildError.
     """
@@ -120,6 +123,25 @@ def parameter_study(
         with dask_workers(partial(_same, bench), scheduler or configured_scheduler(), workers) as pool:
             _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
     return store.finish(design)
+
+
+def run_plan(
+    plan: StudyPlan, folder: str | Path, workers: int | None = None, progress: Progress | None = None
+) -> pd.DataFrame:
+    """The table of `parameter_study`, and sensitivity.csv beside it where the design allows it."""
+    found = parameter_study(
+        plan.design,
+        plan.model,
+        plan.experiment,
+        folder,
+        metrics=plan.metrics,
+        workers=workers,
+        progress=progress,
+    )
+    if plan.method is not None:
+        with replacing(Path(folder) / "sensitivity.csv") as file:
+            sensitivities(plan.method, plan.ranges, found).to_csv(file)
+    return found
 
 
 class _Study:

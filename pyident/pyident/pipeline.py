@@ -40,6 +40,12 @@ def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
             yield fmu
 
 
+def fmu_joints(path: str | Path) -> int:
+    """Number of an FMU's driven joints. Raises SimulationError."""
+    with LoadedFmu(path) as fmu:
+        return fmu.joints
+
+
 class FmuRuns:
     """Many simulations of one robot with different parameters; use as a context manager.
 

@@ -1,6 +1,6 @@
 """Which parameters a result depends on: Morris' screening and Sobol's indices, by SALib.
 
-Each takes a design of its own, made here, and the results in the design's order. Runs that failed (not finite)
+Each takes a design of its own, made here, and the results in the design's order. Failed runs (not finite)
 are left out with the whole trajectory or block that they belong to.
 """
 

@@ -1,6 +1,6 @@
 """Processes that each hold a tool, such as a loaded FMU: this machine's own, or those of a Dask cluster.
 
-Both are executors of concurrent.futures. The tool goes to every process once; a task carries only its arguments.
+Both are executors of concurrent.futures. The tool goes to every process once; a task has only its arguments.
 """
 
 import signal
@@ -143,7 +143,7 @@ def _local_cluster(count: int | None) -> Any:
         return LocalCluster(
             n_workers=count or cpu_count(),
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address=":0",
             memory_limit=0,  # pyright: ignore[reportArgumentType]
             silence_logs=CRITICAL,
         )
