@@ -40,7 +40,7 @@ def cluster():
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", memory_limit=0) as cluster:
-        yield cluster.scheduler_address
+        yield cluster.scheduler.address  # pyright: ignore
 
 
 def viscous_work(log, reference):
@@ -111,7 +111,7 @@ def test_a_killed_worker_loses_nothing(fmu, tmp_path):
 
 def test_a_row_that_kills_every_worker_is_the_only_one_to_fail(fmu, tmp_path):
     def deadly(log, reference):
-        if abs(log["joint1.tau"]).max() > 1000:
+        if log["joint1.e"].max() < 0.5 * reference["joint1.e"].max():  # held by its friction
             os.kill(os.getpid(), signal.SIGKILL)
         return 1.0
 
@@ -221,7 +221,7 @@ def test_sweep_from_a_plan(cluster, tmp_path):
     found = pd.read_parquet(tmp_path / "out" / "results.parquet")
     assert {"joint1.coulomb", "joint1.viscous", "largest", "torque_rms.joint1"} <= set(found)
     indices = pd.read_csv(tmp_path / "out" / "sensitivity.csv", index_col=["result", "parameter"])
-    assert (indices["mu_star"] > 0).all()
+    assert (indices["mu_star"].to_numpy() > 0).all()
     plan.write_text(plan.read_text().replace("0.25", "0.3"))
     done = CliRunner().invoke(main, words)
     assert done.exit_code == 2

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -51,7 +52,7 @@ def figure(found: pd.DataFrame) -> Figure:
 
 
 def _rows(plan: StudyPlan, table: pd.DataFrame, found: pd.DataFrame) -> list[dict[str, str]]:
-    failed = int((table["failure"] != "").sum())
+    failed = int(np.count_nonzero(table["failure"] != ""))
     rows = [row("runs; failed", f"{len(table)}; {failed}", "all; 0", failed == 0)]
     for result, (title, unit, factor) in SHOWN.items():
         low, high = factor * table[result].min(), factor * table[result].max()
