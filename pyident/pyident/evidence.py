@@ -77,6 +77,34 @@ def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> 
     return _gain(G, G - b.T @ b, g, lower, upper)
 
 
+def extended(base: Base, columns: Columns) -> Base:
+    """The base with K columns joined to it (`p` stays that of the base's own columns)."""
+    R = base.basis[0].shape[2]
+    K = next(X.shape[1] for rows in columns for X in rows.values())
+    b, G = np.zeros((R, K)), np.zeros((K, K))
+    for rows, basis in zip(columns, base.basis, strict=True):
+        for c, X in rows.items():
+            b += basis[c].T @ X
+            G += X.T @ X
+    new = []
+    for rows, basis in zip(columns, base.basis, strict=True):
+        dense = -(basis @ b)
+        for c, X in rows.items():
+            dense[c] += X
+        new.append(dense)
+    size = np.sqrt(np.maximum(np.diag(G), 1e-300))
+    w, V = np.linalg.eigh(sum(np.einsum("cek,cel->kl", d, d) for d in new) / np.outer(size, size))
+    kept = w > _IMITATED
+    directions = V[:, kept] / np.sqrt(w[kept]) / size[:, None]
+    new = [d @ directions for d in new]
+    part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
+    return Base(
+        base.p,
+        [np.concatenate([old, d], axis=2) for old, d in zip(base.basis, new, strict=True)],
+        [r - d @ part for d, r in zip(new, base.residual, strict=True)],
+    )
+
+
 def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
     size = np.sqrt(np.maximum(np.diag(full), 1e-300))
     w, V = np.linalg.eigh(G / np.outer(size, size))
