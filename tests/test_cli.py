@@ -24,6 +24,7 @@ def log_file(identification_log, tmp_path):
 def test_lists():
     assert "four_link" in run("robots").output
     assert "coulomb" in run("effects").output
+    assert "Armstrong" in run("effects", "stribeck").output
 
 
 @pytest.mark.parametrize("command", sorted(main.commands))

@@ -193,7 +193,8 @@ class Effect:
         }
         mine = {p.symbol for p in self.linear}
         for p in sorted(self.linear, key=lambda p: not any(x.has(p.symbol) for x in slopes[p].values())):
-            if any(slope.free_symbols & mine for slope in slopes[p].values()):
+            remembered = any(s.rate.has(p.symbol) for s in self.states)
+            if remembered or any(slope.free_symbols & mine for slope in slopes[p].values()):
                 raise EffectError(
                     f"effect {self.name} is not linear in its parameter {p.name}; parameters that enter "
                     "nonlinearly need a grid"
@@ -201,6 +202,28 @@ class Effect:
         if any(law.subs(dict.fromkeys(mine, 0)) != 0 for law in laws.values()):
             raise EffectError(f"effect {self.name} must vanish when its linear parameters are zero")
         return {p.name: slopes[p] for p in self.linear}
+
+
+def sheet(effect: Effect) -> dict[str, str]:
+    """What is known of a law, a line each, in reading order."""
+    adds = [f"{name} += {x}" for name, x in effect.body.items()]
+    rates = [f"{s.name}' = {s.rate}" for s in effect.states]
+    lines = {
+        "force": "\n".join([*(f"on {q}: {law}" for q, law in effect.forces.items()), *rates, *adds]),
+        "parameters": "\n".join(_line(p) for p in effect.parameters),
+        "citation": effect.citation,
+        "needs": effect.needs,
+        "confounders": ", ".join(effect.confounders),
+        "experiment": effect.experiment,
+    }
+    return {key: text for key, text in lines.items() if text}
+
+
+def _line(p: Parameter) -> str:
+    limits = "" if p.lower == -inf and p.upper == inf else f", from {p.lower:g} to {p.upper:g}"
+    unit = f"rms of {p.scale}" if p.scale is not None else p.unit
+    tried = "" if p.linear else f"; nonlinear, tried at {', '.join(f'{v:g}' for v in p.grid)} [{unit}]"
+    return f"{p.name} [{p.unit}]{limits}{tried}"
 
 
 def _present(slopes: dict[Any, Expr]) -> dict[Any, Expr]:

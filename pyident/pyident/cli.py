@@ -16,6 +16,7 @@ from rich.table import Table
 from flexfmu.build import BuildError, export_fmu
 from flexfmu.simulate import LoadedFmu, SimulationError
 from flexmodels.atomic import replacing
+from flexmodels.effect import sheet
 from flexmodels.effects import CATALOGUE
 from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
@@ -103,20 +104,29 @@ def robots(json_file: str | None) -> None:
 
 
 @main.command()
+@click.argument("name", required=False)
 @_json
 @_reported
-def effects(json_file: str | None) -> None:
-    """List the laws that a robot file may name. Example: pyident effects"""
-    table = Table("effect", "law", "parameters", "source")
-    for name, effect in CATALOGUE.items():
-        table.add_row(
-            name,
-            effect.title,
-            ", ".join(p.name for p in effect.parameters).replace("[", r"\["),
-            effect.citation,
-        )
+def effects(name: str | None, json_file: str | None) -> None:
+    """List the laws that a robot file may name, or show what is known of one.
+
+    Example: pyident effects stribeck
+    """
+    if name is not None and name not in CATALOGUE:
+        raise RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(CATALOGUE))}")
+    chosen = CATALOGUE if name is None else {name: CATALOGUE[name]}
+    if name is None:
+        table = Table("effect", "law", "parameters", "source")
+        for effect in CATALOGUE.values():
+            parameters = ", ".join(p.name for p in effect.parameters).replace("[", r"\[")
+            table.add_row(effect.name, effect.title, parameters, effect.citation)
+    else:
+        table = Table(name, show_lines=True)
+        table.add_column(CATALOGUE[name].title)
+        for key, text in sheet(CATALOGUE[name]).items():
+            table.add_row(key, text.replace("[", r"\["))
     console.print(table)
-    _write_json(json_file, {n: {"title": e.title, "citation": e.citation} for n, e in CATALOGUE.items()})
+    _write_json(json_file, {n: {"title": e.title} | sheet(e) for n, e in chosen.items()})
 
 
 @main.command()
