@@ -38,7 +38,7 @@ STRONG: dict[str, dict[str, float]] = {
     "torque_saturation": {"share": 0.5, "limit": 40.0},
     "gravity_spring": {"stiffness": 150.0, "preload": 90.0, "ratio": 0.5, "phase": 0.8},
     "joint_spring": {"stiffness": 40.0},
-    "joint_coupling": {"inertia": 0.4, "viscous": 2.0, "coulomb": 6.0},
+    "joint_coupling": {"inertia": 0.4, "viscous": 2.0, "coulomb": 6.0, "ratio": 1.0},
     "payload": {"mass": 4.0},
 }
 REMEMBERING = [name for name, effect in CATALOGUE.items() if effect.states]

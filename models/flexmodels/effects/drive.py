@@ -20,7 +20,8 @@ motor_inertia = Effect(
 )
 
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
-_order = Parameter("order", "1", start=4.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0, 6.0, 8.0))
+_orders = tuple(float(order) for order in range(4, 31, 2))  # periods per turn of the joint
+_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders)
 
 torque_ripple = Effect(
     name="torque_ripple",

@@ -46,17 +46,19 @@ gravity_spring = Effect(
 _inertia = Parameter("inertia", "kg.m2")
 _viscous = Parameter("viscous", "N.m.s/rad")
 _coulomb = Parameter("coulomb", "N.m")
+_ratio = Parameter("ratio", "1", start=1.0, lower=-10.0, upper=10.0, grid=(1.0, -1.0))
+# A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only the
+# mixed terms stand here: the others are part of each motor's own.
+_rub = _coulomb.symbol * sign(de + _ratio.symbol * beyond.de)
 
 joint_coupling = Effect(
     name="joint_coupling",
     title="Gears that tie the motor to the next joint's, as in a wrist: shared inertia and friction",
     forces={
-        e: _inertia.symbol * beyond.dde
-        + _viscous.symbol * beyond.de
-        + _coulomb.symbol * sign(de + beyond.de),
-        beyond.e: _inertia.symbol * dde + _viscous.symbol * de + _coulomb.symbol * sign(de + beyond.de),
+        e: _ratio.symbol * (_inertia.symbol * beyond.dde + _viscous.symbol * beyond.de) + _rub,
+        beyond.e: _ratio.symbol * (_inertia.symbol * dde + _viscous.symbol * de + _rub),
     },
-    parameters=(_inertia, _viscous, _coulomb),
+    parameters=(_inertia, _viscous, _coulomb, _ratio),
     citation="Gautier, Janot and Vandanjon 2013",
     needs="both joints moving, together and against each other",
     confounders=("coulomb", "viscous", "J_m"),

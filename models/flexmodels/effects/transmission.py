@@ -104,7 +104,8 @@ stiffness_coupling = Effect(
 # V = -k1 delta eps1 = eps1 (cosine cos(n e) + sine sin(n e)), where cosine and sine are the amplitudes of
 # the error times -k1. The forces are dV/d(eps1) and dV/de: they do no work over a cycle.
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
-_order = Parameter("order", "1", start=2.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0, 6.0, 8.0))
+_orders = tuple(float(order) for order in range(4, 31, 2))  # periods per turn of the joint
+_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders)
 _phase = _order.symbol * e
 _in_phase = _cosine.symbol * cos(_phase) + _sine.symbol * sin(_phase)
 _in_quadrature = _sine.symbol * cos(_phase) - _cosine.symbol * sin(_phase)
