@@ -75,3 +75,23 @@ def _columns(robot: Robot, candidate: Candidate, log: Equations, level: np.ndarr
         X = np.column_stack([by_row.get(row, nothing) for by_row in slopes.values()])
         out[row] = log.band.transform(X * log.part.use[:, row, None]) / level[row][:, None]
     return out
+
+
+def nonlinear_range(
+    robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
+) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
+    """Names of the nonlinear parameters, their values, and lower and upper ends: the neighbours on the grid."""
+    joint = robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1]
+    grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
+    start, low, high = [], [], []
+    for j, parameter in enumerate(joint.law(candidate.effect).nonlinear):
+        value = candidate.values[j][1]
+        others = np.unique(np.append(grid[:, j], value))
+        at = int(np.searchsorted(others, value))
+        reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
+        below = others[at - 1] if at > 0 else (value / 2 if value > 0 else value - reach)
+        above = others[at + 1] if at + 1 < len(others) else (2 * value if value > 0 else value + reach)
+        start.append(value)
+        low.append(max(below, parameter.lower))
+        high.append(min(above, parameter.upper))
+    return [name for name, _ in candidate.values], np.array(start), np.array(low), np.array(high)

@@ -9,16 +9,18 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.candidates import Candidate, bounds, candidates, columns
 from pyident.conditioning import condition
-from pyident.estimate import estimate
 from pyident.evidence import Base, Gain, gain, solve_base
 from pyident.identify import identified
+from pyident.indirect import seen
 from pyident.log import Log
 from pyident.problem import Problem
 from pyident.replica import Repeat, repeat
 from pyident.sensor_noise import sensor_noise
+from pyident.solve import Reduced, Solution, reduce, solve, solve_weighted
 from pyident.spectra import Equations, Floor, equations, floor
 
-REPLICAS = 24
+REPLICAS = 20
+PROBES = 4  # replicas that show the bias of the fit
 _EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -32,7 +34,12 @@ class Setting:
     simulated: Robot
     repeats: tuple[Repeat, ...]
     noise: dict[str, float]
-    weights: np.ndarray
+    reduced: Reduced
+    solution: Solution
+
+    @property
+    def logs(self) -> list[Log]:
+        return [r.log for r in self.repeats]
 
 
 @dataclass(frozen=True)
@@ -63,16 +70,31 @@ class Examination:
 def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced, solution = estimate(problem)
+    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
     repeats = [repeat(fitted, log) for log in logs]
-    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, solution.weights)
+    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution)
+
+
+def unbiased(setting: Setting, workers: Any, count: int = PROBES) -> Setting:
+    """The setting with the parameters whose replicas the regression finds where it found the data.
+
+    Noise and sampling bias a regression; replicas of what it found show by how much (see `pyident.indirect`).
+    """
+    jobs = [workers.submit(_refitted, setting, -1 - seed) for seed in range(count)]
+    put_in = np.array(list(setting.robot.linear_parameters.values()))
+    bias = np.mean([job.result() for job in jobs], axis=0) - put_in
+    solution = replace(setting.solution, p=setting.solution.p - seen(setting.solution, bias))
+    robot = identified(setting.robot, setting.reduced, solution).robot
+    simulated = setting.simulated.with_parameters(robot.parameters)
+    return replace(setting, robot=robot, simulated=simulated)
 
 
 def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
     """Run the replicas and hold the data against them. workers: processes that hold the fitted robot's FMU."""
-    robot, logs = setting.robot, [r.log for r in setting.repeats]
+    robot, logs = setting.robot, setting.logs
     jobs = [workers.submit(_replica, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
     for i, job in enumerate(jobs):
@@ -98,16 +120,30 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
     )
 
 
+def _made(fmu: Any, setting: Setting, seed: int) -> list[Log]:
+    """The logs of one replica."""
+    rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
+    seeds = rng.integers(2**31, size=len(setting.repeats))
+    parameters = setting.robot.parameters
+    return [
+        r.replica(fmu.simulate, parameters, setting.noise, int(s))
+        for r, s in zip(setting.repeats, seeds, strict=True)
+    ]
+
+
+def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
+    """What the regression finds in a replica."""
+    robot = setting.robot
+    problem = Problem(robot, tuple(condition(log, robot) for log in _made(fmu, setting, seed)))
+    return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p
+
+
 def _replica(fmu: Any, setting: Setting, seed: int):
     """Logs of one replica, their bands and the residuals that the regression leaves."""
-    parameters = setting.robot.parameters
-    made = [
-        r.replica(fmu.simulate, parameters, setting.noise, 1000 * seed + i) for i, r in enumerate(setting.repeats)
-    ]
+    made = _made(fmu, setting, seed)
     logs = _equations(setting.robot, made)
-    level = 1 / np.maximum(setting.weights, 1e-300)
-    weighted = [e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs]
-    base = solve_base(weighted)
+    level = 1 / np.maximum(setting.solution.weights, 1e-300)
+    base = solve_base([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
     return made, [e.band for e in logs], [r * level[:, None] for r in base.residual]
 
 

@@ -38,9 +38,9 @@ def correct_by_replicas(
     for number in range(_ROUNDS):
         put_in = best.robot.linear_parameters
         in_replica = _found(_replica(problem, replays, put_in, simulate), in_log)
-        step = _seen(in_log, in_log.p - in_replica.p)
+        step = seen(in_log, in_log.p - in_replica.p)
         values = np.array(list(put_in.values())) + step
-        change = np.abs(_seen(in_log, values - best.solution.p))[~in_log.open]
+        change = np.abs(seen(in_log, values - best.solution.p))[~in_log.open]
         best = identified(robot, reduced, replace(in_log, p=values))
         if progress:
             progress((number + 1) / _ROUNDS)
@@ -64,6 +64,6 @@ def _found(problem: Problem, like: Solution) -> Solution:
     return solve(reduce(problem.blocks(), problem.rows, problem.columns), like.weights)
 
 
-def _seen(solution: Solution, change: np.ndarray) -> np.ndarray:
-    """The part of a change of parameters that the data see."""
+def seen(solution: Solution, change: np.ndarray) -> np.ndarray:
+    """(P,) the part of a change of parameters that the data see."""
     return solution.seen @ (solution.seen.T @ (change * solution.scale)) / solution.scale

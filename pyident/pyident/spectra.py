@@ -19,7 +19,7 @@ from pyident.problem import Problem
 from pyident.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged
-_TOP = 0.6  # of the Nyquist frequency: above, differences and noise are all there is
+_TOP = 0.4  # of the Nyquist frequency: above, differences and noise are all there is
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,136 @@
+"""The outcome of a diagnosis: plain data, for machines, pages and people."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+VerdictName = Literal["nothing_detectable", "missing_effect", "unexplained", "cannot_tell"]
+
+
+@dataclass(frozen=True)
+class Named:
+    """An effect at a joint with the parameters that fit best.
+
+    values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined)
+    units          parameter -> unit
+    gain_percent   share of the base model's residual energy over the floor that it takes away by itself
+    log            the only log in which it acts, None: all
+    """
+
+    effect: str
+    joint: str
+    values: Mapping[str, float]
+    std: Mapping[str, float]
+    units: Mapping[str, str]
+    gain_percent: float
+    log: str | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One accepted effect, or several that these data cannot tell apart, the best first.
+
+    p_value               probability of such a gain anywhere in the search with nothing missing
+    excess_gain_percent   of the residual's energy, beyond what replicas pretend
+    share_percent         of what exceeds the floor: 100 explains it all
+    heldout_gain_percent  fall of the residual's energy on logs that were not used; None: there were none
+    experiment            the motion that would separate the tie, empty when there is nothing to separate
+    """
+
+    tie: tuple[Named, ...]
+    p_value: float
+    excess_gain_percent: float
+    share_percent: float
+    heldout_gain_percent: float | None
+    experiment: str = ""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The smallest amplitude of an effect at a joint that these data would have shown.
+
+    smallest         linear parameter -> amplitude, in the parameter's unit
+    share_percent    rms of that force, of the rms torque or moment on its row
+    reason           why it cannot be seen at all, empty when it can
+    """
+
+    effect: str
+    joint: str
+    smallest: Mapping[str, float]
+    units: Mapping[str, str]
+    share_percent: float
+    reason: str = ""
+    experiment: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Where it fails: one equation, rms of its residual in N m per band of frequency [Hz], and over the floor."""
+
+    coordinate: str
+    joint: str
+    balance: Literal["motor", "transmission", "link"]
+    bands: tuple[tuple[float, float], ...]
+    rms: tuple[float, ...]
+    over_floor: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing in a model of these logs.
+
+    excess       energy of the residual over that of replicas, 1: at the floor;  remaining: the same with the findings
+    ranking      every effect with its gain by itself, best first
+    depends_on   where the verdict is `unexplained`: sentences on what the residual depends on
+    """
+
+    robot: str
+    logs: tuple[str, ...]
+    heldout: tuple[str, ...]
+    verdict: VerdictName
+    sentence: str
+    findings: tuple[Finding, ...]
+    localised: tuple[str, str] | None
+    limits: tuple[Limit, ...]
+    rows: tuple[Row, ...]
+    excess: float
+    remaining: float
+    ranking: tuple[Named, ...]
+    notes: tuple[str, ...] = ()
+    depends_on: tuple[str, ...] = ()
+    noise: Mapping[str, float] = field(default_factory=dict)
+
+    def json(self) -> dict[str, Any]:
+        """The contract of `diagnose --json`."""
+        return {
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "findings": [
+                {
+                    "tie": [{"effect": n.effect, "joint": n.joint} | ({"log": n.log} if n.log else {}) for n in f.tie],
+                    "p_value": f.p_value,
+                    "excess_gain_percent": f.excess_gain_percent,
+                    "share_percent": f.share_percent,
+                    "heldout_gain_percent": f.heldout_gain_percent,
+                    "parameters": {
+                        name: {"value": value, "unit": f.tie[0].units[name]} for name, value in f.tie[0].values.items()
+                    },
+                    "experiment": f.experiment,
+                }
+                for f in self.findings
+            ],
+            "localised": dict(zip(("joint", "balance"), self.localised, strict=True)) if self.localised else None,
+            "not_observable": [
+                {"effect": x.effect, "joint": x.joint, "reason": x.reason, "experiment": x.experiment}
+                for x in self.limits
+                if x.reason
+            ],
+            "smallest_detectable": [
+                {"effect": x.effect, "joint": x.joint, "amplitude": dict(x.smallest), "units": dict(x.units)}
+                for x in self.limits
+                if not x.reason
+            ],
+            "over_floor": {"before": self.excess, "after": self.remaining},
+            "depends_on": list(self.depends_on),
+            "notes": list(self.notes),
+        }
