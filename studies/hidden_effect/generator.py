@@ -2,7 +2,8 @@
 
     python -m studies.hidden_effect.generator --seed 3 --cases null,stribeck -o folder
 
-writes folder/logs/<id>/train1.parquet, train2.parquet, heldout.parquet and, apart, folder/sealed/<id>/key.json.
+writes folder/logs/<id>/train1.parquet, train2.parquet, heldout.parquet and, apart,
+folder/sealed/<id>/key.json.
 """
 
 import argparse
@@ -124,9 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """The command; prints the ids of what it has written."""
     parser = argparse.ArgumentParser(prog="python -m studies.hidden_effect.generator", description=__doc__)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument(
-        "--cases", default="all", help="all, or a list with commas: null, LAW, LAW@JOINT, ..."
-    )
+    parser.add_argument("--cases", default="all", help="all, or with commas: null, LAW, LAW@JOINT, LAW+LAW")
     parser.add_argument("--robot", default="four_link", help="a shipped robot or a file")
     parser.add_argument("--amplitude", type=float, default=1.0, help="1 is strong, 0.25 is faint")
     parser.add_argument("--jobs", type=int, default=1)

@@ -30,7 +30,7 @@ class Case:
     robot: Robot
     plans: tuple[Plan, ...]
     seed: int
-    noise: Noise = Noise()
+    noise: Noise
 
 
 def perturbed(robot: Robot, rng: np.random.Generator, low: float = 0.10, high: float = 0.25) -> Robot:
@@ -112,7 +112,7 @@ def single(
             own = (replace(own[0], payload=False), *own[1:])
     kind = kind or _kind(laws)
     secret = hashlib.sha256(f"{seed} {spec} {amplitude}".encode()).hexdigest()
-    return Case(secret[:8], kind, tuple(laws), true, own, int(secret[8:15], 16))
+    return Case(secret[:8], kind, tuple(laws), true, own, int(secret[8:15], 16), Noise())
 
 
 def case_list(robot: Robot, levels: Levels, seed: int, nulls: int = 12, amplitude: float = 1.0) -> list[Case]:

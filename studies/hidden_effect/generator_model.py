@@ -146,7 +146,7 @@ class Arm:
         return elements, bodies
 
     def _element(self, triad, origin, motor, twist, bends, at) -> Element:
-        """Turn about x' by e, shortest turn that lays x' on (c, eps2, eps3), turn about the new x' by eps1."""
+        """Turn about x' by e, the shortest that lays x' on (c, eps2, eps3), about the new x' by eps1."""
         T, x = ca.sparsify(ca.DM(np.round(triad, 15))), ca.SX([1.0, 0, 0])
         outer = _about_x(0 if motor is None else self.q[motor])
         inner = _about_x(0 if twist is None else self.q[twist])

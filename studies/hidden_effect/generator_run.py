@@ -57,7 +57,7 @@ class Plan:
 
     start, drift   reference at the start [rad], constant speed under it [rad/s]
     swing, period  reference + swing/2 (1 - cos(2 pi t / period)) [rad], [s]
-    rms            of the feed-forward multisine [N m], `lines` lines from `lowest` to `highest` Hz (all joints)
+    rms            of the feed-forward multisine [N m], `lines` from `lowest` to `highest` Hz (all joints)
     lead           seconds that are run, with the drift ramped up, before the log starts
     payload        whether a payload, if the case has one, is on
     """
@@ -165,7 +165,7 @@ def simulate(
     noise: Noise = Noise(),
     steps: int = STEPS,
 ) -> pd.DataFrame:
-    """One log in the contract's columns. Phases of the multisine, noise and per-log constants: from `seed`."""
+    """One log in the contract's columns. `seed`: of the multisine's phases, noise, per-log constants."""
     return simulate_all(robot, laws, plan, seed, noise, steps)[0]
 
 
@@ -251,7 +251,7 @@ class _Loop:
                 self.encoders.append((h.joint - 1, *(h.constants[n] for n in ("size", "teeth", "phase"))))
 
     def run(self, time, reference, feedforward, noise) -> _Measured:
-        arm, n = self.machine.arm, len(self.machine.arm.robot.coordinates)
+        n = len(self.machine.arm.robot.coordinates)
         x, held = self.machine.equilibrium(reference[0], self.p)
         states, commands = np.zeros((len(time), len(x))), np.zeros_like(reference)
         acting, sensors = np.zeros_like(reference), np.zeros((len(time), n + 3))
@@ -285,9 +285,8 @@ class _Loop:
     def _amplified(self, command: np.ndarray) -> np.ndarray:
         out = command.copy()
         for i, limit, soft in self.amplifiers:
-            out[i] = (
-                out[i] / (1 + abs(out[i] / limit) ** 8) ** 0.125 if soft else np.clip(out[i], -limit, limit)
-            )
+            rounded = out[i] / (1 + abs(out[i] / limit) ** 8) ** 0.125
+            out[i] = rounded if soft else np.clip(out[i], -limit, limit)
         return out
 
     def _travel(self, line: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -76,7 +76,7 @@ def _stiffness_coupling(arm, k, c, _):
     },
 )
 def _kinematic_error(arm, k, c, _):
-    """The gear's output is ahead by delta(e), so the spring sees eps1 - delta; its reaction turns the motor."""
+    """The gear's output is ahead by delta(e): the spring sees eps1 - delta, and turns the motor back."""
     N, e, x = c["teeth"], arm.e(k), arm.eps(k, 1)
     delta = c["first"] * ca.sin(N * e + c["phase1"]) + c["second"] * ca.sin(2 * N * e + c["phase2"])
     arm.potential(arm.own[f"joint{k}.k[1]"] * (delta**2 / 2 - x * delta))
