@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from studies.hidden_effect import generator_model as model
 from studies.hidden_effect.generator import main
-from studies.hidden_effect.generator_cases import UNOBSERVABLE, draw, perturbed, plans, single
+from studies.hidden_effect.generator_cases import UNOBSERVABLE, Basis, draw, perturbed, plans, running, single
 from studies.hidden_effect.generator_laws import LAWS
 from studies.hidden_effect.generator_run import (
     NOISELESS,
     Hidden,
     Noise,
     build,
-    reference_levels,
     simulate,
     simulate_all,
     standard,
@@ -33,8 +32,8 @@ JOINTS = (1, 2, 3, 4)
 
 
 @lru_cache
-def levels():
-    return reference_levels(ROBOT)
+def basis():
+    return Basis.of(ROBOT)
 
 
 def test_mechanics_agree_with_the_projects_own():
@@ -98,7 +97,7 @@ def plain_log():
 @pytest.mark.parametrize("name", sorted(LAWS))
 def test_every_law_changes_the_motion(name):
     for k in (LAWS[name].joints or JOINTS)[:2]:
-        hidden = draw(name, ROBOT, levels(), np.random.default_rng(k), joint=k)
+        hidden = draw(name, ROBOT, basis().levels, np.random.default_rng(k), joint=k)
         if name == "offset_step":  # the moment is drawn for logs of 20 s
             continue
         log = simulate(ROBOT, [hidden], standard(ROBOT, duration=1.5), 7, NOISELESS)
@@ -163,6 +162,21 @@ def test_true_robots_are_off_and_physical():
             assert principal[2] < principal[0] + principal[1]
 
 
+def test_the_linear_loop_foretells_an_instability():
+    """Without dry friction, in one pose: the run grows when the linear loop does, and by its eigenvalue."""
+    rng, pose = np.random.default_rng(6), np.full((1, 4), 0.1)
+    hot = perturbed(ROBOT, rng)
+    while basis().loop.slowest_decay(hot, pose) < 1.005:
+        hot = perturbed(ROBOT, rng)
+    hot = hot.with_parameters({f"joint{k}.coulomb": 0.0 for k in JOINTS})
+    plan = standard(ROBOT, duration=6.0, swing=(0.0,) * 4, start=(0.1,) * 4, rms=(1e-3,) * 4)
+    log = simulate(hot, [], plan, 1, NOISELESS)
+    error = np.abs(log[[f"joint{k}.e" for k in JOINTS]].to_numpy() - 0.1).max(axis=1)
+    growth = (error[1375:1500].max() / error[1125:1250].max()) ** (1 / 250)
+    assert growth == pytest.approx(basis().loop.slowest_decay(hot, pose), abs=3e-4)
+    assert basis().loop.slowest_decay(running(basis(), rng), pose) < 1
+
+
 def test_noise_has_its_size_and_enters_the_loop():
     plan = standard(ROBOT, duration=1.0)
     noisy = simulate(ROBOT, [], plan, 3, Noise(e=0.0, eps=1e-6, tip=5e-6))
@@ -201,11 +215,11 @@ def test_files_are_logs_and_keys_stay_apart(tmp_path, capsys):
 
 def test_wrong_cases_are_explained(tmp_path):
     with pytest.raises(ValueError, match="unknown case 'stribek'"):
-        single("stribek", ROBOT, levels(), 0)
+        single("stribek", basis(), 0)
 
 
 def _hidden_log(name, log=0, duration=8.0):
-    case = single(name, ROBOT, levels(), 1)
+    case = single(name, basis(), 1)
     return case, simulate(
         case.robot, case.laws, replace(case.plans[log], duration=duration), case.seed, NOISELESS
     )

@@ -17,14 +17,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from studies.hidden_effect import generator_cases
-from studies.hidden_effect.generator_cases import LOGS, UNOBSERVABLE, Case
+from studies.hidden_effect.generator_cases import LOGS, UNOBSERVABLE, Basis, Case
 from studies.hidden_effect.generator_laws import LAWS
 from studies.hidden_effect.generator_run import (
     NOISELESS,
     Hidden,
     Noise,
     Plan,
-    reference_levels,
     simulate,
     simulate_all,
     standard,
@@ -53,15 +52,13 @@ __all__ = [
 
 def case_list(seed: int, robot: str = "four_link", nulls: int = 12, amplitude: float = 1.0) -> list[Case]:
     """Every case of the study, in an order that says nothing: the same for the same seed."""
-    plain = load_robot(robot)
-    return generator_cases.case_list(plain, reference_levels(plain), seed, nulls, amplitude)
+    return generator_cases.case_list(Basis.of(load_robot(robot)), seed, nulls, amplitude)
 
 
 def cases_of(specs: Sequence[str], seed: int, robot: str = "four_link", amplitude: float = 1.0) -> list[Case]:
     """Chosen cases: `null`, `stribeck`, `stribeck@2`, `stribeck@2+backlash@3`, names of UNOBSERVABLE."""
-    plain = load_robot(robot)
-    levels = reference_levels(plain)
-    return [generator_cases.single(spec, plain, levels, seed + i, amplitude) for i, spec in enumerate(specs)]
+    basis = Basis.of(load_robot(robot))
+    return [generator_cases.single(spec, basis, seed + i, amplitude) for i, spec in enumerate(specs)]
 
 
 def generate(case: Case, folder: Path, jobs: int = 1) -> list[Path]:

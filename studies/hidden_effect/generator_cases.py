@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from studies.hidden_effect.generator_laws import LAWS, Draw, Law, Levels
-from studies.hidden_effect.generator_run import Hidden, Noise, Plan, standard
+from studies.hidden_effect.generator_run import Hidden, Noise, Plan, reference_levels, standard
+from studies.hidden_effect.generator_stability import LinearLoop
 
 from flexmodels.robot import LINK_PARAMETERS, Link, Robot
 
 LOGS = ("train1", "train2", "heldout")
+DECAY = 0.999  # per controller period, of the slowest oscillation of a true robot
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,30 @@ def _spread(link: Link) -> tuple[np.ndarray, np.ndarray]:
     return com, np.trace(J) / 2 * np.eye(3) - J
 
 
+@dataclass(frozen=True)
+class Basis:
+    """What every case starts from: the plain robot, the levels that it shows, and its linear loop."""
+
+    robot: Robot
+    levels: Levels
+    loop: LinearLoop
+
+    @staticmethod
+    def of(robot: Robot) -> "Basis":
+        return Basis(robot, reference_levels(robot), LinearLoop(robot))
+
+
+def running(basis: Basis, rng: np.random.Generator) -> Robot:
+    """A perturbed robot whose loop decays in every pose; one whose does not could not be measured."""
+    plan, n = standard(basis.robot), len(basis.robot.joints)
+    poses = np.vstack([np.zeros(n), plan.swing, rng.uniform(-0.3, 0.3 + np.array(plan.swing), (8, n))])
+    for _ in range(100):
+        robot = perturbed(basis.robot, rng)
+        if basis.loop.slowest_decay(robot, poses) < DECAY:
+            return robot
+    raise RuntimeError(f"robot {basis.robot.name}: no perturbed robot has a stable loop; lower its gains")
+
+
 def plans(robot: Robot, rng: np.random.Generator) -> tuple[Plan, ...]:
     """Two logs to train on and one of another trajectory, with other periods, swings and tones."""
     train, n = standard(robot), len(robot.joints)
@@ -81,21 +107,19 @@ def draw(
     name: str, robot: Robot, levels: Levels, rng: np.random.Generator, amplitude: float = 1.0, joint: int = 0
 ) -> Hidden:
     """A law with random constants, at `joint` or (0) at a random one that it may sit at."""
-    allowed = LAWS[name].joints or tuple(range(1, len(robot.joints) + 1))
+    allowed = _places(LAWS[name], len(robot.joints))
+    if joint > len(robot.joints) or not (joint or allowed):
+        raise ValueError(f"law {name} cannot sit at joint {joint or 'any'} of robot {robot.name}")
     k = joint or int(rng.choice(allowed))
     return Hidden(name, k, LAWS[name].draw(Draw(rng, k, levels, amplitude)))
 
 
-def single(
-    spec: str, robot: Robot, levels: Levels, seed: int, amplitude: float = 1.0, kind: str | None = None
-) -> Case:
-    """A case from its seed and a text: `null`, a law, `law@joint`, `law+law`, or a name of UNOBSERVABLE.
-
-    The robot's parameters are drawn off those of `robot`, which `levels` belong to.
-    """
+def single(spec: str, basis: Basis, seed: int, amplitude: float = 1.0) -> Case:
+    """A case from its seed and a text: `null`, a law, `law@joint`, `law+law`, or a name of UNOBSERVABLE."""
     rng = np.random.default_rng([seed, *spec.encode()])
-    true = perturbed(robot, rng)
-    levels = replace(levels, values=true.parameters)
+    robot, kind = basis.robot, None
+    true = running(basis, rng)
+    levels = replace(basis.levels, values=true.parameters)
     own = plans(robot, rng)
     laws: list[Hidden] = []
     if spec in UNOBSERVABLE:
@@ -115,7 +139,7 @@ def single(
     return Case(secret[:8], kind, tuple(laws), true, own, int(secret[8:15], 16), Noise())
 
 
-def case_list(robot: Robot, levels: Levels, seed: int, nulls: int = 12, amplitude: float = 1.0) -> list[Case]:
+def case_list(basis: Basis, seed: int, nulls: int = 12, amplitude: float = 1.0) -> list[Case]:
     """The full study, in an order that says nothing.
 
     Nulls, every law of the catalogue once, five pairs, five laws that no catalogue lists, five laws that the
@@ -125,11 +149,11 @@ def case_list(robot: Robot, levels: Levels, seed: int, nulls: int = 12, amplitud
     inside = [name for name, law in LAWS.items() if law.catalogue]
     outside = [name for name, law in LAWS.items() if not law.catalogue]
     specs = ["null"] * nulls + inside
-    specs += [_pair(rng, inside, len(robot.joints)) for _ in range(5)]
+    specs += [_pair(rng, inside, len(basis.robot.joints)) for _ in range(5)]
     specs += [str(name) for name in rng.choice(outside, 5, replace=False)]
     specs += [str(name) for name in rng.choice(list(UNOBSERVABLE), 5, replace=False)]
     seeds = rng.integers(2**31, size=len(specs))
-    cases = [single(spec, robot, levels, int(s), amplitude) for spec, s in zip(specs, seeds, strict=True)]
+    cases = [single(spec, basis, int(s), amplitude) for spec, s in zip(specs, seeds, strict=True)]
     return sorted(cases, key=lambda case: case.id)
 
 
@@ -147,7 +171,7 @@ def _pair(rng: np.random.Generator, names: Sequence[str], joints: int) -> str:
 
 
 def _places(law: Law, joints: int) -> tuple[int, ...]:
-    return law.joints or tuple(range(1, joints + 1))
+    return tuple(k for k in law.joints or range(1, joints + 1) if k <= joints)
 
 
 def _known(name: str) -> None:

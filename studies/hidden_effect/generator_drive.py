@@ -22,12 +22,12 @@ def _torque_ripple(arm, k, c, _):
 
 
 def _draw_torque_delay(d: Draw) -> Constants:
-    """As late as the joint's loop bears with a margin: joints 2 and 4 of four_link bear most."""
-    latest = {2: 0.9, 4: 1.5}.get(d.k, 0.25)
+    """As late as the joint's loop bears: those of joints 1 and 3 of four_link bear next to nothing."""
+    latest = {2: 0.8, 4: 1.2}.get(d.k, 0.2)
     return {"samples": min(d.strong(0.6, 1.0, latest), latest)}
 
 
-@law("torque_delay", _draw_torque_delay)
+@law("torque_delay", _draw_torque_delay, joints=(2, 4))
 def _torque_delay(arm, k, c, _):
     """The loop delays the torque; nothing to add to the arm."""
 
