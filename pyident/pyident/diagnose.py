@@ -54,10 +54,10 @@ def diagnose(
     accepted, first = _accepted(search)
     progress(0.9)
     held = [e for log in heldout for e in whitened(setting.robot, [log], examination.floor)]
-    findings = [_finding(search, accepted, i, held) for i in range(len(accepted))]
-    findings = [f for f in findings if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
+    judged = [(step, _finding(search, accepted, i, held)) for i, step in enumerate(accepted)]
+    kept = [(step, f) for step, f in judged if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
     progress(1.0)
-    return _outcome(robot, logs, heldout, search, first, findings, accepted)
+    return _outcome(robot, logs, heldout, search, first, kept)
 
 
 def _accepted(search: Search) -> tuple[list[Step], Step]:
@@ -162,11 +162,11 @@ def _outcome(
     heldout: Sequence[Log],
     search: Search,
     first: Step,
-    findings: list[Finding],
-    steps: Sequence[Step],
+    kept: Sequence[tuple[Step, Finding]],
 ) -> Diagnosis:
     ex = search.examination
-    explained = search.explained
+    steps, findings = [step for step, _ in kept], [finding for _, finding in kept]
+    explained = _explained(search, [step.tie[0].candidate for step in steps])
     rows = rows_over_floor(ex)
     verdict = _verdict(search, findings, explained)
     worst = max(rows, key=lambda row: max(row.over_floor))
@@ -188,10 +188,19 @@ def _outcome(
     )
 
 
-def _verdict(search: Search, findings: Sequence[Finding], explained: float) -> VerdictName:
-    if findings and explained >= EXPLAINED[len(findings) - 1]:
+def _verdict(search: Search, findings: Sequence[Finding], explained: Sequence[float]) -> VerdictName:
+    if any(share >= needed for share, needed in zip(explained, EXPLAINED, strict=False)):
         return "missing_effect" if len(findings[0].tie) == 1 else "cannot_tell"
     return "unexplained" if findings or search.stands_out else "nothing_detectable"
+
+
+def _explained(search: Search, chosen: Sequence[Candidate]) -> list[float]:
+    """Share of the excess that the first finding takes away, the first two ..."""
+    shares = []
+    for n in range(1, len(chosen) + 1):
+        search.rest_on(chosen[:n])
+        shares.append(search.explained)
+    return shares
 
 
 def _place(findings: Sequence[Finding], robot: Robot, steps: Sequence[Step]) -> tuple[str, str] | None:
@@ -205,8 +214,9 @@ def _place(findings: Sequence[Finding], robot: Robot, steps: Sequence[Step]) -> 
 
 
 def _sentence(
-    verdict: VerdictName, findings: Sequence[Finding], explained: float, place: tuple[str, str]
+    verdict: VerdictName, findings: Sequence[Finding], shares: Sequence[float], place: tuple[str, str]
 ) -> str:
+    explained = shares[-1] if shares else 0.0
     names = " and ".join(
         " or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings
     )
