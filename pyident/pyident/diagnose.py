@@ -44,20 +44,47 @@ def diagnose(
     heldout        logs on which the findings must hold
     Raises LogError.
     """
+    search = searched(robot, logs, open_workers, lambda share: progress(0.9 * share), replicas)
+    diagnosis = concluded(search, heldout)
+    progress(1.0)
+    return diagnosis
+
+
+def searched(
+    robot: Robot,
+    logs: Sequence[Log],
+    open_workers: OpenWorkers,
+    progress: Progress = lambda _: None,
+    replicas: int = REPLICAS,
+) -> Search:
+    """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError."""
     setting = set_up(robot, logs)
     progress(0.05)
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.1)
-        examination = examine(setting, workers, lambda share: progress(0.1 + 0.7 * share), replicas)
-    search = Search(examination)
+        return Search(examine(setting, workers, lambda share: progress(0.1 + 0.9 * share), replicas))
+
+
+def concluded(search: Search, heldout: Sequence[Log] = ()) -> Diagnosis:
+    """What a search comes to. heldout: logs on which the findings must hold. Raises LogError."""
+    setting = search.examination.setting
     accepted, first = _accepted(search)
-    progress(0.9)
-    held = [e for log in heldout for e in whitened(setting.robot, [log], examination.floor)]
+    held = whitened_heldout(search, heldout)
     judged = [(step, _finding(search, accepted, i, held)) for i, step in enumerate(accepted)]
     kept = [(step, f) for step, f in judged if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
-    progress(1.0)
-    return _outcome(robot, logs, heldout, search, first, kept)
+    return _outcome(setting.robot, setting.logs, heldout, search, first, kept)
+
+
+def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
+    """The equations of logs that were not used, over the floor of those that were. Raises LogError."""
+    ex = search.examination
+    return [e for log in heldout for e in whitened(ex.setting.robot, [log], ex.floor)]
+
+
+def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
+    """Share of the residual's energy in held-out logs that falls with these candidates fitted to the others."""
+    return 1 - _left(search, chosen, held) / _left(search, (), held)
 
 
 def _accepted(search: Search) -> tuple[list[Step], Step]:

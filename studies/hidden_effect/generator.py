@@ -16,10 +16,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from studies.hidden_effect import generator_cases
-from studies.hidden_effect.generator_cases import LOGS, UNOBSERVABLE, Basis, Case
-from studies.hidden_effect.generator_laws import LAWS
-from studies.hidden_effect.generator_run import (
+
+from flexmodels.atomic import replacing
+from flexmodels.robot import Robot
+from flexmodels.robot_file import load_robot
+
+from . import generator_cases
+from .generator_cases import LOGS, UNOBSERVABLE, Basis, Case
+from .generator_laws import LAWS
+from .generator_run import (
     NOISELESS,
     Hidden,
     Noise,
@@ -28,10 +33,6 @@ from studies.hidden_effect.generator_run import (
     simulate_all,
     standard,
 )
-
-from flexmodels.atomic import replacing
-from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
 
 __all__ = [
     "LAWS",

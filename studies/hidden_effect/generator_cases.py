@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from studies.hidden_effect.generator_laws import LAWS, Draw, Law, Levels
-from studies.hidden_effect.generator_run import Hidden, Noise, Plan, reference_levels, standard
-from studies.hidden_effect.generator_stability import LinearLoop
 
 from flexmodels.robot import LINK_PARAMETERS, Link, Robot
+
+from .generator_laws import LAWS, Draw, Law, Levels
+from .generator_run import Hidden, Noise, Plan, reference_levels, standard
+from .generator_stability import LinearLoop
 
 LOGS = ("train1", "train2", "heldout")
 DECAY = 0.999  # per controller period, of the slowest oscillation of a true robot

@@ -2,7 +2,8 @@
 
 import casadi as ca
 import numpy as np
-from studies.hidden_effect.generator_law import Constants, Draw, law
+
+from .generator_law import Constants, Draw, law
 
 
 @law(

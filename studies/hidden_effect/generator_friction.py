@@ -1,7 +1,8 @@
 """Hidden friction at the motor hinge."""
 
 import casadi as ca
-from studies.hidden_effect.generator_law import dry, law
+
+from .generator_law import dry, law
 
 
 @law("stribeck", lambda d: {"excess": d.strong(0.8, 1.4, d.value("coulomb")), "speed": d.between(0.05, 0.2)})

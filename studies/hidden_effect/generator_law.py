@@ -11,7 +11,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from studies.hidden_effect.generator_model import SMOOTH, Arm
+
+from .generator_model import SMOOTH, Arm
 
 SX = Any
 Constants = dict[str, float]

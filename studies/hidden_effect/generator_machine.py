@@ -11,8 +11,9 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-from studies.hidden_effect import generator_model as model
-from studies.hidden_effect.generator_model import Arm
+
+from . import generator_model as model
+from .generator_model import Arm
 
 _DRIVER = """
 void advance(double t, double h, int steps, double *x, const double *u, const double *p) {

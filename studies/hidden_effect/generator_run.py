@@ -5,11 +5,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
-from studies.hidden_effect.generator_laws import LAWS, Levels
-from studies.hidden_effect.generator_machine import Machine
-from studies.hidden_effect.generator_model import Arm
 
 from flexmodels.robot import Robot
+
+from .generator_laws import LAWS, Levels
+from .generator_machine import Machine
+from .generator_model import Arm
 
 STEPS = 40  # per controller period: 0.1 ms at 250 Hz
 

@@ -3,9 +3,10 @@
 import casadi as ca
 import numpy as np
 from scipy.linalg import expm
-from studies.hidden_effect import generator_model as model
 
 from flexmodels.robot import Robot
+
+from . import generator_model as model
 
 
 class LinearLoop:

@@ -1,7 +1,8 @@
 """Hidden laws of the flexible hinge."""
 
 import casadi as ca
-from studies.hidden_effect.generator_law import dead_zone, law
+
+from .generator_law import dead_zone, law
 
 
 @law(
