@@ -6,8 +6,9 @@ gain, if the gain matters, if it holds on logs that were not used, and if, all n
 exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.candidates import Candidate, bounds, columns
 from pyident.detectable import limits, rows_over_floor
-from pyident.diagnosis import Diagnosis, Finding, Named, VerdictName
+from pyident.diagnosis import Diagnosis, Finding, Named, Stage, VerdictName
 from pyident.evidence import gain, joined, taken_over
 from pyident.examination import REPLICAS, Examination, examine, set_up, unbiased, whitened
 from pyident.log import Log
@@ -183,9 +184,29 @@ def _outcome(
         rows=tuple(rows),
         excess=1 + search.excess / search.floor_energy,
         remaining=1 + search.remaining / search.floor_energy,
-        ranking=tuple(named(search, f) for f in (*first.tie, *first.others)),
+        ranking=tuple(_beside(search, f) for f in (*first.tie, *first.others)),
         noise=ex.setting.noise,
+        stages=tuple(_stages(search, findings, steps)),
     )
+
+
+def _beside(search: Search, found: Found) -> Named:
+    """A candidate by itself, and what it would still take away beside those that the search rests on."""
+    left = gain(search.base, search.columns(found.candidate), *bounds(search.robot, found.candidate)).energy
+    excess = max(left - found.pretended, 0.0)
+    return replace(named(search, found), beside_percent=100 * excess / max(search.excess, found.excess))
+
+
+def _stages(search: Search, findings: Sequence[Finding], steps: Sequence[Step]) -> Iterator[Stage]:
+    """One finding after the other; leaves the search on the last."""
+    chosen: list[Candidate] = []
+    search.rest_on(chosen)
+    yield Stage(None, 1 + search.remaining / search.floor_energy)
+    for finding in findings:
+        best = finding.tie[0]
+        chosen.append(next(s.tie[0].candidate for s in steps if named(search, s.tie[0]) == best))
+        search.rest_on(chosen)
+        yield Stage(best, 1 + search.remaining / search.floor_energy)
 
 
 def _verdict(search: Search, findings: Sequence[Finding], explained: float) -> VerdictName:
