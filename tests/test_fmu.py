@@ -83,7 +83,7 @@ def test_both_standards_agree_to_rounding(fmus, plan):
             logs[fmi] = fmu.simulate(plan)
     assert list(logs[2]) == list(logs[3])
     difference = (logs[2] - logs[3]).abs().max()
-    assert difference.drop([c for c in difference.index if c.endswith("tau")]).max() < 1e-12
+    assert difference.drop([c for c in difference.index if c.endswith("tau")]).max() < 1e-11
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
