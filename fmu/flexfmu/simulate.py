@@ -206,6 +206,28 @@ class LoadedFmu:
         return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
 
 
+def constant_run(
+    fmu: str | Path, inputs: Mapping[str, float], step: float, stop: float, outputs: tuple[str, ...] = ()
+) -> pd.DataFrame:
+    """Co-simulation of an FMU (file or unpacked) under constant inputs; a row per step, the start first.
+
+    outputs     variables to record, none: all outputs
+    Raises SimulationError.
+    """
+    try:
+        result = simulate_fmu(
+            str(fmu),
+            fmi_type="CoSimulation",
+            stop_time=stop,
+            output_interval=step,
+            start_values=dict(inputs),
+            output=list(outputs) or None,
+        )
+    except Exception as error:
+        raise SimulationError(f"{fmu}: the FMU failed ({error})") from None
+    return pd.DataFrame(result)
+
+
 def _callbacks(messages: list[str]) -> fmi2CallbackFunctions:
     """FMI callbacks that keep the FMU's messages."""
 

@@ -37,6 +37,8 @@ class Equations:
     breakaway(x, u, p) -> upper, lower        dry friction at zero speed, either direction
     balance(x, p) -> force                    generalised forces at rest that the motors must supply
     tip(x) -> position                        [m]
+    skeleton(x) -> lines                      3 x 2 lines, from hinge to hinge and to the tip [m]
+    Without a controller the torques u are inputs.
     """
 
     name: str
@@ -48,13 +50,14 @@ class Equations:
     nonnegative: frozenset[str]
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
-    controller: Controller
+    controller: Controller | None
     descriptions: dict[str, str]
     laws: tuple[tuple[int, str, str], ...]
     rates: ca.Function
     breakaway: ca.Function
     balance: ca.Function
     tip: ca.Function
+    skeleton: ca.Function
 
 
 def equations(robot: Robot) -> Equations:
@@ -105,6 +108,7 @@ def equations(robot: Robot) -> Equations:
         breakaway=ca.Function("breakaway", [x, u, p], ca.cse([upper, lower])),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
+        skeleton=ca.Function("skeleton", [x], [dynamics.skeleton(m)]),
     )
 
 

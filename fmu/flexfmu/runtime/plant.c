@@ -4,7 +4,7 @@
 #include <string.h>
 
 enum { MAX_EVENTS = 64, MAX_BISECTIONS = 60 };
-static const double TIME_TOLERANCE = 1e-9; /* of one controller period */
+static const double TIME_TOLERANCE = 1e-12; /* a shorter step is none [s] */
 
 /* ---- mechanics ------------------------------------------------------------------------------- */
 
@@ -162,33 +162,42 @@ static void integrate(Plant *s, double duration) {
 
 /* ---- controller ------------------------------------------------------------------------------ */
 
-double plant_next_sample(const Plant *s) { return (double)s->ticks * PERIOD; }
+#ifdef MODEL_CONTROLLER
+double plant_next_sample(const Plant *s) { return pid_next_sample(&s->pid); }
 
-int plant_sample_due(const Plant *s) { return plant_next_sample(s) <= s->time + TIME_TOLERANCE * PERIOD; }
+int plant_sample_due(const Plant *s, double time) { return pid_due(&s->pid, time); }
 
 void plant_sample(Plant *s, double late) {
-    double *v = s->value;
-    int j;
-    for (j = 0; j < N_JOINTS; ++j) {
-        double r = v[AT_REFERENCE + j] + late * s->input_rate[j];
-        double feedforward = v[AT_FEEDFORWARD + j] + late * s->input_rate[N_JOINTS + j];
-        double error = r - v[AT_STATE + j];
-        double slope = s->ticks ? (error - s->error[j]) / PERIOD : 0;
-        if (s->ticks) s->integral[j] += v[AT_KI + j] * PERIOD * error;
-        v[AT_TORQUE + j] = v[AT_KP + j] * error + v[AT_KD + j] * slope + s->integral[j] + feedforward;
-        s->error[j] = error;
-    }
-    ++s->ticks;
+    double *v = s->value, input[N_INPUTS];
+    int i;
+    for (i = 0; i < N_INPUTS; ++i) input[i] = v[i] + late * s->input_rate[i];
+    pid_sample(&s->pid, v + AT_KP, input + AT_REFERENCE, input + AT_FEEDFORWARD, v + AT_STATE, v + AT_TORQUE);
     settle(s);
 }
+
+static void start_torque(Plant *s, const double *holding) {
+    pid_start(&s->pid, holding);
+    plant_sample(s, 0);
+}
+#else
+/* The torque is an input: nothing is sampled. */
+double plant_next_sample(const Plant *s) { return (void)s, HUGE_VAL; }
+
+int plant_sample_due(const Plant *s, double time) { return (void)s, (void)time, 0; }
+
+void plant_sample(Plant *s, double late) { (void)s, (void)late; }
+
+static void start_torque(Plant *s, const double *holding) {
+    memcpy(s->value + AT_FEEDFORWARD, holding, N_JOINTS * sizeof *holding);
+    settle(s);
+}
+#endif
 
 /* ---- life cycle ------------------------------------------------------------------------------ */
 
 void plant_reset(Plant *s) {
     memset(s, 0, sizeof *s);
-    memcpy(s->value + AT_PARAMETER, model_parameters, sizeof model_parameters);
-    memcpy(s->value + AT_KP, model_gains, sizeof model_gains);
-    s->value[AT_STEP] = MODEL_STEP;
+    memcpy(s->value, model_starts, sizeof s->value);
 }
 
 int plant_initialise(Plant *s) {
@@ -207,16 +216,15 @@ int plant_initialise(Plant *s) {
     }
     balance(s, x, force);
     memset(s->mode, 0, sizeof s->mode);
-    memcpy(s->integral, force, sizeof s->integral);
-    s->time = 0, s->ticks = 0;
-    plant_sample(s, 0);
+    s->time = 0;
+    start_torque(s, force);
     return !(change < 1e-12);
 }
 
 int plant_run(Plant *s, double until) {
     int i;
     settle(s); /* the inputs or parameters may have been changed since */
-    if (until > s->time + TIME_TOLERANCE * PERIOD) integrate(s, until - s->time);
+    if (until > s->time + TIME_TOLERANCE) integrate(s, until - s->time);
     if (until > s->time) s->time = until;
     for (i = 0; i < N_STATES; ++i)
         if (!isfinite(s->value[AT_STATE + i])) return 1;
@@ -225,7 +233,7 @@ int plant_run(Plant *s, double until) {
 
 int plant_advance(Plant *s, double duration) {
     double end = s->time + duration, start = s->time;
-    while (plant_next_sample(s) <= end + TIME_TOLERANCE * PERIOD) {
+    while (plant_sample_due(s, end)) {
         double tick = plant_next_sample(s);
         if (plant_run(s, tick)) return 1;
         s->time = tick;
@@ -290,7 +298,12 @@ void plant_outputs(Plant *s) {
 #ifdef MODEL_DERIVATIVES
 /* d(torque of joint j)/d(error) at a sample of the controller. */
 static double loop_gain(const Plant *s, int j) {
-    return s->value[AT_KP + j] + s->value[AT_KD + j] / PERIOD + s->value[AT_KI + j] * PERIOD;
+#ifdef MODEL_CONTROLLER
+    const double *v = s->value + j;
+    return v[AT_KP] + v[AT_KD] / PERIOD + v[AT_KI] * PERIOD;
+#else
+    return (void)s, (void)j, 0;
+#endif
 }
 
 void plant_directional(const Plant *s, const double seed[N_VALUES], int sampling, double out[N_VALUES]) {
