@@ -302,6 +302,6 @@ def test_names_units_and_order(four_link):
     assert [v.name for v in listed if v.derivative_of] == [f"der({n})" for n in states(eq)]
     assert base_units("N.m/(rad.s)") == {"kg": 1, "m": 2, "s": -3, "rad": -1}
     names = [v.name for v in listed]
-    for array in arrays(eq):
+    for array in arrays(eq.joints):
         at = names.index(array.first)
         assert len({v.unit for v in listed[at : at + array.size]}) == 1

@@ -63,9 +63,7 @@ class Array:
 def variables(equations: Equations) -> list[Variable]:
     """Every scalar variable of a plant by value reference (runtime/plant.h)."""
     eq = equations
-    begin = (
-        [*_references(eq), *_feedforward(eq)] if eq.controller else [*_start_positions(eq), *_holding(eq)]
-    )
+    begin = [*_references(eq), *_feedforward(eq)] if eq.controller else [*_start_positions(eq), *_holding(eq)]
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
     return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *_gains(eq), step]
 

@@ -40,7 +40,9 @@ void memory_refresh(Memory *m) {
 int memory_advance(Memory *m, double duration) {
     int failed = MODEL(advance)(&m->model, duration);
 #ifdef MODEL_PLANT
-    m->stale = 1; /* a controller holds its outputs until an input is set */
+    m->stale = 1;
+#else
+    m->stale = 0; /* the torque is held until an input is set */
 #endif
     return failed;
 }
