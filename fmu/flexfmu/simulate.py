@@ -181,14 +181,18 @@ class LoadedFmu:
         fmu.exitInitializationMode()
         fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[0]))
         interpolates = self.description.coSimulation.canInterpolateInputs  # pyright: ignore
-        for i in range(len(time) - 1):
-            fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[i]))
+        value, slope, result = (np.empty(n) for n in (len(written), len(written), len(read)))
+        to_value, to_slope, to_result = map(_pointer, (value, slope, result))  # made once: they take time
+        component, now, steps = fmu.component, time.tolist(), np.diff(time).tolist()
+        for i, step in enumerate(steps):
+            value[:] = inputs[i]
+            fmu.fmi2SetReal(component, written, len(written), to_value)
             if interpolates:
-                fmu.fmi2SetRealInputDerivatives(
-                    fmu.component, written, len(written), order, _pointer(slopes[i])
-                )
-            fmu.doStep(time[i], time[i + 1] - time[i])
-            fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[i + 1]))
+                slope[:] = slopes[i]
+                fmu.fmi2SetRealInputDerivatives(component, written, len(written), order, to_slope)
+            fmu.fmi2DoStep(component, now[i], step, 0)
+            fmu.fmi2GetReal(component, read, len(read), to_result)
+            rows[i + 1] = result
             if progress and i % 64 == 0:
                 progress(i / len(time))
         fmu.terminate()

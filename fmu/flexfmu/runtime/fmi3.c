@@ -498,6 +498,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     plant = &m->memory.model;
     end = plant->time + step;
     *event = *terminate = *early = fmi3False;
+    plant_settle(plant);
     while (!failed && !*event && !*early) {
         double tick = plant_next_sample(plant), start = plant->time;
         int sample = plant_sample_due(plant, end), last = !sample || tick >= end - STEP_END;

@@ -51,9 +51,8 @@ static void margins(const Plant *s, const double *x, const double *imbalance, do
     }
 }
 
-/* Release stuck hinges, the most overloaded first, until every reaction is within its level.
-   Leaves the rates of the present state in its place. */
-static void settle(Plant *s) {
+/* Stuck hinges are released, the most overloaded first. */
+void plant_settle(Plant *s) {
     double *x = s->value + AT_STATE, margin[N_JOINTS];
     int j, round;
     for (j = 0; j < N_JOINTS; ++j)
@@ -125,7 +124,7 @@ static double locate(const Plant *s, double h, double end, Trial *t) {
     return b;
 }
 
-/* Hinges that came to rest stick; hinges whose reaction exceeds the level are released by settle. */
+/* Hinges that came to rest stick; hinges whose reaction exceeds the level are released by plant_settle. */
 static void switch_modes(Plant *s, const Trial *t) {
     double *x = s->value + AT_STATE;
     int j;
@@ -134,7 +133,7 @@ static void switch_modes(Plant *s, const Trial *t) {
             s->mode[j] = 0;
             x[N_COORDINATES + j] = 0;
         }
-    settle(s);
+    plant_settle(s);
 }
 
 /* Forward by h with the torque held; friction events inside are located and stepped over exactly. */
@@ -172,7 +171,7 @@ void plant_sample(Plant *s, double late) {
     int i;
     for (i = 0; i < N_INPUTS; ++i) input[i] = v[i] + late * s->input_rate[i];
     pid_sample(&s->pid, v + AT_KP, input + AT_REFERENCE, input + AT_FEEDFORWARD, v + AT_STATE, v + AT_TORQUE);
-    settle(s);
+    plant_settle(s);
 }
 
 static void start_torque(Plant *s, const double *holding) {
@@ -189,7 +188,7 @@ void plant_sample(Plant *s, double late) { (void)s, (void)late; }
 
 static void start_torque(Plant *s, const double *holding) {
     memcpy(s->value + AT_FEEDFORWARD, holding, N_JOINTS * sizeof *holding);
-    settle(s);
+    plant_settle(s);
 }
 #endif
 
@@ -223,7 +222,6 @@ int plant_initialise(Plant *s) {
 
 int plant_run(Plant *s, double until) {
     int i;
-    settle(s); /* the inputs or parameters may have been changed since */
     if (until > s->time + TIME_TOLERANCE) integrate(s, until - s->time);
     if (until > s->time) s->time = until;
     for (i = 0; i < N_STATES; ++i)
@@ -233,6 +231,7 @@ int plant_run(Plant *s, double until) {
 
 int plant_advance(Plant *s, double duration) {
     double end = s->time + duration, start = s->time;
+    plant_settle(s);
     while (plant_sample_due(s, end)) {
         double tick = plant_next_sample(s);
         if (plant_run(s, tick)) return 1;
@@ -256,14 +255,18 @@ void plant_rates(Plant *s) {
 /* A root is accepted with this tolerance: rad/s while sliding, N m while stuck. */
 static double tolerance(const Plant *s, int j) { return s->mode[j] != 0 ? 1e-9 : 1e-6; }
 
-void plant_indicators(const Plant *s, double indicator[N_JOINTS]) {
-    const double *x = s->value + AT_STATE;
-    double dx[N_STATES], imbalance[N_JOINTS];
+/* Indicators from the imbalance at the present state. */
+static void indicators(const Plant *s, const double *imbalance, double indicator[N_JOINTS]) {
     int j;
-    rates(s, x, dx, imbalance, 0);
-    margins(s, x, imbalance, indicator);
+    margins(s, s->value + AT_STATE, imbalance, indicator);
     for (j = 0; j < N_JOINTS; ++j)
         indicator[j] = model_sticking[j] ? indicator[j] + tolerance(s, j) : 1;
+}
+
+void plant_indicators(const Plant *s, double indicator[N_JOINTS]) {
+    double dx[N_STATES], imbalance[N_JOINTS];
+    rates(s, s->value + AT_STATE, dx, imbalance, 0);
+    indicators(s, imbalance, indicator);
 }
 
 int plant_switch(Plant *s) {
@@ -277,7 +280,7 @@ int plant_switch(Plant *s) {
             x[N_COORDINATES + j] = 0;
             changed = 1;
         }
-    settle(s);
+    plant_settle(s);
     for (j = 0; j < N_JOINTS; ++j) changed |= s->mode[j] != before[j];
     return changed;
 }
@@ -290,7 +293,7 @@ void plant_outputs(Plant *s) {
     rates(s, x, s->value + AT_RATE, s->imbalance, friction);
     for (j = 0; j < N_JOINTS; ++j)
         if (s->mode[j] == 0) friction[j] += s->imbalance[j];
-    plant_indicators(s, s->value + AT_INDICATOR);
+    indicators(s, s->imbalance, s->value + AT_INDICATOR);
 }
 
 /* ---- sensitivities --------------------------------------------------------------------------- */

@@ -45,6 +45,9 @@ typedef struct {
 void plant_reset(Plant *plant);
 /* Static equilibrium at the first reference, first sample of a controller. 0 when it was found. */
 int plant_initialise(Plant *plant);
+/* Release stuck hinges until every reaction is within its level; the rates of the state are then up to date. To be
+   called before a run when inputs or parameters may have changed. */
+void plant_settle(Plant *plant);
 /* Bring the values that follow from the state up to date. */
 void plant_outputs(Plant *plant);
 /* Time of the controller's next sample [s], and whether it is due by `time`. */
