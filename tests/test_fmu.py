@@ -3,6 +3,7 @@
 import ctypes
 import io
 import zipfile
+from typing import Any
 
 import matplotlib.image
 import numpy as np
@@ -201,7 +202,7 @@ class Listening2:
         )
         self.begin(said)
 
-    kind = FMU2Slave
+    kind: Any = FMU2Slave
 
     def begin(self, said):
         self.fmu.instantiate(callbacks=_callbacks(said))
@@ -218,7 +219,7 @@ class Listening2:
 class Listening3(Listening2):
     """The same in FMI 3.0."""
 
-    kind = FMU3Slave
+    kind: Any = FMU3Slave
 
     def begin(self, said):
         self.keep = fmi3LogMessageCallback(lambda *words: said.append(words[-1].decode()))
@@ -266,7 +267,7 @@ def test_the_recorded_run_is_reproduced(fmus, fmi):
         )
     reference = pd.read_csv(table)
     option = dict(line.split(",") for line in options.read().split())
-    signals = pd.read_csv(inputs).to_records(index=False)
+    signals = pd.read_csv(inputs)
     assert np.ptp(reference["tip.x"]) > 1e-5
     for interface, tolerance in (("CoSimulation", 1e-12), ("ModelExchange", 1e-6)):
         result = simulate_fmu(
@@ -275,7 +276,7 @@ def test_the_recorded_run_is_reproduced(fmus, fmi):
             stop_time=float(option["StopTime"]),
             output_interval=float(option["StepSize"]),
             relative_tolerance=float(option["RelTol"]) * 1e-2,
-            input=np.array(signals.tolist(), dtype=[(n, float) for n in signals.dtype.names]),
+            input=np.array(list(map(tuple, signals.to_numpy())), dtype=[(n, float) for n in signals]),
             output=TIP,
         )
         last = np.searchsorted(result["time"], reference["time"] + 1e-9) - 1

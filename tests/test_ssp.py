@@ -147,6 +147,7 @@ def test_fmpy_is_late_by_one_communication_step(ssp, plan, together):
 def test_the_structure_obeys_the_schema(ssp, parts):
     """FMPy validates against SSP's schema on reading; every connector is a variable of its FMU."""
     system = read_ssd(str(ssp)).system
+    assert system is not None
     for component in system.elements:
         description = read_model_description(str(parts[component.name]))
         kinds = {v.name: v.causality for v in description.modelVariables}

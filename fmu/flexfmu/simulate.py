@@ -225,7 +225,7 @@ def constant_run(
             stop_time=stop,
             output_interval=step,
             start_values=dict(inputs),
-            output=list(outputs) or None,
+            output=list(outputs) or None,  # pyright: ignore[reportArgumentType]
         )
     except Exception as error:
         raise SimulationError(f"{fmu}: the FMU failed ({error})") from None
