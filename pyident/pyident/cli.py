@@ -15,6 +15,7 @@ from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
 from flexfmu.simulate import LoadedFmu, SimulationError
+from flexfmu.ssp import export_ssp
 from flexmodels.atomic import replacing
 from flexmodels.effect import sheet
 from flexmodels.effects import CATALOGUE
@@ -137,13 +138,21 @@ def effects(name: str | None, json_file: str | None) -> None:
 def export(model: str, output: str, fmi: str, platforms: str, json_file: str | None) -> None:
     """Write MODEL as an FMU for model exchange and co-simulation.
 
+    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
+
     Example: pyident export four_link -o arm.fmu --fmi 3
     """
     robot = _simulable(model)
+    split = output.endswith(".ssp")
+    if split and fmi != "2":
+        raise BuildError(f"{output}: SSP 1.0 holds FMUs of FMI 2.0; leave out --fmi {fmi}")
     with console.status("generating and compiling"):
-        path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
+        if split:
+            path = export_ssp(equations(robot), output, platforms=platforms)  # pyright: ignore
+        else:
+            path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
     click.echo(f"wrote {path}")
-    _write_json(json_file, {"fmu": str(path), "parameters": robot.parameters})
+    _write_json(json_file, {"ssp" if split else "fmu": str(path), "parameters": robot.parameters})
 
 
 @main.command()
