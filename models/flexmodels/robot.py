@@ -54,6 +54,15 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Limits:
+    """What a joint may do: position (lower, upper) [rad or m], speed [rad/s or m/s], effort [N m or N]."""
+
+    position: tuple[float, ...] | None = None
+    speed: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True)
 class Joint:
     """A motor hinge (or slider), with or without a flexible hinge behind it.
 
@@ -62,6 +71,8 @@ class Joint:
     values    effect name -> parameter name -> value, for every law that acts at this joint
     bends     whether the flexible hinge bends too; else it only twists (eps[1])
     parent    number of the link that it sits on, 0 for the base; None takes the link before
+    name      what others call it (in a URDF or a ROS message); may be empty
+    limits    None where nothing is known of them
     """
 
     kind: Literal["revolute", "prismatic"]
@@ -72,6 +83,8 @@ class Joint:
     values: Mapping[str, Mapping[str, float]]
     bends: bool = True
     parent: int | None = None
+    name: str = ""
+    limits: Limits | None = None
 
     @property
     def triad(self) -> np.ndarray:

@@ -63,7 +63,10 @@ def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
 
 
 def _joint_document(joint: Joint) -> dict[str, Any]:
-    table = {"kind": joint.kind} | _place(joint)
+    named = {"name": joint.name} if joint.name else {}
+    table: dict[str, Any] = named | {"kind": joint.kind} | _place(joint)
+    if joint.limits:
+        table["limits"] = {key: _plain(v) for key, v in asdict(joint.limits).items() if v is not None}
     others = {}
     for effect, values in joint.values.items():
         if effect in _PREFIXES:
