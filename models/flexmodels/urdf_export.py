@@ -19,9 +19,7 @@ def export_urdf(robot: Robot, path: str | Path) -> list[str]:
     Raises RobotError for closed loops and for a link that no rigid body could be.
     """
     if robot.passive or robot.closures:
-        raise RobotError(
-            f"robot {robot.name} has closed loops, which a URDF cannot hold; export an FMU instead"
-        )
+        raise RobotError(f"robot {robot.name} has closed loops, which a URDF cannot hold; export an FMU")
     root = Element("robot", name=robot.name)
     SubElement(root, "link", name="base_link")
     triads = [np.eye(3), *(joint.triad for joint in robot.joints)]
@@ -41,9 +39,7 @@ def _add_link(root: Element, k: int, link: Link, triad: np.ndarray) -> None:
     if not any(link.values.values()):
         return
     if link.m <= 0:
-        raise RobotError(
-            f"link {k} has moments of mass but no mass, so no rigid body is like it; give it one"
-        )
+        raise RobotError(f"link {k} has moments of mass but no mass, as no rigid body has; give it one")
     com = np.array(link.ms) / link.m
     xx, xy, xz, yy, yz, zz = link.J
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -51,8 +47,8 @@ def _add_link(root: Element, k: int, link: Link, triad: np.ndarray) -> None:
     principal = np.linalg.eigvalsh(J)
     if principal.sum() - 2 * principal.max() < -_ROUNDING * np.abs(link.J).max():
         raise RobotError(
-            f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about its centre "
-            "of mass, which no rigid body has; identify the robot, or correct its J"
+            f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about "
+            "its centre of mass, which no rigid body has; identify the robot, or correct its J"
         )
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "origin", xyz=_text(triad.T @ com), rpy="0 0 0")
@@ -103,7 +99,7 @@ def _left_out(robot: Robot) -> list[str]:
 
 
 def _roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
-    """R = Rz(yaw) Ry(pitch) Rx(roll); the roll is what the other two leave, so it is exact at a pitch of 90°."""
+    """R = Rz(yaw) Ry(pitch) Rx(roll); the roll is what the others leave: exact at a pitch of 90° too."""
     yaw = np.arctan2(R[1, 0], R[0, 0])
     pitch = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
     cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lxml import etree
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.spatial.transform import Rotation
-from urdf_parser_py import urdf, xml_reflection
-from urdf_parser_py.xml_reflection.core import ParseError
+from urdf_parser_py import urdf
+from urdf_parser_py.xml_reflection import core
 
 from flexmodels.robot import Joint, Limits, Link, Robot, RobotError
 
@@ -71,13 +71,13 @@ def _parse(path: Path) -> Any:
     if not path.is_file():
         raise RobotError(f"there is no URDF file {path}; check the path")
     complaints: list[str] = []
-    xml_reflection.core.on_error = complaints.append  # else it prints attributes that it does not know
+    core.on_error = complaints.append  # else it prints attributes that it does not know
     try:
         root = etree.parse(str(path)).getroot()
         etree.strip_elements(root, *_UNUSED, with_tail=False)
         model = urdf.Robot.from_xml_string(etree.tostring(root))
         model.get_root()
-    except (etree.XMLSyntaxError, ParseError, AssertionError, ValueError, KeyError) as error:
+    except (etree.XMLSyntaxError, core.ParseError, AssertionError, ValueError, KeyError) as error:
         first = (str(error).strip() or "it has no single root link").splitlines()
         raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); mend the file") from None
     return model
