@@ -6,6 +6,7 @@ import numpy as np
 
 from flexmodels.effects import BASE, CATALOGUE
 from flexmodels.linkage import Closure, PassiveJoint
+from flexmodels.restriction import objection
 from flexmodels.robot import Joint, Limits, RobotError
 from flexmodels.toml_table import Table
 
@@ -18,7 +19,7 @@ def read_joints(tables: list[Table]) -> tuple[tuple[Joint, ...], tuple[PassiveJo
     for table in tables[: len(driven)]:
         if table.flag("passive"):
             raise RobotError(f"{table.where} is passive but stands before a driven one; list it after them")
-    joints = tuple(_joint(table, k) for k, table in enumerate(driven, start=1))
+    joints = tuple(_joint(table, k, len(driven)) for k, table in enumerate(driven, start=1))
     rest = enumerate(tables[len(driven) :], start=len(driven) + 1)
     return joints, tuple(_passive(table, k, joints) for k, table in rest)
 
@@ -27,7 +28,7 @@ def read_closures(tables: list[Table], links: int) -> tuple[Closure, ...]:
     return tuple(_closure(table, links) for table in tables)
 
 
-def _joint(table: Table, k: int) -> Joint:
+def _joint(table: Table, k: int, joints: int) -> Joint:
     kind = table.get("kind", "revolute")
     if kind not in ("revolute", "prismatic"):
         raise RobotError(f"{table.place('kind')} must be revolute or prismatic, not {kind!r}")
@@ -49,7 +50,7 @@ def _joint(table: Table, k: int) -> Joint:
         name=str(table.get("name")) if "name" in table else "",
         limits=_limits(table.table("limits")) if "limits" in table else None,
     )
-    joint = replace(joint, values=hinge | _laws(table, joint))
+    joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
     table.done()
     return joint
 
@@ -77,7 +78,7 @@ def _hinge_values(table: Table) -> dict[str, dict[str, float]]:
     return values
 
 
-def _laws(table: Table, joint: Joint) -> dict[str, dict[str, float]]:
+def _laws(table: Table, joint: Joint, k: int, joints: int) -> dict[str, dict[str, float]]:
     values: dict[str, dict[str, float]] = {}
     for name, effect in _BASE_PARAMETERS.items():
         if name in table:
@@ -86,19 +87,19 @@ def _laws(table: Table, joint: Joint) -> dict[str, dict[str, float]]:
     if "effects" in table:
         effects = table.table("effects")
         for name in effects.data:
-            values[name] = _effect_values(effects, name, joint)
+            values[name] = _effect_values(effects, name, joint, k, joints)
     return values
 
 
-def _effect_values(effects: Table, name: str, joint: Joint) -> dict[str, float]:
+def _effect_values(effects: Table, name: str, joint: Joint, k: int, joints: int) -> dict[str, float]:
     if name not in CATALOGUE or name in BASE:
         known = ", ".join(sorted(set(CATALOGUE) - set(BASE)))
         raise RobotError(f"{effects.place(name)} is not a known effect; known are {known}")
-    law = joint.law(name)
-    if not law.forces:
-        raise RobotError(f"{effects.place(name)} acts on deformations that the joint has not; remove it")
+    wrong = objection(CATALOGUE[name], joint.deformations, joint.kind, k, joints)
+    if wrong:
+        raise RobotError(f"{effects.place(name)} {wrong}")
     table = effects.table(name)
-    values = {p.name: table.number(p.name, lower=p.lower) for p in law.parameters}
+    values = {p.name: table.number(p.name, lower=p.lower) for p in joint.law(name).parameters}
     table.done()
     return values
 

@@ -6,15 +6,14 @@ base axes in the zero pose; its mass moments and inertia are about that point (t
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from flexmodels import signals
 from flexmodels.effect import Effect
-from flexmodels.effects import BASE, CATALOGUE
+from flexmodels.effects import BASE, CATALOGUE, load_effects
 from flexmodels.linkage import Closure, PassiveJoint
-from flexmodels.restriction import restricted
+from flexmodels.restriction import objection, restricted
 
 LINK_PARAMETERS: dict[str, str] = {
     "m": "kg",
@@ -99,7 +98,7 @@ class Joint:
 
     def law(self, effect: str) -> Effect:
         """A law of the catalogue as it acts here: on the coordinates that the joint has."""
-        return restricted(CATALOGUE[effect], {signals.e, *(signals.eps[i] for i in self.deformations)})
+        return restricted(CATALOGUE[effect], self.deformations)
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -185,6 +184,7 @@ class Robot:
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
     tip        from the joint of link `tip_link` (None: the last link) [m]
+    effect_files   Python files whose effects join the catalogue, absolute
     """
 
     name: str
@@ -201,6 +201,12 @@ class Robot:
     passive: tuple[PassiveJoint, ...] = ()
     closures: tuple[Closure, ...] = ()
     tip_link: int | None = None
+    effect_files: tuple[str, ...] = ()
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """Another process that receives the robot knows its effects too."""
+        self.__dict__.update(state)
+        load_effects(self.effect_files)
 
     @property
     def numbered(self) -> Iterator[tuple[int, Joint]]:
@@ -212,6 +218,11 @@ class Robot:
         """Per link the number of the link before it, 0 for the base."""
         listed = (*self.joints, *self.passive)
         return tuple(k if joint.parent is None else joint.parent for k, joint in enumerate(listed))
+
+    @property
+    def last_link(self) -> int:
+        """Number of the link that carries the tip."""
+        return self.tip_link or len(self.links)
 
     @property
     def following(self) -> np.ndarray:
@@ -250,6 +261,17 @@ class Robot:
         return of_links | of_joints
 
     @property
+    def linear_parameters(self) -> dict[str, float]:
+        """Those of `parameters` that have a column in Φ; the others enter their laws nonlinearly."""
+        fixed = {
+            parameter_name(k, law.name, p.name)
+            for k, joint in self.numbered
+            for law in joint.effects
+            for p in law.nonlinear
+        }
+        return {name: value for name, value in self.parameters.items() if name not in fixed}
+
+    @property
     def units(self) -> dict[str, str]:
         """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m."""
         units = {f"link{k + 1}.{p}": u for k in range(len(self.links)) for p, u in LINK_PARAMETERS.items()}
@@ -280,10 +302,9 @@ class Robot:
         if not 1 <= joint <= len(self.joints):
             raise RobotError(f"robot {self.name} has no joint {joint}; it has 1 to {len(self.joints)}")
         old = self.joints[joint - 1]
-        if not old.law(effect).forces:
-            raise RobotError(
-                f"effect {effect} acts on deformations that joint {joint} of {self.name} has not"
-            )
+        wrong = objection(CATALOGUE[effect], old.deformations, old.kind, joint, len(self.joints))
+        if wrong:
+            raise RobotError(f"robot {self.name}: effect {effect} {wrong}")
         start = {p.name: p.start for p in old.law(effect).parameters}
         changed = replace(old, values={**old.values, effect: start})
         return replace(self, joints=(*self.joints[: joint - 1], changed, *self.joints[joint:]))

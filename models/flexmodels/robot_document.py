@@ -1,6 +1,8 @@
 """A robot as the nested tables of its file."""
 
+import os
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from flexmodels.effects import BASE
@@ -10,14 +12,16 @@ from flexmodels.robot import Joint, Processing, Robot
 _PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
 
 
-def document(robot: Robot) -> dict[str, Any]:
-    """What `flexmodels.robot_file` reads back as the same robot."""
+def document(robot: Robot, folder: Path) -> dict[str, Any]:
+    """What `flexmodels.robot_file` reads back from a file in `folder` as the same robot."""
     document: dict[str, Any] = {
         "name": robot.name,
         "description": robot.description,
         "gravity": list(robot.gravity),
         "tip": list(robot.tip),
     }
+    if robot.effect_files:
+        document["effects"] = [_seen_from(folder, file) for file in robot.effect_files]
     if robot.controller:
         c = robot.controller
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
@@ -43,6 +47,14 @@ def document(robot: Robot) -> dict[str, Any]:
     if robot.closures:
         document["closure"] = [_plain(asdict(closure)) for closure in robot.closures]
     return document
+
+
+def _seen_from(folder: Path, file: str) -> str:
+    """A relative path with forward slashes where there is one (on Windows not to another drive)."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return Path(file).as_posix()
 
 
 def _plain(value: Any) -> Any:

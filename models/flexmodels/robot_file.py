@@ -10,6 +10,8 @@ import numpy as np
 import tomli_w
 
 from flexmodels.atomic import replacing
+from flexmodels.effect import EffectError
+from flexmodels.effects import load_effects
 from flexmodels.joint_tables import read_closures, read_joints
 from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import (
@@ -40,21 +42,23 @@ def load_robot(model: str | Path) -> Robot:
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
     try:
-        return _robot(tomllib.loads(path.read_text(encoding="utf-8")), path.stem)
+        return _robot(tomllib.loads(path.read_text(encoding="utf-8")), path)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RobotError(f"{path}: not a TOML file ({error})") from None
-    except RobotError as error:
+    except (RobotError, EffectError) as error:
         raise RobotError(f"{path}: {error}") from None
 
 
 def save_robot(robot: Robot, path: str | Path) -> None:
     """Write a robot file."""
     with replacing(path) as file:
-        file.write_text(tomli_w.dumps(document(robot)), encoding="utf-8")
+        file.write_text(tomli_w.dumps(document(robot, Path(path).resolve().parent)), encoding="utf-8")
 
 
-def _robot(data: Mapping[str, Any], stem: str) -> Robot:
+def _robot(data: Mapping[str, Any], path: Path) -> Robot:
     table = Table(data, "")
+    effect_files = _effect_files(table, path) if "effects" in table else ()
+    load_effects(effect_files)
     joints, passive = read_joints(table.tables("joint"))
     links = tuple(_link(t) for t in table.tables("link"))
     count = len(joints) + len(passive)
@@ -64,7 +68,7 @@ def _robot(data: Mapping[str, Any], stem: str) -> Robot:
     columns = _columns(table.table("columns")) if "columns" in table else {}
     processing = _processing(table.table("processing")) if "processing" in table else Processing()
     robot = Robot(
-        name=str(table.get("name", stem)),
+        name=str(table.get("name", path.stem)),
         joints=joints,
         links=links,
         tip=table.vector("tip", 3, (0.0, 0.0, 0.0)),
@@ -80,10 +84,19 @@ def _robot(data: Mapping[str, Any], stem: str) -> Robot:
         passive=passive,
         closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
         tip_link=table.whole(table.get("tip_link"), "tip_link", 1, count) if "tip_link" in table else None,
+        effect_files=effect_files,
     )
     table.done()
     check_linkage(robot)
     return robot
+
+
+def _effect_files(table: Table, path: Path) -> tuple[str, ...]:
+    """Absolute paths of the listed files, which stand relative to the robot file."""
+    listed = table.get("effects")
+    if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
+        raise RobotError("effects must be a list of Python files")
+    return tuple(str((path.parent / name).resolve()) for name in listed)
 
 
 def _link(table: Table) -> Link:

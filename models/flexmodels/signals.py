@@ -3,11 +3,29 @@
 e, de, dde   motor hinge angle [rad] or slider position [m] and its derivatives
 eps, deps    the three deformations of the flexible hinge [rad] and their rates; index 1, 2, 3
 tau          motor torque [N m or N]
-load         torque that the transmission carries [N m]
-time         [s]
+load         torque that the transmission carries: k[1] eps[1] of the joint's stiffness law [N m],
+             tau where the joint is rigid
+time         [s] since the start
+beyond       e, de, dde of the next joint
+tip          x, y, z of the robot's tip in its link [m], for what a law adds to that link's body
 """
 
+from typing import NamedTuple
+
 from sympy import Symbol
+
+
+class Beyond(NamedTuple):
+    e: Symbol
+    de: Symbol
+    dde: Symbol
+
+
+class Tip(NamedTuple):
+    x: Symbol
+    y: Symbol
+    z: Symbol
+
 
 e = Symbol("e", real=True)
 de = Symbol("de", real=True)
@@ -17,8 +35,6 @@ deps = {i: Symbol(f"deps{i}", real=True) for i in (1, 2, 3)}
 tau = Symbol("tau", real=True)
 load = Symbol("load", real=True)
 time = Symbol("time", real=True)
-
-
-def of_joint(joint: int, signal: Symbol) -> Symbol:
-    """`signal` of another joint, counted from 1."""
-    return Symbol(f"joint{joint}.{signal.name}", real=True)
+beyond = Beyond(*(Symbol(f"beyond.{name}", real=True) for name in Beyond._fields))
+tip = Tip(*(Symbol(f"tip.{name}", real=True) for name in Tip._fields))
+ALL = frozenset({e, de, dde, *eps.values(), *deps.values(), tau, load, time, *beyond, *tip})

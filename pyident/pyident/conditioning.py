@@ -20,7 +20,7 @@ from scipy.signal import butter, cheby1, sosfiltfilt
 
 from flexmodels.robot import Processing, Robot
 from pyident.log import Log, LogError, require
-from pyident.regressor import Motion
+from pyident.motion import Motion
 
 REACH = 4  # samples that the widest difference needs on either side
 # Central differences of eighth order (Khan and Ohba 2003): offsets 0 to 4.
@@ -37,7 +37,7 @@ _AROUND = 2  # samples on either side of a reversal that are left out
 class Conditioned:
     """Samples ready for the regression.
 
-    motion   q, dq, ddq and torque, (N, n) and (N, joints)
+    motion   q, dq, ddq and the torques held from and until the samples, (N, n) and (N, joints)
     target   right-hand side of eq. (9): torques over zeros, (N, n)
     use      (N, n), 1 where the equation is used and 0 where its friction is not known
     thinning factor by which filtered equations are thinned out (1: not at all)
@@ -55,21 +55,24 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     Raises LogError.
     """
     plan = robot.processing
-    require(log, robot, _needed(plan, len(robot.parameters)))
+    require(log, robot, _needed(plan, len(robot.linear_parameters)))
     q = log.signals(robot.coordinates)
     torque = log.signals([f"joint{k}.tau" for k, _ in robot.numbered])
     if plan.cutoff is not None:
         q = _low_pass(q, plan, log)
+    before = torque
     if robot.controller is not None:
-        torque[1:] = (torque[1:] + torque[:-1]) / 2
+        before = np.concatenate([torque[:1], torque[:-1]])
     scheme = DERIVATIVES[plan.derivative or ("hat" if robot.controller else "central")]
     q, dq, ddq = scheme(q, log.period)
     border = _SETTLING if plan.cutoff is not None else 0
     keep = slice(border, len(q) - border)
-    torque, time = torque[REACH:-REACH][keep], log.signals(["time"])[REACH:-REACH, 0][keep]
-    motion = Motion(q[keep], dq[keep], ddq[keep], torque, time)
+    torque, before = torque[REACH:-REACH][keep], before[REACH:-REACH][keep]
+    time = log.signals(["time"])[REACH:-REACH, 0][keep]
+    held = before if robot.controller is not None else None
+    motion = Motion(q[keep], dq[keep], ddq[keep], torque, time, held)
     target = np.zeros_like(motion.q)
-    target[:, : len(robot.joints)] = torque
+    target[:, : len(robot.joints)] = (torque + before) / 2
     use = np.ones_like(target)
     if plan.decimate == 1:
         use[:, : len(robot.joints)] = _moving(robot, motion.dq)

@@ -36,7 +36,7 @@ def correct_by_replicas(
     reduced, in_log = estimate(problem)
     best = identified(robot, reduced, in_log)
     for number in range(_ROUNDS):
-        put_in = best.robot.parameters
+        put_in = best.robot.linear_parameters
         in_replica = _found(_replica(problem, replays, put_in, simulate), in_log)
         step = _seen(in_log, in_log.p - in_replica.p)
         values = np.array(list(put_in.values())) + step

@@ -45,7 +45,7 @@ def output_error(
             share = _share(progress, number)
             slopes = [_slopes(replay, p, start.solution, simulate, share) for replay in replays]
         assert slopes is not None
-        p = best.robot.parameters
+        p = best.robot.linear_parameters
         missed = [r.missed(next(iter(r.run(simulate, [p])))) for r in replays]
         reduced = _linearised(replays[0].channels, p, missed, slopes)
         solution = solve(reduced, _weights(missed, replays))
@@ -68,7 +68,9 @@ def _operating_point(found: Identified) -> dict[str, float]:
     length = float(np.linalg.norm(found.solution.p * found.solution.scale))
     bounds = lower_bounds(found.robot)
     floors = {name: 2 * _STEP * length / scale[name] for name, lower in bounds.items() if lower == 0}
-    return {name: max(value, floors.get(name, -np.inf)) for name, value in found.robot.parameters.items()}
+    return {
+        name: max(value, floors.get(name, -np.inf)) for name, value in found.robot.linear_parameters.items()
+    }
 
 
 def _slopes(

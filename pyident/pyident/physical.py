@@ -62,7 +62,7 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
         parameter_name(k, effect, parameter.name): parameter.lower
         for k, joint in robot.numbered
         for effect, values in joint.values.items()
-        for parameter in CATALOGUE[effect].parameters
+        for parameter in CATALOGUE[effect].linear
         if parameter.name in values and np.isfinite(parameter.lower)
     }
 

@@ -25,7 +25,7 @@ class Problem:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        return tuple(self.robot.parameters)
+        return tuple(self.robot.linear_parameters)
 
     def blocks(self, weights: Sequence[np.ndarray] | None = None) -> Iterator[Block]:
         """Blocks of every log, one after the other; weights (N, n) per log multiply the equations."""

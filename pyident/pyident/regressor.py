@@ -1,37 +1,21 @@
 """Φ, eqs (9)-(11): the generalised forces of eq. (8) per unit of every dynamic parameter."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-import sympy
 
-from flexmodels.effect import Effect
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
 from pyident.fem import body, robot_structure, transfer
+from pyident.laws import LawColumn, Signals, body_columns, law_columns
+from pyident.motion import Motion
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
 
 
 @dataclass(frozen=True)
-class Motion:
-    """A measured motion over N samples, SI units, columns in the order of `robot.coordinates`.
-
-    q, dq, ddq   N x n;   tau   N x joints, motor torques [N m or N];   time   N [s]
-    tau and time are needed only where a law uses them.
-    """
-
-    q: np.ndarray
-    dq: np.ndarray
-    ddq: np.ndarray
-    tau: np.ndarray | None = None
-    time: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
 class Regressor:
-    """matrix N x n x P; rows are `robot.coordinates` and columns `robot.parameters`, both by name."""
+    """matrix N x n x P; rows are `robot.coordinates` and columns `robot.linear_parameters`, by name."""
 
     matrix: np.ndarray
     rows: tuple[str, ...]
@@ -39,8 +23,12 @@ class Regressor:
 
 
 def regressor(robot: Robot, motion: Motion) -> Regressor:
-    """Φ of the whole motion in memory. Raises ValueError for a wrong motion or a law that is not linear."""
-    rows, columns = robot.coordinates, tuple(robot.parameters)
+    """Φ of the whole motion in memory. Raises ValueError for a motion that is wrong or lacks a signal.
+
+    Parameters that enter a law nonlinearly are taken as the robot has them, and so is the stiffness k[1]
+    behind the signal `load`.
+    """
+    rows, columns = robot.coordinates, tuple(robot.linear_parameters)
     matrix = np.empty((len(motion.q), len(rows), len(columns)))
     builder = _Builder(robot, motion)
     builder.fill(matrix, 0)
@@ -54,7 +42,7 @@ def regressor_blocks(robot: Robot, motion: Motion, block: int = 4096) -> Iterato
     """
     builder = _Builder(robot, motion)
     n, samples = len(robot.coordinates), len(motion.q)
-    Phi = np.empty((min(block, samples), n, len(robot.parameters)))
+    Phi = np.empty((min(block, samples), n, len(robot.linear_parameters)))
 
     def pieces() -> Iterator[tuple[slice, np.ndarray]]:
         for start in range(0, samples, block):
@@ -66,27 +54,18 @@ def regressor_blocks(robot: Robot, motion: Motion, block: int = 4096) -> Iterato
     return pieces()
 
 
-@dataclass(frozen=True)
-class _LawColumn:
-    """One entry of Φ that a law fills: `value` of the named signals, at (row, column)."""
-
-    row: int
-    column: int
-    signals: tuple[str, ...]
-    value: Callable[..., np.ndarray]
-
-
 class _Builder:
     """What is known of Φ before the first sample: the structure, where each column stands, the laws."""
 
     def __init__(self, robot: Robot, motion: Motion):
         self.gravity = np.array(robot.gravity)
         self.structure = robot_structure.of_robot(robot)
-        names = list(robot.parameters)
+        names = list(robot.linear_parameters)
         starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
         self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
-        self.signals = _signals(robot, motion)
-        self.laws = list(_law_columns(robot, frozenset(self.signals)))
+        self.laws = [(names.index(name), law) for name, law in _laws(robot, motion)]
+        last = self.links[robot.last_link - 1]
+        self.bodies = [(names.index(name), last, weights) for name, weights in _bodies(robot)]
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
@@ -109,76 +88,24 @@ class _Builder:
 
     def _fill_laws(self, Phi: np.ndarray, part: slice) -> None:
         Phi[:, :, self.links[-1].stop :] = 0.0
-        for law in self.laws:
-            Phi[:, law.row, law.column] = law.value(*(self.signals[name][part] for name in law.signals))
+        for column, law in self.laws:
+            Phi[:, law.row, column] = law.value(part)
+        for column, link, weights in self.bodies:
+            np.matmul(Phi[:, :, link], weights, out=Phi[:, :, column])
 
 
-def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
-    """Every signal that a law may use, by its name in flexmodels.signals behind `joint{k}.`; and `time`."""
-    _check(robot, motion)
-    signals = {} if motion.time is None else {"time": np.asarray(motion.time)}
-    for j, coordinate in enumerate(robot.coordinates):
-        joint, name = _signal_name(coordinate).split(".")
-        for order, rate in zip(("", "d", "dd"), (motion.q, motion.dq, motion.ddq), strict=True):
-            signals[f"{joint}.{order}{name}"] = rate[:, j]
-    if motion.tau is not None:
-        signals |= {f"joint{k}.tau": motion.tau[:, k - 1] for k, _ in robot.numbered}
-    return signals
+def _laws(robot: Robot, motion: Motion) -> Iterator[tuple[str, LawColumn]]:
+    """Parameter and column of every law of every joint."""
+    signals = Signals(robot, motion)
+    for k, joint in robot.numbered:
+        for effect in joint.effects:
+            for column in law_columns(robot, signals, k, effect, joint.values[effect.name]):
+                yield parameter_name(k, effect.name, column.parameter), column
 
 
-def _check(robot: Robot, motion: Motion) -> None:
-    n, samples = len(robot.coordinates), len(motion.q)
-    shapes = {"q": (samples, n), "dq": (samples, n), "ddq": (samples, n)}
-    shapes |= {"tau": (samples, len(robot.joints)), "time": (samples,)}
-    for name, shape in shapes.items():
-        values = getattr(motion, name)
-        if values is None:
-            continue
-        if np.shape(values) != shape:
-            raise ValueError(f"motion.{name} of robot {robot.name} has shape {np.shape(values)}, not {shape}")
-        if not np.isfinite(values).all():
-            at = int(np.argwhere(~np.isfinite(values))[0, 0])
-            raise ValueError(f"motion.{name} of robot {robot.name} is not finite at sample {at}; drop it")
-
-
-def _law_columns(robot: Robot, known: frozenset[str]) -> Iterator[_LawColumn]:
-    """The columns behind those of the links: every parameter of every law of every joint."""
-    rows = [_signal_name(coordinate) for coordinate in robot.coordinates]
-    names = list(robot.parameters)
-    for k, effect in ((k, effect) for k, joint in robot.numbered for effect in joint.effects):
-        _require_linear(effect, k)
-        for parameter, slopes in effect.columns.items():
-            column = names.index(parameter_name(k, effect.name, parameter))
-            for coordinate, slope in slopes.items():
-                symbols, value = _compiled(slope)
-                signals = tuple(name if name in known else f"joint{k}.{name}" for name in symbols)
-                for name in set(signals) - known:
-                    raise ValueError(
-                        f"effect {effect.name} at joint {k} needs the signal {name}, which the motion of "
-                        f"robot {robot.name} does not have; add the signal or remove the effect"
-                    )
-                yield _LawColumn(rows.index(f"joint{k}.{coordinate.name}"), column, signals, value)
-
-
-def _require_linear(effect: Effect, k: int) -> None:
-    """Every parameter must have a column, and that free of the law's own parameters."""
-    own = {p.symbol for p in effect.parameters}
-    for p in sorted(effect.parameters, key=lambda p: p.name in effect.columns):
-        slopes = effect.columns.get(p.name)
-        if slopes is None or any(law.free_symbols & own for law in slopes.values()):
-            raise ValueError(
-                f"effect {effect.name} at joint {k} is not linear in its parameter {p.name}, so it has no "
-                "column in Phi; fix that parameter before the law enters a linear fit"
-            )
-
-
-@cache
-def _compiled(law: sympy.Expr) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
-    """The signals of a law by name, and the law as a NumPy function of them."""
-    symbols = sorted(law.free_symbols, key=str)
-    return tuple(str(s) for s in symbols), sympy.lambdify(symbols, law, modules="numpy")
-
-
-def _signal_name(coordinate: str) -> str:
-    """`joint1.eps[2]` of a log is the signal `joint1.eps2` of a law."""
-    return coordinate.replace("[", "").replace("]", "")
+def _bodies(robot: Robot) -> Iterator[tuple[str, np.ndarray]]:
+    """Parameter of every law that adds to the last link, and its column in terms of that link's."""
+    for k, joint in robot.numbered:
+        for effect in joint.effects:
+            for parameter, weights in body_columns(robot, effect).items():
+                yield parameter_name(k, effect.name, parameter), weights

@@ -1,7 +1,9 @@
 """The motor's own laws."""
 
-from flexmodels.effect import Effect, Parameter
-from flexmodels.signals import dde, e
+from sympy import Abs, Max, Symbol, cos, sign, sin
+
+from flexmodels.effect import Coverage, Effect, Parameter, State
+from flexmodels.signals import dde, e, tau
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
 
@@ -12,4 +14,53 @@ motor_inertia = Effect(
     parameters=(_J_m,),
     citation="Hardeman, Aarts and Jonker, eq. (2)",
     base=True,
+    needs="accelerations",
+    confounders=("J[xx]", "J[yy]", "J[zz]"),
+    experiment="a multisine above the first resonance, where the links stand still",
+)
+
+_cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
+_order = Parameter("order", "1", start=4.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0, 6.0, 8.0))
+
+torque_ripple = Effect(
+    name="torque_ripple",
+    title="Torque that the motor lacks periodically: cogging and commutation",
+    forces={e: _cosine.symbol * cos(_order.symbol * e) + _sine.symbol * sin(_order.symbol * e)},
+    parameters=(_cosine, _sine, _order),
+    citation="Jahns and Soong 1996",
+    needs="a period of the ripple, passed in both directions",
+    confounders=("kinematic_error", "offset", "gravity_spring", "ms[x]", "ms[y]", "ms[z]"),
+    experiment="slow constant speed over the whole range, forward and backward",
+)
+
+_share = Parameter("share", "1", start=1.0, lower=0)
+_delay = Parameter("delay", "s", start=0.002, lower=1e-5, grid=(0.0005, 0.001, 0.002, 0.004, 0.008))
+_delivered_now = Symbol("delivered", real=True)
+_delivered = State("delivered", (tau - _delivered_now) / _delay.symbol, None, "N.m")
+
+torque_delay = Effect(
+    name="torque_delay",
+    title="Torque that comes late: a first-order lag of the current loop",
+    forces={e: _share.symbol * (tau - _delivered.symbol)},
+    parameters=(_share, _delay),
+    states=(_delivered,),
+    citation="Khalil and Dombre 2002; Moberg, Wernholt, Hanssen and Brogårdh 2014",
+    needs="torques that change within the delay",
+    confounders=("J_m", "viscous", "d[1]"),
+    experiment="a multisine torque up to the controller's rate",
+)
+
+_excess = Parameter("share", "1", lower=0)
+_limit = Parameter("limit", "N.m", start=1000.0, lower=0, grid=(0.7, 1.0, 1.5, 2.0, 2.5), scale=tau)
+
+torque_saturation = Effect(
+    name="torque_saturation",
+    title="Torque beyond a limit of which the motor delivers only a part: a share of 1 is a hard limit",
+    forces={e: _excess.symbol * sign(tau) * Max(Abs(tau) - _limit.symbol, 0)},
+    parameters=(_excess, _limit),
+    citation="Hollerbach, Khalil and Gautier 2016",
+    needs="torques beyond the limit in 2 % of the samples",
+    coverage=Coverage(Abs(tau) > _limit.symbol, 0.02),
+    confounders=("load_dependent_friction", "J_m"),
+    experiment="the same motion at full and at half the speed",
 )

@@ -1,9 +1,9 @@
 """Friction at the motor hinge: torque that opposes its speed."""
 
-from sympy import Abs, sign
+from sympy import Abs, Symbol, cos, exp, sign, sin
 
-from flexmodels.effect import Effect, Parameter
-from flexmodels.signals import de, e
+from flexmodels.effect import Coverage, Effect, Parameter, State
+from flexmodels.signals import de, e, load, time
 
 _coulomb = Parameter("coulomb", "N.m", lower=0)
 _viscous = Parameter("viscous", "N.m.s/rad", lower=0)
@@ -16,6 +16,9 @@ coulomb = Effect(
     parameters=(_coulomb,),
     citation="Hardeman, Aarts and Jonker, eq. (3)",
     base=True,
+    needs="both directions",
+    confounders=("offset", "viscous"),
+    experiment="constant speeds in both directions, at least three levels",
 )
 
 viscous = Effect(
@@ -25,6 +28,9 @@ viscous = Effect(
     parameters=(_viscous,),
     citation="Hardeman, Aarts and Jonker, eq. (3)",
     base=True,
+    needs="several speeds",
+    confounders=("coulomb", "nonlinear_viscous"),
+    experiment="constant speeds in both directions, at least three levels",
 )
 
 offset = Effect(
@@ -34,6 +40,9 @@ offset = Effect(
     parameters=(_offset,),
     citation="Janot, Gautier and Brunot 2019",
     base=True,
+    needs="both directions",
+    confounders=("asymmetric_coulomb", "ms[x]", "ms[y]", "ms[z]"),
+    experiment="the same path forward and backward",
 )
 
 asymmetric_coulomb = Effect(
@@ -43,6 +52,92 @@ asymmetric_coulomb = Effect(
     parameters=(Parameter("coulomb", "N.m"), Parameter("viscous", "N.m.s/rad")),
     citation="Janot, Gautier and Brunot 2019",
     needs="both directions, each at two speeds or more",
-    confounders=("offset",),
+    coverage=Coverage(de < 0, 0.1),
+    confounders=("offset", "viscous"),
     experiment="constant speeds in both directions, at least three levels",
+)
+
+_level = Parameter("level", "N.m", lower=0)
+_velocity = Parameter("velocity", "rad/s", start=0.1, lower=1e-4, grid=(0.02, 0.05, 0.1, 0.2, 0.4), scale=de)
+
+stribeck = Effect(
+    name="stribeck",
+    title="Stribeck friction: what slow motion takes in excess of the Coulomb level",
+    forces={e: _level.symbol * sign(de) * exp(-((Abs(de) / _velocity.symbol) ** 2))},
+    parameters=(_level, _velocity),
+    citation="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994; Bona and Indri 2005",
+    needs="slow motion: 5 % of the samples below the Stribeck velocity",
+    coverage=Coverage(Abs(de) < _velocity.symbol, 0.05),
+    confounders=("coulomb", "viscous", "presliding", "nonlinear_viscous"),
+    experiment="constant speeds from creeping to fast, in both directions",
+)
+
+_coefficient = Parameter("coefficient", "1", lower=0)
+
+load_dependent_friction = Effect(
+    name="load_dependent_friction",
+    title="Dry friction that grows with the torque that the transmission carries",
+    forces={e: _coefficient.symbol * Abs(load) * sign(de)},
+    parameters=(_coefficient,),
+    citation="Hamon, Gautier and Garrec 2010",
+    needs="loads that vary as much as they are large, moved in both directions",
+    confounders=("coulomb", "viscous", "position_dependent_friction"),
+    experiment="the same slow motion with and without a payload",
+)
+
+_travel = Parameter("travel", "rad", start=0.01, lower=1e-5, grid=(0.001, 0.003, 0.01, 0.03))
+_bristle_now = Symbol("bristle", real=True)
+_bristle = State("bristle", (de - Abs(de) * _bristle_now) / _travel.symbol)
+
+presliding = Effect(
+    name="presliding",
+    title="Dry friction that builds up over a travel behind each reversal (Dahl), for the Coulomb part",
+    forces={e: _level.symbol * (_bristle.symbol - sign(de))},
+    parameters=(_level, _travel),
+    states=(_bristle,),
+    citation="Dahl 1968; Canudas de Wit et al. 1995; Al-Bender, Lampaert and Swevers 2005",
+    needs="many reversals, sampled several times within the travel",
+    confounders=("coulomb", "stribeck", "transmission_hysteresis", "backlash"),
+    experiment="slow reversals of growing amplitude about one pose",
+)
+
+_quadratic = Parameter("quadratic", "N.m.s2/rad2")
+
+nonlinear_viscous = Effect(
+    name="nonlinear_viscous",
+    title="Viscous friction that is not proportional to the speed: its quadratic part",
+    forces={e: _quadratic.symbol * de * Abs(de)},
+    parameters=(_quadratic,),
+    citation="Bona and Indri 2005; Bittencourt and Gunnarsson 2012",
+    needs="speeds up to the rated one and below a third of it",
+    confounders=("viscous", "coulomb", "stribeck"),
+    experiment="constant speeds from slow to rated, at least five levels",
+)
+
+_cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
+_order = Parameter("order", "1", start=1.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0))
+
+position_dependent_friction = Effect(
+    name="position_dependent_friction",
+    title="Dry friction whose level changes periodically with the angle",
+    forces={e: sign(de) * (_cosine.symbol * cos(_order.symbol * e) + _sine.symbol * sin(_order.symbol * e))},
+    parameters=(_cosine, _sine, _order),
+    citation="Armstrong-Hélouvry 1991",
+    needs="a turn of the joint, or as much of a period as it can turn, in both directions",
+    confounders=("coulomb", "load_dependent_friction"),
+    experiment="slow constant speed over the whole range, forward and backward",
+)
+
+_drift = Parameter("drift", "N.m/rad")
+
+viscous_drift = Effect(
+    name="viscous_drift",
+    title="Viscous friction that changes in the course of the log, as when the grease warms up",
+    forces={e: _drift.symbol * time * de},
+    parameters=(_drift,),
+    citation="Bittencourt and Gunnarsson 2012",
+    needs="a motion that repeats from the beginning to the end of the log",
+    coverage=Coverage(Abs(de) > 0.01, 0.5),
+    confounders=("viscous", "coulomb"),
+    experiment="the same motion after a cold and after a warm start",
 )

@@ -1,0 +1,90 @@
+"""Around the joint: springs, cables, mechanical couplings and what the tip carries."""
+
+from sympy import cos, pi, sign, sin, sqrt
+
+from flexmodels.effect import Effect, Parameter
+from flexmodels.signals import beyond, dde, de, e, eps, tip
+
+_angle = e + eps[1]  # of the link relative to the joint's base side: it loads motor and transmission alike
+
+_stiffness = Parameter("stiffness", "N.m/rad")
+
+joint_spring = Effect(
+    name="joint_spring",
+    title="Spring between the links on both sides of the joint, as of hoses and cables",
+    forces={q: _stiffness.symbol * _angle for q in (e, eps[1])},
+    parameters=(_stiffness,),
+    citation="Hollerbach, Khalil and Gautier 2016",
+    needs="a large part of the joint's range",
+    confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset"),
+    experiment="slow motion over the whole range, at an axis that gravity does not load if there is one",
+)
+
+# The spring runs from a pivot on the base side, at distance a from the joint, to one on the link, at
+# distance ratio a. It stretches from its free length l0 to a L and stores k (a L - l0)²/2, whose derivative
+# by the angle is (k a² - k a l0 / L) ratio sin(angle - phase): stiffness = k a², preload = k a l0.
+_k, _preload = Parameter("stiffness", "N.m"), Parameter("preload", "N.m")
+_ratio = Parameter("ratio", "1", start=0.5, lower=0.01, upper=0.99, grid=(0.2, 0.4, 0.6, 0.8))
+_turns = tuple(float(i * pi / 4) for i in range(-3, 5))
+_phase = Parameter("phase", "rad", lower=-float(pi), upper=float(pi), grid=_turns)
+_turned = _angle - _phase.symbol
+_L = sqrt(1 + _ratio.symbol**2 - 2 * _ratio.symbol * cos(_turned))
+_torque = (_k.symbol - _preload.symbol / _L) * _ratio.symbol * sin(_turned)
+
+gravity_spring = Effect(
+    name="gravity_spring",
+    title="Counterbalance: a spring or gas cylinder between pivots on both sides of the joint",
+    forces={q: _torque for q in (e, eps[1])},
+    parameters=(_k, _preload, _ratio, _phase),
+    turning=True,
+    citation="Jubien and Gautier 2013; Arakelian 2016",
+    needs="a large part of the joint's range",
+    confounders=("ms[x]", "ms[y]", "ms[z]", "joint_spring", "torque_ripple"),
+    experiment="slow motion over the whole range with two payloads, or with the spring taken off",
+)
+
+_inertia = Parameter("inertia", "kg.m2")
+_viscous = Parameter("viscous", "N.m.s/rad")
+_coulomb = Parameter("coulomb", "N.m")
+
+joint_coupling = Effect(
+    name="joint_coupling",
+    title="Gears that tie the motor to the next joint's, as in a wrist: shared inertia and friction",
+    forces={
+        e: _inertia.symbol * beyond.dde
+        + _viscous.symbol * beyond.de
+        + _coulomb.symbol * sign(de + beyond.de),
+        beyond.e: _inertia.symbol * dde + _viscous.symbol * de + _coulomb.symbol * sign(de + beyond.de),
+    },
+    parameters=(_inertia, _viscous, _coulomb),
+    citation="Gautier, Janot and Vandanjon 2013",
+    needs="both joints moving, together and against each other",
+    confounders=("coulomb", "viscous", "J_m"),
+    experiment="each of the two joints alone, then both in the same and in opposite directions",
+)
+
+_mass = Parameter("mass", "kg", lower=0)
+_m = _mass.symbol
+
+payload = Effect(
+    name="payload",
+    title="Point mass at the tip",
+    forces={},
+    body={
+        "m": _m,
+        "ms[x]": _m * tip.x,
+        "ms[y]": _m * tip.y,
+        "ms[z]": _m * tip.z,
+        "J[xx]": _m * (tip.y**2 + tip.z**2),
+        "J[xy]": -_m * tip.x * tip.y,
+        "J[xz]": -_m * tip.x * tip.z,
+        "J[yy]": _m * (tip.x**2 + tip.z**2),
+        "J[yz]": -_m * tip.y * tip.z,
+        "J[zz]": _m * (tip.x**2 + tip.y**2),
+    },
+    parameters=(_mass,),
+    citation="Khalil, Gautier and Lemoine 2007",
+    needs="poses in which the tip loads several joints",
+    confounders=("m", "ms[x]", "ms[y]", "ms[z]", "J[xx]", "J[yy]", "J[zz]"),
+    experiment="the same motion with and without the payload; the links' parameters are kept between them",
+)
