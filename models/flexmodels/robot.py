@@ -12,6 +12,7 @@ import numpy as np
 
 from flexmodels.effect import Effect
 from flexmodels.effects import BASE, CATALOGUE, load_effects
+from flexmodels.gearing import Transmission
 from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.restriction import objection, restricted
 
@@ -134,12 +135,15 @@ class Processing:
     derivative   "central" or "hat"; None takes hat means for a held torque and central differences else
     cutoff       [Hz] of a zero-phase Butterworth of `order`, None for no filter
     decimate     factor by which the filtered equations are thinned out
+    dead_zone    speed [rad/s or m/s] below which a joint counts as at rest: there the sign of a measured
+                 speed is noise
     """
 
     derivative: Literal["central", "hat"] | None = None
     cutoff: float | None = None
     order: int = 4
     decimate: int = 1
+    dead_zone: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -184,6 +188,7 @@ class Robot:
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
     tip        from the joint of link `tip_link` (None: the last link) [m]
+    transmission  how logs of the motor side are referred to the joints; None where there are none
     effect_files   Python files whose effects join the catalogue, absolute
     """
 
@@ -201,6 +206,7 @@ class Robot:
     passive: tuple[PassiveJoint, ...] = ()
     closures: tuple[Closure, ...] = ()
     tip_link: int | None = None
+    transmission: Transmission | None = None
     effect_files: tuple[str, ...] = ()
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:

@@ -30,6 +30,13 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
             s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
             for s, c in robot.columns.items()
         }
+    if robot.transmission:
+        t = robot.transmission
+        rows, own = [list(row) for row in t.ratio], [row[i] for i, row in enumerate(t.ratio)]
+        coupled = any(v for i, row in enumerate(rows) for j, v in enumerate(row) if i != j)
+        document["transmission"] = {"ratio": rows if coupled else own, "offset": list(t.offset)}
+        if t.drive:
+            document["transmission"]["drive"] = list(t.drive)
     if robot.processing != Processing():
         p = robot.processing
         document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}

@@ -13,6 +13,7 @@ from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot
 from pyident.base_parameters import weakest_directions
+from pyident.cli_data import data, log
 from pyident.cli_robots import robots
 from pyident.command import console
 from pyident.command import json_option as _json
@@ -23,7 +24,10 @@ from pyident.command import write_json as _write_json
 from pyident.experiment_file import load_experiment, read_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
-from pyident.log import Log, read_log, write_log
+from pyident.locked import locked
+from pyident.log import Log, write_log
+from pyident.log_import import robot_log
+from pyident.mapping import read_mapping
 from pyident.output_error import output_error
 from pyident.pipeline import FmuRuns, simulate_robot
 from pyident.studies import find_study, study_names
@@ -39,6 +43,8 @@ def main() -> None:
 
 
 main.add_command(robots)
+main.add_command(log)
+main.add_command(data)
 
 
 @main.command()
@@ -121,23 +127,35 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
 @click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
+@click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
 @_json
 @_reported
 def identify_command(
-    model: str, logs: tuple[str, ...], output: str | None, robust: bool, refine: bool, json_file: str | None
+    model: str,
+    logs: tuple[str, ...],
+    output: str | None,
+    robust: bool,
+    refine: bool,
+    mapping: str | None,
+    json_file: str | None,
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
     Example: pyident identify four_link log.parquet -o identified.toml
     """
     robot = load_robot(model)
-    read = [read_log(log, robot.columns) for log in logs]
+    columns = read_mapping(mapping) if mapping else None
+    read = [robot_log(log, robot, columns) for log in logs]
+    robot, notes = locked(robot, read)
+    notes = [note for log in read for note in log.notes] + notes
+    for note in notes:
+        click.echo(f"note: {note}")
     found = _refined(robot, read) if refine else identify(robot, read, robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)
         click.echo(f"wrote {output}")
-    _write_json(json_file, found.json())
+    _write_json(json_file, found.json() | {"notes": notes})
 
 
 @main.command()
