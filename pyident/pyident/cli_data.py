@@ -22,7 +22,9 @@ def log() -> None:
 
 @log.command(name="import")
 @click.argument("files", nargs=-1, required=True)
-@click.option("--mapping", required=True, metavar="FILE", help="Names, units and signs of the columns (TOML).")
+@click.option(
+    "--mapping", required=True, metavar="FILE", help="Names, units and signs of the columns (TOML)."
+)
 @click.option("--robot", "model", metavar="MODEL", help="Refer motor-side columns to this robot's joints.")
 @click.option("--skew", is_flag=True, help="Estimate and correct the delay of link encoders (needs --robot).")
 @output_option

@@ -80,9 +80,8 @@ def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
     for k in range(1, n + 1):
         if f"joint{k}.link" in out:
             out[f"joint{k}.eps[1]"] = out[f"joint{k}.link"] - out[f"joint{k}.e"]
-    return out.drop(
-        columns=[*motors, *(f"joint{k}.link" for k in range(1, n + 1) if f"joint{k}.link" in out)]
-    )
+    links = [f"joint{k}.link" for k in range(1, n + 1)]
+    return out.drop(columns=[*motors, *(name for name in links if name in out)])
 
 
 def _all(frame: pd.DataFrame, signal: str, n: int, source: str) -> np.ndarray | None:

@@ -26,7 +26,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Mapping:
-    """signals: our name -> Source; header False: their columns are 1, 2, ...; rate [Hz] where no time is logged."""
+    """signals: our name -> Source; header False: columns are 1, 2, ...; rate [Hz] if no time is logged."""
 
     signals: dict[str, Source]
     header: bool = True
@@ -39,7 +39,7 @@ def read_mapping(path: str | Path) -> Mapping:
     joints = 6                  what {k} stands for in names: 1 to 6
     rate = 250.0                or time = { source = "t", unit = "ms" }
     header = false              CSV without a line of names: columns are "1", "2", ...
-    [signals."joint{k}.e"]      or motor{k}.q, motor{k}.tau, motor{k}.current, joint{k}.link, joint{k}.tau, ...
+    [signals."joint{k}.e"]      or motor{k}.q, .tau, .current; joint{k}.link, .tau, .r ...
     source = "rec.act_pos_mot_deg[{k}]"
     unit = "deg"; sign = -1; gain = 2.0; offset = [0, -90, 90]; delay = 0.003; joints = [1, 2, 3]
     sign, gain, offset (in `unit`) and delay are one number, or one per joint.
