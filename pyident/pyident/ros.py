@@ -1,6 +1,7 @@
 """JointState messages of a ROS bag (MCAP, ROS 1 or ROS 2); needs the extra `ros`."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ def read_bag(path: Path) -> dict[str, np.ndarray]:
         topics = [c for c in reader.connections if c.msgtype == "sensor_msgs/msg/JointState"]
         if not topics:
             raise LogError(f"{path} has no topic of type sensor_msgs/JointState")
-        messages = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(topics[:1])]
+        messages: list[Any] = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(topics[:1])]
     columns = {"time": np.array([_seconds(m) for m in messages])}
     columns["time"] -= columns["time"][0]
     for i, joint in enumerate(messages[0].name):
@@ -32,5 +33,5 @@ def read_bag(path: Path) -> dict[str, np.ndarray]:
     return columns
 
 
-def _seconds(message) -> float:
+def _seconds(message: Any) -> float:
     return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec

@@ -72,7 +72,7 @@ def _partners(rows: tuple[str, ...]) -> list[int]:
 
 
 def _fit(A: np.ndarray, y: np.ndarray, partners: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    w = np.ones(A.shape[1])
+    w, X, target = np.ones(A.shape[1]), A, y
     for _ in range(_ROUNDS):
         X, target = (A * w[:, None]).reshape(-1, A.shape[2]), (y * w).ravel()
         scale = np.linalg.norm(X, axis=0)

@@ -66,7 +66,7 @@ def _table(found: Identified) -> pd.DataFrame:
 def _friction_rows(table: pd.DataFrame) -> list[dict[str, str]]:
     rows = []
     for name, goal in (("viscous", 3.0), ("coulomb", 5.0)):
-        off = table["off %"][[n for n in table.index if n.split(".")[1] == name]].abs()
+        off = table.loc[[n for n in table.index if n.split(".")[1] == name], "off %"].abs()
         text = f"{off.max():.1f} % off the published at most ({off.idxmax()})"
         rows.append(row(f"{name} friction", text, f"{goal:g} %", bool(off.max() <= goal)))
     return rows
