@@ -23,7 +23,9 @@ def read_bag(path: Path) -> dict[str, np.ndarray]:
         topics = [c for c in reader.connections if c.msgtype == "sensor_msgs/msg/JointState"]
         if not topics:
             raise LogError(f"{path} has no topic of type sensor_msgs/JointState")
-        messages: list[Any] = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(topics[:1])]
+        messages: list[Any] = [
+            reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(topics[:1])
+        ]
     columns = {"time": np.array([_seconds(m) for m in messages])}
     columns["time"] -= columns["time"][0]
     for i, joint in enumerate(messages[0].name):
