@@ -8,7 +8,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": ROOT / "pyident"}
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
-COMPOSERS = {"pyident/cli.py", "pyident/pipeline.py"}  # where robot, FMU and identification are put together
+# where robot, FMU and identification are put together
+COMPOSERS = {"pyident/cli.py", "pyident/command.py", "pyident/pipeline.py"}
 
 
 def imports(file: Path) -> set[str]:
