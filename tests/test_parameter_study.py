@@ -72,15 +72,15 @@ def test_rows_equal_single_runs(fmu, cluster, tmp_path):
                 np.sqrt((log["joint1.tau"] ** 2).mean()), rel=1e-12
             )
             assert found.loc[number, "work"] == pytest.approx(np.abs(log["joint1.tau"]).mean(), rel=1e-12)
-    assert found["tip_error.max"].nunique() == 12
+    assert len(set(found["tip_error.max"])) == 12
     pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "results.parquet").set_index("run"), found)
 
 
 def test_failed_rows_carry_their_reason(fmu, cluster, tmp_path):
     design = pd.DataFrame({"joint1.viscous": [2.0, np.nan, 1e300, 3.0]})
     found = parameter_study(design, fmu, swing(), tmp_path, scheduler=cluster)
-    assert list(found["failure"] == "") == [True, False, False, True]
-    assert found["tip_error.max"].isna().tolist() == [False, True, True, False]
+    assert [reason == "" for reason in found["failure"].tolist()] == [True, False, False, True]
+    assert np.isnan(found["tip_error.max"].to_numpy()).tolist() == [False, True, True, False]
 
 
 def test_a_metric_that_fails_names_itself():
@@ -107,7 +107,7 @@ def test_a_killed_worker_loses_nothing(fmu, tmp_path):
     assert killed.exists()
     assert list(found.index) == list(range(500))
     assert set(found["failure"]) == {""}
-    assert found["pid"].nunique() >= 2
+    assert len(set(found["pid"])) >= 2
 
 
 def test_a_row_that_kills_every_worker_is_the_only_one_to_fail(fmu, tmp_path):
@@ -119,7 +119,7 @@ def test_a_row_that_kills_every_worker_is_the_only_one_to_fail(fmu, tmp_path):
     design = pd.DataFrame({"joint1.viscous": np.linspace(1.0, 3.0, 40)})
     design.loc[20, "joint1.viscous"] = 5e3
     found = parameter_study(design, fmu, swing(), tmp_path, metrics={"one": deadly}, workers=2)
-    failed = {run: reason for run, reason in found["failure"].items() if reason}
+    failed = {run: reason for run, reason in found["failure"].to_dict().items() if reason != ""}
     assert list(failed) == [20]
     assert "its worker failed: KilledWorker" in failed[20]
     assert list(found.index) == list(range(40))
