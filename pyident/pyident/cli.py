@@ -31,8 +31,16 @@ from pyident.log import Log, write_log
 from pyident.log_import import robot_log
 from pyident.mapping import read_mapping
 from pyident.output_error import output_error
+from pyident.parameter_study import run_plan
 from pyident.pipeline import FmuRuns, simulate_robot
 from pyident.studies import find_study, study_names
+from pyident.study_plan import load_study_plan
+from pyident.study_summary import failures, summary
+from pyident.workers import scheduler_configured
+
+_scheduler = click.option(
+    "--scheduler", metavar="ADDRESS", help="Run on this Dask cluster, as tcp://host:8786."
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -182,9 +190,10 @@ def identify_command(
 @click.option(
     "-o", "--output", default="out", show_default=True, type=click.Path(file_okay=False), help="Folder."
 )
+@_scheduler
 @_json
 @_reported
-def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
+def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file: str | None) -> None:
     """Run studies and print one table. Example: pyident study paper -o out"""
     chosen = [(name, find_study(name)) for name in names]
     for name, run in chosen:
@@ -196,7 +205,7 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
         assert run is not None
         folder = Path(output) / name
         folder.mkdir(parents=True, exist_ok=True)
-        with _progress(name) as progress:
+        with scheduler_configured(scheduler), _progress(name) as progress:
             result = run(folder, progress)
         figures += result.figures
         rows += [{"study": name} | row for row in result.rows]
@@ -210,6 +219,34 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
     _write_json(json_file, rows)
     if any(row["met"] == "no" for row in rows):
         sys.exit(1)
+
+
+@main.command()
+@click.argument("plan", type=click.Path(exists=True, dir_okay=False))
+@click.option("-o", "--output", required=True, type=click.Path(file_okay=False), help="Folder.")
+@_scheduler
+@click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
+@_json
+@_reported
+def sweep(plan: str, output: str, scheduler: str | None, workers: int | None, json_file: str | None) -> None:
+    """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
+
+    The same call goes on after an interrupt.
+
+    Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
+    """
+    read = load_study_plan(plan)
+    with scheduler_configured(scheduler), _progress(f"{len(read.design)} runs") as progress:
+        found = run_plan(read, output, workers=workers, progress=progress)
+    described = summary(found, read.ranges)
+    table = Table("result", *described.columns)
+    for name, values in described.iterrows():
+        table.add_row(str(name).replace("[", r"\["), *(f"{v:.4g}" for v in values))
+    console.print(table)
+    for sentence in failures(found):
+        click.echo(sentence)
+    click.echo(f"wrote {output}/results.parquet: {len(found)} runs")
+    _write_json(json_file, {"runs": len(found), "results": described.to_dict("index")})
 
 
 def _simulable(model: str) -> Robot:

@@ -17,9 +17,11 @@ from flexmodels.atomic import replacing
 from flexmodels.robot import RobotError
 from pyident.experiment_file import ExperimentError
 from pyident.log import LogError
+from pyident.results_store import StudyError
+from pyident.workers import WorkersError
 
 console = Console()
-_BAD_INPUT = (RobotError, LogError, ExperimentError, SimulationError, BuildError)
+_BAD_INPUT = (RobotError, LogError, ExperimentError, SimulationError, BuildError, StudyError, WorkersError)
 
 
 def reported(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -2,9 +2,8 @@
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-from os import cpu_count
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 
@@ -15,6 +14,7 @@ from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
+from pyident.workers import workers_with
 
 
 def simulate_robot(
@@ -30,38 +30,46 @@ def simulate_robot(
             return fmu.simulate(experiment, progress=progress)
 
 
+@contextmanager
+def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
+    """An FMU file's content, unpacked and ready. Raises SimulationError."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "plant.fmu"
+        path.write_bytes(content)
+        with LoadedFmu(path) as fmu:
+            yield fmu
+
+
+def fmu_joints(path: str | Path) -> int:
+    """Number of an FMU's driven joints. Raises SimulationError."""
+    with LoadedFmu(path) as fmu:
+        return fmu.joints
+
+
 class FmuRuns:
-    """Many simulations of one robot with different parameters, on all cores; use as a context manager."""
+    """Many simulations of one robot with different parameters; use as a context manager.
+
+    On all cores, or on the Dask cluster that is configured (see `workers`).
+    """
 
     def __init__(self, robot: Robot):
-        self._folder = tempfile.TemporaryDirectory()
-        path = export_fmu(equations(robot), Path(self._folder.name) / "plant.fmu", derivatives=False)
-        self._pool = ProcessPoolExecutor(
-            max_workers=cpu_count(), mp_context=get_context("spawn"), initializer=_load, initargs=(path,)
-        )
+        self._robot = robot
 
     def __enter__(self) -> "FmuRuns":
+        with tempfile.TemporaryDirectory() as folder:
+            path = export_fmu(equations(self._robot), Path(folder) / "plant.fmu", derivatives=False)
+            content = path.read_bytes()
+        self._stack = ExitStack()
+        self._workers = self._stack.enter_context(workers_with(partial(loaded_fmu, content)))
         return self
 
     def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
-        self._pool.shutdown(cancel_futures=True)
-        self._folder.cleanup()
+        self._stack.close()
 
     def __call__(
         self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
     ) -> Iterator[pd.DataFrame]:
         """One frame per set of parameters, in their order. Raises SimulationError."""
-        jobs = [self._pool.submit(_run, experiment, dict(p)) for p in parameters]
+        jobs = [self._workers.submit(LoadedFmu.simulate, experiment, dict(p)) for p in parameters]
         for job in jobs:
             yield job.result()
-
-
-_fmu: list[LoadedFmu] = []  # the worker process's own
-
-
-def _load(path: Path) -> None:
-    _fmu.append(LoadedFmu(path))
-
-
-def _run(experiment: Experiment, parameters: dict[str, float]) -> pd.DataFrame:
-    return _fmu[0].simulate(experiment, parameters)

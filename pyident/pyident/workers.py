@@ -1,0 +1,205 @@
+"""Processes that each hold a tool, such as a loaded FMU: this machine's own, or those of a Dask cluster.
+
+Both are executors of concurrent.futures. The tool goes to every process once; a task has only its arguments.
+"""
+
+import signal
+import threading
+import uuid
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from logging import CRITICAL
+from multiprocessing import get_context
+from os import cpu_count
+from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+T = TypeVar("T")
+Make = Callable[[], AbstractContextManager[T]]
+
+_CONNECT_SECONDS = 15
+_MISSING = "Dask is missing, which runs parameter studies; pip install 'flexident[study]'"
+
+
+class WorkersError(RuntimeError):
+    """No processes to work with; the message names the cure."""
+
+
+@dataclass(frozen=True)
+class Workers(Generic[T]):
+    """executor: where tasks go; count: of processes; token: under which they keep their tool."""
+
+    executor: Executor
+    count: int
+    token: str
+
+    def submit(
+        self, work: Callable[Concatenate[T, P], R], *arguments: P.args, **named: P.kwargs
+    ) -> "Future[R]":
+        """Call `work(tool, *arguments)` in one of the processes. The tool serves one call at a time."""
+        return self.executor.submit(_with_tool, self.token, work, *arguments, **named)
+
+
+@contextmanager
+def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
+    """The Dask cluster that is configured (DASK_SCHEDULER_ADDRESS), else processes of this machine."""
+    scheduler = configured_scheduler()
+    with dask_workers(make, scheduler) if scheduler else local_processes(make) as workers:
+        yield workers
+
+
+@contextmanager
+def local_processes(make: Make[T]) -> Iterator[Workers[T]]:
+    """One process per core, started when first needed; `make` builds the tool and is sent by pickle."""
+    token, count = uuid.uuid4().hex, cpu_count() or 1
+    pool = ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=_start_process, initargs=(token, make)
+    )
+    try:
+        yield Workers(pool, count, token)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def dask_workers(
+    make: Make[T], scheduler: str | None = None, count: int | None = None
+) -> Iterator[Workers[T]]:
+    """The workers of the cluster at `scheduler`, or `count` (all cores) Dask workers of this machine.
+
+    A worker that dies is replaced by its nanny and gets the tool again. Raises WorkersError.
+    """
+    with _client(scheduler, count) as client:
+        token = uuid.uuid4().hex
+        try:
+            client.register_plugin(_tool_plugin(token, make), name=token)
+        except ImportError as error:
+            raise WorkersError(
+                f"the workers of {scheduler} cannot run this ({error}); install flexident there"
+            ) from None
+        executor = client.get_executor(pure=False)
+        try:
+            yield Workers(executor, len(client.nthreads()), token)
+        finally:
+            executor.shutdown(wait=False)
+            client.unregister_worker_plugin(token)
+
+
+def configured_scheduler() -> str | None:
+    """The scheduler's address in Dask's configuration, None without it or without Dask."""
+    if find_spec("distributed") is None:
+        return None
+    import dask.config
+
+    return dask.config.get("scheduler-address", None)
+
+
+@contextmanager
+def scheduler_configured(address: str | None) -> Iterator[None]:
+    """Let `address` be what `configured_scheduler` says, unless it is None. Raises WorkersError."""
+    if address is None:
+        yield
+        return
+    if find_spec("distributed") is None:
+        raise WorkersError(_MISSING)
+    import dask.config
+
+    with dask.config.set({"scheduler-address": address}):
+        yield
+
+
+@contextmanager
+def _client(scheduler: str | None, count: int | None) -> Iterator[Any]:
+    if find_spec("distributed") is None:
+        raise WorkersError(_MISSING)
+    from distributed import Client
+
+    if scheduler is None:
+        with _local_cluster(count) as cluster, Client(cluster) as client:
+            client.register_plugin(_deaf_plugin(), name="deaf")
+            yield client
+        return
+    try:
+        client = Client(scheduler, timeout=_CONNECT_SECONDS)
+        client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        raise WorkersError(
+            f"no Dask scheduler with workers answers at {scheduler} ({type(error).__name__}); "
+            "start one with `dask scheduler` and `dask worker`"
+        ) from None
+    with client:
+        yield client
+
+
+def _local_cluster(count: int | None) -> Any:
+    import dask.config
+    from distributed import LocalCluster
+
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+        return LocalCluster(
+            n_workers=count or cpu_count(),
+            threads_per_worker=1,
+            dashboard_address=":0",
+            memory_limit=0,  # pyright: ignore[reportArgumentType]
+            silence_logs=CRITICAL,
+        )
+
+
+def _tool_plugin(token: str, make: Make[Any]) -> Any:
+    from distributed import WorkerPlugin
+
+    class Tool(WorkerPlugin):
+        """Builds the tool in every worker, those that join later included."""
+
+        def setup(self, worker: Any) -> None:
+            _install(token, make)
+
+        def teardown(self, worker: Any) -> None:
+            _remove(token)
+
+    return Tool()
+
+
+def _deaf_plugin() -> Any:
+    from distributed import WorkerPlugin
+
+    class Deaf(WorkerPlugin):
+        """Ctrl-C goes to every process of the terminal; the one that started the others stops them."""
+
+        def setup(self, worker: Any) -> None:
+            _ignore_interrupts()
+
+    return Deaf()
+
+
+_tools: dict[str, tuple[AbstractContextManager[Any], Any]] = {}  # the worker process's own
+_one_at_a_time = threading.Lock()
+
+
+def _start_process(token: str, make: Make[Any]) -> None:
+    _ignore_interrupts()
+    _install(token, make)
+
+
+def _ignore_interrupts() -> None:
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _install(token: str, make: Make[Any]) -> None:
+    manager = make()
+    _tools[token] = manager, manager.__enter__()
+
+
+def _remove(token: str) -> None:
+    if token in _tools:
+        _tools.pop(token)[0].__exit__(None, None, None)
+
+
+def _with_tool(token: str, work: Callable[..., R], *arguments: Any, **named: Any) -> R:
+    with _one_at_a_time:
+        return work(_tools[token][1], *arguments, **named)
