@@ -70,7 +70,7 @@ def concluded(search: Search, heldout: Sequence[Log] = ()) -> Diagnosis:
     held = whitened_heldout(search, heldout)
     judged = [(step, _finding(search, selection, i, held)) for i, step in enumerate(selection.steps)]
     kept = [(step, f) for step, f in judged if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
-    return _outcome(search, selection, heldout, _gathered(kept))
+    return _outcome(search, selection, heldout, kept)
 
 
 def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
@@ -96,21 +96,6 @@ def _finding(search: Search, selection: Selection, number: int, held: Sequence[E
         heldout_gain_percent=100 * (1 - with_it / without) if held else None,
         experiment=_experiment(search.robot, step) if len(step.tie) > 1 else "",
     )
-
-
-def _gathered(kept: Sequence[tuple[Step, Finding]]) -> list[tuple[Step, Finding]]:
-    """Harmonics of one and the same effect are one finding."""
-    out: dict[tuple[str, str], tuple[Step, Finding]] = {}
-    for step, finding in kept:
-        key = finding.tie[0].effect, finding.tie[0].joint
-        if key in out:
-            first_step, first = out[key]
-            more = first.share_percent + finding.share_percent
-            gain_percent = first.excess_gain_percent + finding.excess_gain_percent
-            out[key] = first_step, replace(first, share_percent=more, excess_gain_percent=gain_percent)
-        else:
-            out[key] = step, finding
-    return list(out.values())
 
 
 def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:

@@ -15,7 +15,7 @@ MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
 EXPLAINED = (0.6, 0.7, 0.8)  # of the excess, by a set of one, two or three effects
 PART = 0.1  # of the excess: what each of a set must contribute
 OWN = 0.5  # of what still exceeds the floor on its own equations: what a further effect must take away
-MOST = 5  # effects at once, harmonics of one and the same included
+MOST = 4  # effects at once
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,9 @@ def _standing(search: Search, steps: list[Step]) -> list[Step]:
     while len(steps) < MOST:
         search.rest_on([s.best.candidate for s in steps])
         step = search.step()
-        further = next((f for f in step.ranked if _counts(search, f) and _owns(search, f)), None)
+        named = {s.best.candidate.family for s in steps}
+        others = (f for f in step.ranked if f.candidate.family not in named)
+        further = next((f for f in others if _counts(search, f) and _owns(search, f)), None)
         if further is None:
             return steps
         steps = [*steps, step.led_by(further)]
