@@ -91,7 +91,9 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
         if again is None or not _counts(search, again):
             kept.remove(found)
             continue
-        best = step.best if _counts(search, step.best) else again
+        rivals = [f for f in step.ranked if f.candidate.joint == found.candidate.joint and _counts(search, f)]
+        others = {f.candidate.family for f in kept if f is not found}
+        best = next(f for f in rivals if f.candidate.family not in others)
         kept[kept.index(found)] = best
         out.append(step.led_by(best))
     return out
