@@ -125,10 +125,13 @@ class Search:
         """The same of the present base."""
         return max(self.base.energy - self.floor_energy, 0.0)
 
+    def excess_on(self, rows: Sequence[int]) -> float:
+        """`excess` on some equations only."""
+        return self._beyond_floor(self.examination.base, rows)
+
     def remaining_on(self, rows: Sequence[int]) -> float:
-        """The same on some equations only."""
-        left = sum(np.square(r[rows]).sum() for r in self.base.residual)
-        return max(float(left - self._floor_energies[rows].sum()), 0.0)
+        """`remaining` on some equations only."""
+        return self._beyond_floor(self.base, rows)
 
     @property
     def explained(self) -> float:
@@ -146,6 +149,10 @@ class Search:
         """Gain that a family (by its number) would need to be named; material: least gain over the floor's energy."""
         peak = float(np.quantile(self.peaks, 1 - ALPHA))
         return float(self.mean[family] + max(peak * self.spread[family], material * self.floor_energy))
+
+    def _beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+        left = sum(float(np.square(r[rows]).sum()) for r in base.residual)
+        return max(left - float(self._floor_energies[rows].sum()), 0.0)
 
     @property
     def _floor_energies(self) -> np.ndarray:

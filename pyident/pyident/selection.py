@@ -13,7 +13,7 @@ from pyident.search import ALPHA, Found, Search, Step
 
 MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
 EXPLAINED = (0.6, 0.7, 0.8)  # of the excess, by a set of one, two or three effects
-PART = 0.1  # of the excess: what each of a set must contribute
+PART = 0.1  # of the excess: what each must contribute
 OWN = 0.5  # of what still exceeds the floor on its own equations: what a further effect must take away
 MOST = 4  # effects at once
 
@@ -104,5 +104,6 @@ def _counts(search: Search, found: Found) -> bool:
 
 
 def _owns(search: Search, found: Found) -> bool:
-    """Whether it takes away most of what exceeds the floor on the equations that it acts on."""
-    return found.excess >= OWN * search.remaining_on(search.rows(found.candidate))
+    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did."""
+    rows = search.rows(found.candidate)
+    return found.excess >= max(OWN * search.remaining_on(rows), PART * search.excess_on(rows))
