@@ -38,7 +38,7 @@ def timing(robot: Robot, log: Log) -> list[str]:
         late = "late" if shift > 0 else "early"
         found.append(
             f"{log.source}: joint{k}.tau is {abs(shift):g} samples ({1e3 * abs(shift) * log.period:.3g} ms)"
-            f" {late}: moved back it leaves {100 * left[best]:.0f} % of the residual; shift the column, or look "
+            f"{log.source}: joint{k}.tau is {abs(shift):g} samples ({1e3 * abs(shift) * log.period:.3g} "
             f"for a slow current loop (effect torque_delay)"
         )
     return found
