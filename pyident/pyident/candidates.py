@@ -43,7 +43,7 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
                 grid = nonlinear_grid(robot, joint, effect.name, logs[0].part.motion)
             except RobotError:
                 continue  # the law cannot act at this joint
-            scopes = range(len(logs) - 1) if effect.body else (None,)
+            scopes = range(len(logs)) if effect.body else (None,)
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
             ]
@@ -56,14 +56,17 @@ def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     return np.array([p.lower for p in law.linear]), np.array([p.upper for p in law.linear])
 
 
-def columns(robot: Robot, candidate: Candidate, logs: Sequence[Equations], levels: Sequence[np.ndarray]):
+def columns(
+    robot: Robot, candidate: Candidate, logs: Sequence[Equations], levels: Sequence[np.ndarray]
+) -> list[dict[int, np.ndarray]]:
     """Per log: row -> (E, K) columns of the candidate's linear parameters over the floor. `robot` is fitted."""
-    return [
-        {}
-        if candidate.log not in (None, i)
-        else _columns(robot, candidate, equations, level)
-        for i, (equations, level) in enumerate(zip(logs, levels, strict=True))
-    ]
+    out = []
+    for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
+        if candidate.log in (None, i):
+            out.append(_columns(robot, candidate, log, level))
+        else:
+            out.append({0: np.zeros((log.y.shape[1], len(bounds(robot, candidate)[0])))})
+    return out
 
 
 def _columns(robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray) -> dict[int, np.ndarray]:

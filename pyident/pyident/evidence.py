@@ -26,12 +26,14 @@ Columns = Sequence[Mapping[int, np.ndarray]]  # per log: row -> (E, K) whitened 
 class Base:
     """The base equations of all logs, solved.
 
-    p         (P,) smallest solution
-    basis     per log (n, E, R): an orthonormal basis of what the base can imitate
-    residual  per log (n, E)
+    p           (P,) smallest solution
+    directions  (P, R): parameters per unit of the basis' first R vectors
+    basis       per log (n, E, R or more): an orthonormal basis of what the base can imitate
+    residual    per log (n, E)
     """
 
     p: np.ndarray
+    directions: np.ndarray
     basis: list[np.ndarray]
     residual: list[np.ndarray]
 
@@ -62,7 +64,7 @@ def solve_base(whitened: Sequence[Equations]) -> Base:
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]
     p = directions @ (U.T @ R[:, -1])[kept]
-    return Base(p, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
+    return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
 
 
 def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> Gain:
@@ -75,6 +77,27 @@ def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> 
             g += X.T @ residual[c]
             b += basis[c].T @ X
     return _gain(G, G - b.T @ b, g, lower, upper)
+
+
+def taken_over(base: Base, columns: Columns) -> np.ndarray:
+    """(P, K) parameters with which the base imitates K columns as well as it can."""
+    R = base.directions.shape[1]
+    inside = sum(
+        basis[c][:, :R].T @ X for rows, basis in zip(columns, base.basis, strict=True) for c, X in rows.items()
+    )
+    return base.directions @ np.asarray(inside)
+
+
+def joined(several: Sequence[Columns]) -> Columns:
+    """The columns of several candidates side by side."""
+    out = []
+    for logs in zip(*several, strict=True):
+        shapes = [next(iter(rows.values())).shape for rows in logs]
+        present = {c for rows in logs for c in rows}
+        out.append(
+            {c: np.hstack([rows.get(c, np.zeros(s)) for rows, s in zip(logs, shapes, strict=True)]) for c in present}
+        )
+    return out
 
 
 def extended(base: Base, columns: Columns) -> Base:
@@ -100,6 +123,7 @@ def extended(base: Base, columns: Columns) -> Base:
     part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
     return Base(
         base.p,
+        base.directions,
         [np.concatenate([old, d], axis=2) for old, d in zip(base.basis, new, strict=True)],
         [r - d @ part for d, r in zip(new, base.residual, strict=True)],
     )

@@ -21,7 +21,7 @@ from pyident.spectra import Equations, Floor, equations, floor
 
 REPLICAS = 20
 PROBES = 4  # replicas that show the bias of the fit
-_EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # Hz: bands in which the residual is watched
+EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
 
@@ -104,7 +104,7 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         residuals += left
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
-    data = _whitened(robot, logs, level)
+    data = whitened(robot, logs, level)
     listed = candidates(robot, data)
     jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
     base = solve_base(data)
@@ -148,7 +148,7 @@ def _replica(fmu: Any, setting: Setting, seed: int):
 
 
 def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
-    data = _whitened(robot, logs, level)
+    data = whitened(robot, logs, level)
     base = solve_base(data)
     return [g.energy for g in _gains(robot, data, base, level, listed)], _energy(data, base)[0]
 
@@ -158,7 +158,8 @@ def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
     return equations(problem, [log.period for log in logs])
 
 
-def _whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
+def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
+    """The equations of logs over the floor."""
     return [e.over(level.at(e.band)) for e in _equations(robot, logs)]
 
 
@@ -173,7 +174,7 @@ def _energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarr
     """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
     total, number = 0.0, 0.0
     for e, r in zip(data, base.residual, strict=True):
-        at = np.digitize(np.tile(e.band.frequencies, 2), _EDGES) - 1
-        total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(_EDGES))]).T
-        number = number + np.array([np.sum(at == b) for b in range(len(_EDGES))])
+        at = np.digitize(np.tile(e.band.frequencies, 2), EDGES) - 1
+        total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(EDGES))]).T
+        number = number + np.array([np.sum(at == b) for b in range(len(EDGES))])
     return np.asarray(total) / np.maximum(number, 1), np.asarray(number)

@@ -1,6 +1,6 @@
 """Which of the candidates explain the residual: one after the other, each beyond what replicas pretend."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,9 @@ from pyident.examination import Examination
 
 _TRIALS = 60  # of the nonlinear parameters of one candidate
 _WORTH_REFINING = 0.3  # of the best gain
+ALPHA = 0.05  # chance of a name when nothing is missing
+_STANDS_OUT = 0.3  # of the floor's energy
+MATERIAL = 0.005  # of the floor's energy: a gain below it is not worth a name
 _TIE = 0.9  # of the best gain: what explains as much cannot be told from it
 
 
@@ -47,7 +50,7 @@ class Search:
         self.robot: Robot = examination.setting.robot
         self.base: Base = examination.base
         self.levels = examination.levels
-        self._columns: list[Columns] = [self._of(c) for c in examination.candidates]
+        self._columns: list[Columns] = [self.columns(c) for c in examination.candidates]
         self._bounds = [bounds(self.robot, c) for c in examination.candidates]
         families = [c.family for c in examination.candidates]
         self.families = {f: [i for i, g in enumerate(families) if g == f] for f in dict.fromkeys(families)}
@@ -64,19 +67,69 @@ class Search:
             found.append(self._found(self.examination.candidates[best], gains[best], number))
         top = max(f.excess for f in found)
         refined = [self._refined(f, n) if f.excess > _WORTH_REFINING * top else f for n, f in enumerate(found)]
-        ranked = sorted(refined, key=lambda f: -f.excess)
+        ranked = sorted(refined, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
         best = ranked[0]
-        tie = tuple(f for f in ranked if f.excess >= _TIE * best.excess)
-        z = max(f.z for f in ranked)
-        p = (1 + int((self.peaks >= z).sum())) / (1 + len(self.peaks))
-        return Step(tie, p, tuple(f for f in ranked if f not in tie))
+        tie = tuple(f for f in ranked if f.excess >= _TIE * best.excess and self.p_value(f) <= ALPHA) or (best,)
+        return Step(tie, self.p_value(best), tuple(f for f in ranked if f not in tie))
 
-    def accept(self, candidate: Candidate) -> None:
-        """Join a candidate to the base."""
-        self.base = extended(self.base, self._of(candidate))
+    def best(self, effect: str, joint: int) -> Found | None:
+        """An effect at a joint at its best values; None when it cannot act there."""
+        found = []
+        for number, (family, at) in enumerate(self.families.items()):
+            if family[:2] == (effect, joint):
+                gains = {i: gain(self.base, self._columns[i], *self._bounds[i]) for i in at}
+                top = max(gains, key=lambda i: gains[i].energy)
+                found.append(
+                    self._refined(self._found(self.examination.candidates[top], gains[top], number), number)
+                )
+        return max(found, key=lambda f: f.excess, default=None)
 
-    def _of(self, candidate: Candidate) -> Columns:
+    def p_value(self, found: Found) -> float:
+        """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""
+        return (1 + int((self.peaks >= found.z).sum())) / (1 + len(self.peaks))
+
+    def rest_on(self, chosen: Sequence[Candidate]) -> None:
+        """Take the examination's base with these candidates joined to it."""
+        self.base = self.examination.base
+        for candidate in chosen:
+            self.base = extended(self.base, self.columns(candidate))
+
+    def columns(self, candidate: Candidate) -> Columns:
+        """Per log: row -> (E, K)."""
         return columns(self.robot, candidate, self.examination.logs, self.levels)
+
+    @property
+    def floor_energy(self) -> float:
+        """Energy of the residual that replicas leave on average."""
+        return float((self.examination.replica_energy.mean(axis=0) * self.examination.count).sum())
+
+    @property
+    def excess(self) -> float:
+        """Energy that the data leave beyond it; 0 when they leave less."""
+        return max(self.examination.base.energy - self.floor_energy, 0.0)
+
+    @property
+    def remaining(self) -> float:
+        """The same with what was accepted."""
+        return max(self.base.energy - self.floor_energy, 0.0)
+
+    @property
+    def explained(self) -> float:
+        """Share of the excess that what was accepted takes away."""
+        return (self.examination.base.energy - self.base.energy) / self.excess if self.excess else 1.0
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the residual exceeds the replicas' by far, in all or in a band of a row."""
+        ex = self.examination
+        mean = ex.replica_energy.mean(axis=0)
+        of_band = (ex.energy - mean) * ex.count
+        return self.excess > _STANDS_OUT * self.floor_energy or bool((of_band > _STANDS_OUT * self.floor_energy).any())
+
+    def needed(self, family: int) -> float:
+        """Gain that a family (by its number) would need to be named."""
+        peak = float(np.quantile(self.peaks, 0.95))
+        return float(self.mean[family] + max(peak * self.spread[family], MATERIAL * self.floor_energy))
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.mean[family])
@@ -99,11 +152,11 @@ class Search:
             return found.candidate.at(dict(zip(names, (start + x * (high - low)).tolist(), strict=True)))
 
         def missed(x: np.ndarray) -> float:
-            return -gain(self.base, self._of(candidate(x)), *limits).energy
+            return -gain(self.base, self.columns(candidate(x)), *limits).energy
 
         ranges = list(zip((low - start) / (high - low), (high - start) / (high - low), strict=True))
         simplex = np.vstack([np.zeros(len(names)), 0.2 * np.eye(len(names))])
         options = {"maxfev": _TRIALS, "initial_simplex": simplex, "xatol": 0.01, "fatol": 1e-4 * found.gain.energy}
         result = minimize(missed, np.zeros(len(names)), method="Nelder-Mead", bounds=ranges, options=options)
         better = candidate(np.asarray(result.x))
-        return self._found(better, gain(self.base, self._of(better), *limits), family)
+        return self._found(better, gain(self.base, self.columns(better), *limits), family)

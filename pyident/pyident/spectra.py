@@ -19,7 +19,8 @@ from pyident.problem import Problem
 from pyident.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged
-_TOP = 0.4  # of the Nyquist frequency: above, differences and noise are all there is
+_TOP = 0.2  # of the Nyquist frequency: above, differences, noise and resonances are all there is
+_THINNED_TOP = 0.8  # of the Nyquist frequency after thinning out
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
 def _band(samples: int, processing: Processing, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = next_fast_len(samples, real=True)
-    top = _TOP * 0.5 / period / processing.decimate
+    top = min(_TOP, _THINNED_TOP / processing.decimate) * 0.5 / period
     return Band(length, max(2, int(top * length * period)), period)
 
 

@@ -1,14 +1,15 @@
-"""Finds the studies: folders with a study.py, beside the packages or inside the installed wheel."""
+"""Finds the studies: folders with a study.py, beside the packages or inside the installed wheel.
+
+As `__path__` names their folder, studies/<name>/<file>.py is the module pyident.studies.<name>.<file>, in the
+processes of a study as well.
+"""
 
 import importlib
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-_PACKAGE = "flexident_studies"
 Study = Callable[[Path, Callable[[float], None]], "StudyResult"]
 
 
@@ -34,13 +35,12 @@ def find_study(name: str) -> Study | None:
     """The function `run` of studies/<name>/study.py, None when there is no such study."""
     if name not in study_names():
         return None
-    if _PACKAGE not in sys.modules:
-        package = ModuleType(_PACKAGE)
-        package.__path__ = [str(_folder())]
-        sys.modules[_PACKAGE] = package
-    return importlib.import_module(f"{_PACKAGE}.{name}.study").run
+    return importlib.import_module(f"{__name__}.{name}.study").run
 
 
 def _folder() -> Path:
     installed = Path(__file__).parent / "_studies"
     return installed if installed.is_dir() else Path(__file__).parents[2] / "studies"
+
+
+__path__ = [str(_folder())]
