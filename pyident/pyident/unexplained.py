@@ -1,0 +1,271 @@
+"""What a residual depends on where no effect of the catalogue explains it.
+
+On the equation with the largest excess, splines of every signal and waves of every frequency and order compete; the
+best joins the base and the rest compete again. Replicas, analysed alike, show what the method itself pretends.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.dependence import Form, Variable, curve, spline_columns, variables
+from pyident.evidence import Base, Columns, extended, gain, solve_base
+from pyident.examination import Examination, Setting, whitened
+from pyident.orders import Over, Peak, Spectrum, highest, misread_columns, periodic_columns, spectrum
+from pyident.spectra import Equations, Floor
+
+MOST = 3  # dependences of one equation
+REPLICAS = 3
+_TIE = 0.95  # of the best gain: what explains as much cannot be told from it
+_MATERIAL = 0.03  # of the excess
+_SURE = 6.0  # standard deviations of a chi-square
+_BEYOND = 3.0  # times the most that a replica pretends
+_LEVEL = 0.01  # p-value of a peak
+_ROWS = 2
+_ROW = 0.2  # of the excess: an equation that has less left is not looked at
+_FIRST_SEED = 1_000_000
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """What one more term explains, on top of those before it.
+
+    coordinate      equation, as in `robot.coordinates`
+    on, words       signal or `time`, `joint2.e`; in words
+    form            `force` f(x), `friction` sign(v) f(x), `frequency`, `order`, `misread`
+    share_percent   of all that exceeds the floor
+    pretended       gain of the same term in replicas, in energy;  gain: in the data
+    x, force        the curve [SI; N m], or the spectrum: frequencies or orders and amplitudes
+    at, amplitude   of a peak [Hz or per turn; N m, or rad where an angle is misread], else None
+    rivals          signals that explain nearly as much, in words
+    """
+
+    coordinate: str
+    on: str
+    words: str
+    form: Form | str
+    share_percent: float
+    gain: float
+    pretended: float
+    x: np.ndarray
+    force: np.ndarray
+    at: float | None = None
+    amplitude: float | None = None
+    rivals: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """sentences for `Diagnosis.depends_on`; dependences, spectra (of the first equation) for figures."""
+
+    sentences: tuple[str, ...]
+    dependences: tuple[Dependence, ...]
+    spectra: tuple[Spectrum, ...]
+
+
+def depends_on(
+    examination: Examination, base: Base | None = None, workers: Any = None, replicas: int = REPLICAS
+) -> Unexplained:
+    """What the residual of an examination depends on.
+
+    base      the examination's own, or with accepted candidates joined to it
+    workers   processes that hold the fitted robot's FMU; none: replicas are taken as noise of their floor
+    """
+    base = base or examination.base
+    floor = (examination.replica_energy.mean(axis=0) * examination.count).sum(axis=1)
+    total = max(base.energy - float(floor.sum()), 1e-300)
+    found: list[Dependence] = []
+    spectra: list[Spectrum] = []
+    sentences: list[str] = []
+    rows: list[int] = []
+    while len(rows) < _ROWS:
+        excess = sum(np.square(r).sum(axis=1) for r in base.residual) - floor
+        row = int(np.argmax(excess))
+        if row in rows or excess[row] < _ROW * total:
+            break
+        rows.append(row)
+        search = _RowSearch(
+            examination, base, row, _pretended_by_replicas(examination, workers, row, replicas)
+        )
+        own = search.run(total, float(floor.sum()))
+        base = search.base
+        found += own
+        spectra = spectra or search.spectra
+        sentences.append(_sentence(examination.setting.robot, row, own))
+    return Unexplained(tuple(sentences), tuple(found), tuple(spectra))
+
+
+class _RowSearch:
+    """The terms of one equation, one after the other."""
+
+    def __init__(self, examination: Examination, base: Base, row: int, pretended: np.ndarray):
+        self.robot: Robot = examination.setting.robot
+        self.logs, self.levels = examination.logs, examination.levels
+        self.base, self.row, self.pretended = base, row, pretended
+        self.variables = variables(self.robot, self.logs, row)
+        self.spectra: list[Spectrum] = []
+
+    def run(self, total: float, floor: float) -> list[Dependence]:
+        """total: energy of the excess; floor: of what replicas leave."""
+        self.total = total
+        found: list[Dependence] = []
+        while len(found) < MOST and self.base.energy - floor > _MATERIAL * total:
+            better = [d for d in (self._smooth(), self._periodic()) if d is not None]
+            if not better:
+                break
+            dependence, columns = max(better, key=lambda d: d[0].gain - d[0].pretended)
+            self.base = extended(self.base, columns)
+            found.append(dependence)
+        return found
+
+    def _smooth(self) -> tuple[Dependence, Columns] | None:
+        gains = _spline_gains(self.base, self.variables, self.logs, self.levels, self.row)
+        mean, most = self.pretended.mean(axis=0), self.pretended.max(axis=0)
+        beyond = gains - mean
+        near = np.flatnonzero(beyond >= _TIE * beyond.max())
+        best = max(near.tolist(), key=lambda i: (self._is_own(i), beyond[i]))
+        variable = self.variables[best]
+        columns = spline_columns(variable, self.logs, self.levels, self.row)
+        K = columns[0][self.row].shape[1]
+        if gains[best] < max(
+            K + _SURE * np.sqrt(2 * K), _BEYOND * most[best], mean[best] + _MATERIAL * self.total
+        ):
+            return None
+        free = np.full(K, np.inf)
+        x, force = curve(variable, gain(self.base, columns, -free, free).coefficients)
+        share = 100 * (gains[best] - mean[best]) / self.total
+        return (
+            Dependence(
+                self.robot.coordinates[self.row],
+                variable.name,
+                variable.words,
+                variable.form,
+                float(share),
+                float(gains[best]),
+                float(mean[best]),
+                x,
+                force,
+                rivals=tuple(_said(self.variables[i]) for i in near if i != best),
+            ),
+            columns,
+        )
+
+    def _is_own(self, variable: int) -> bool:
+        """Whether a signal is of the equation's own joint."""
+        own = self.robot.coordinates[self.row].split(".")[0]
+        return self.variables[variable].name.split(".")[0] in (own, "travel")
+
+    def _periodic(self) -> tuple[Dependence, Columns] | None:
+        found = [spectrum(self.base, self.logs, self.levels, over) for over in _overs(self.robot, self.row)]
+        self.spectra = self.spectra or found
+        peaks = [(highest(self.base, self.logs, self.levels, s), s) for s in found]
+        counted = [(p, s) for p, s in peaks if p is not None and p.p_value < _LEVEL]
+        if not counted:
+            return None
+        peak, of = max(counted, key=lambda pair: pair[0].energy)
+        if peak.energy < _MATERIAL * self.total:
+            return None
+        if peak.over.kind == "misread":
+            return self._misread(peak, of)
+        return self._of_peak(peak, of), periodic_columns(self.logs, self.levels, peak.over, peak.at)
+
+    def _misread(self, peak: Peak, of: Spectrum) -> tuple[Dependence, Columns]:
+        """The error of an angle acts on every equation."""
+        column, free = peak.over.column, np.full(2, np.inf)
+
+        def columns(order: float) -> Columns:
+            return misread_columns(self.robot, self.base.p, self.logs, self.levels, column, order)
+
+        whole = gain(self.base, columns(peak.at), -free, free)
+        size = float(np.linalg.norm(whole.coefficients))
+        exact = replace(peak, energy=max(whole.energy, peak.energy), amplitude=size)
+        return self._of_peak(exact, of), columns(peak.at)
+
+    def _of_peak(self, peak: Peak, of: Spectrum) -> Dependence:
+        over = peak.over
+        on = "time" if over.kind == "frequency" else self.robot.coordinates[over.column]
+        joint = on.split(".")[0].removeprefix("joint")
+        words = {
+            "frequency": f"a frequency of {peak.at:.4g} Hz in time",
+            "order": f"an order of {peak.at:.4g} per turn of joint {joint}",
+            "misread": f"a misread angle of joint {joint}, {peak.at:.4g} times a turn",
+        }[over.kind]
+        return Dependence(
+            self.robot.coordinates[self.row],
+            on,
+            words,
+            over.kind,
+            100 * peak.energy / self.total,
+            peak.energy,
+            0.0,
+            of.at,
+            of.amplitude,
+            peak.at,
+            peak.amplitude,
+        )
+
+
+def _overs(robot: Robot, row: int) -> list[Over]:
+    """What a force on this equation may be periodic in."""
+    turning = [k - 1 for k, joint in robot.numbered if joint.kind == "revolute"]
+    own = int(robot.coordinates[row].split(".")[0].removeprefix("joint")) - 1
+    misread = [Over("misread", row, own)] if own in turning else []
+    return [Over("frequency", row), *(Over("order", row, k) for k in turning), *misread]
+
+
+def _spline_gains(
+    base: Base, listed: Sequence[Variable], logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
+) -> np.ndarray:
+    out = []
+    for variable in listed:
+        columns = spline_columns(variable, logs, levels, row)
+        free = np.full(columns[0][row].shape[1], np.inf)
+        out.append(gain(base, columns, -free, free).energy)
+    return np.array(out)
+
+
+def _pretended_by_replicas(examination: Examination, workers: Any, row: int, count: int) -> np.ndarray:
+    """(count, variables) energies that the splines explain of replicas."""
+    if workers is None:
+        listed = variables(examination.setting.robot, examination.logs, row)
+        return np.array([[float(len(v.knots)) for v in listed]])
+    arguments = examination.setting, examination.floor, row
+    jobs = [workers.submit(_pretended, *arguments, _FIRST_SEED + i) for i in range(count)]
+    return np.array([job.result() for job in jobs])
+
+
+def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
+    """The energies of one replica."""
+    seeds = np.random.default_rng(seed).integers(2**31, size=len(setting.repeats))
+    made = [
+        r.replica(fmu.simulate, setting.robot.parameters, setting.noise, int(s))
+        for r, s in zip(setting.repeats, seeds, strict=True)
+    ]
+    data = whitened(setting.robot, made, level)
+    listed = variables(setting.robot, data, row)
+    return _spline_gains(solve_base(data), listed, data, [level.at(e.band) for e in data], row)
+
+
+def _sentence(robot: Robot, row: int, found: Sequence[Dependence]) -> str:
+    coordinate = robot.coordinates[row]
+    joint, name = coordinate.split(".")
+    side = {"e": "motor side", "eps[1]": "transmission"}.get(name, "link side")
+    place = f"{side} of joint {joint.removeprefix('joint')}"
+    if not found:
+        return f"{place}: the residual depends on no single signal and has no period"
+    return f"{place}: depends on {', then on '.join(_clause(d, first=d is found[0]) for d in found)}"
+
+
+def _clause(d: Dependence, first: bool) -> str:
+    unit = "rad" if d.form == "misread" else "N m"
+    size = "" if d.amplitude is None else f", {d.amplitude:.3g} {unit}"
+    as_well = f", as well as {' or '.join(d.rivals[:2])}" if d.rivals else ""
+    what = f"friction that depends on {d.words}" if d.form == "friction" else d.words
+    return f"{what} ({'explains ' if first else ''}{d.share_percent:.0f} % of the excess{size}{as_well})"
+
+
+def _said(variable: Variable) -> str:
+    return f"friction with {variable.words}" if variable.form == "friction" else variable.words
