@@ -1,8 +1,8 @@
 """Where a residual stands above its floor: by equation, frequency, speed, load, position, time and so on.
 
 Low frequencies, where physics is, drown in the noise that differences amplify. So each equation's residual is
-divided by its floor over frequency and weighed by how far it stands above it there (Wiener's filter), those of
-replicas likewise, and sorted into bins.
+divided by its floor over frequency and weighed by how far it stands above it there (Wiener's filter), those
+of replicas likewise, and sorted into bins.
 """
 
 from collections.abc import Iterator, Sequence
@@ -69,13 +69,20 @@ def balance_of(coordinate: str) -> Balance:
 
 
 def breakdown(
-    robot: Robot, data: Sequence[Part], replicas: Sequence[Sequence[Part]], names: Sequence[str]
+    robot: Robot,
+    data: Sequence[Part],
+    replicas: Sequence[Sequence[Part]],
+    names: Sequence[str],
+    refitted: bool,
 ) -> list[Bin]:
-    """Every bin of every equation. data: a Part per log; replicas: the same of each; names: of the logs."""
-    level = method_floor(data, replicas)
-    left = [[p.residual for p in parts] for parts in (data, *replicas)]
-    left += [[p.refitted for p in parts] for parts in replicas]
-    sets = [data, *replicas, *replicas]
+    """Every bin of every equation.
+
+    data       a Part per log;  replicas: the same of each;  names: of the logs
+    refitted   judge under what the regression finds, else under the model's own parameters
+    """
+    sets = [data, *replicas]
+    left = [[p.refitted if refitted else p.residual for p in parts] for parts in sets]
+    level = _floor(replicas, left[1:])
     spectra = [_spectra(parts, r, level) for parts, r in zip(sets, left, strict=True)]
     found: list[Bin] = []
     for c, coordinate in enumerate(robot.coordinates):
@@ -85,15 +92,10 @@ def breakdown(
     return found
 
 
-def method_floor(data: Sequence[Part], replicas: Sequence[Sequence[Part]]) -> Floor:
-    """What replicas leave over frequency, under their own parameters or those found, where it is more."""
-    parts = [p for made in replicas for p in made]
-    bands = [band_of(p) for p in parts]
-    levels = [
-        floor(bands, [band.transform(r).T for band, r in zip(bands, left, strict=True)])
-        for left in ([p.residual for p in parts], [p.refitted for p in parts])
-    ]
-    return Floor(levels[0].frequencies, np.maximum(levels[0].rms, levels[1].rms))
+def _floor(replicas: Sequence[Sequence[Part]], left: Sequence[Sequence[np.ndarray]]) -> Floor:
+    bands = [band_of(p) for made in replicas for p in made]
+    residuals = [r for made in left for r in made]
+    return floor(bands, [band.transform(r).T for band, r in zip(bands, residuals, strict=True)])
 
 
 def band_of(part: Part) -> Band:
@@ -245,11 +247,9 @@ def _label(key: str, low: float, high: float, unit: str, i: int, names: Sequence
 
 
 def _judged(coordinate: str, rows: Sequence[Row], found: np.ndarray, counts: np.ndarray) -> list[Bin]:
-    """Bins from mean squares (1 + 2 B, bins): of the data, of the replicas, of the replicas refitted."""
-    data, (own, refitted) = found[0], np.split(found[1:], 2)
-    most = np.where(own.mean(axis=0) >= refitted.mean(axis=0), own, refitted)
-    level = np.maximum(most.mean(axis=0), 1e-300)
-    variance = np.var(np.log(np.maximum(most, 1e-300) / level), axis=0, ddof=1)
+    """Bins from mean squares (1 + B, bins): of the data, then of the replicas."""
+    data, level = found[0], np.maximum(found[1:].mean(axis=0), 1e-300)
+    variance = np.var(np.log(np.maximum(found[1:], 1e-300) / level), axis=0, ddof=1)
     spread = np.sqrt((variance + variance.mean()) / 2) + _LEAST_SPREAD  # few replicas: lean on all bins
     kinds = np.array([row[0] for row in rows])
     over = np.maximum(data - level, 0) * counts

@@ -84,13 +84,21 @@ class LogErrors:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A model against logs. where: the part that fails most, None where nothing stands out."""
+    """A model against logs.
+
+    where       the part that fails most, None where nothing stands out
+    structural  whether it stands out under refitted parameters too: the structure fails, not the values
+    bins, refitted   every part, under the model's own parameters and under refitted ones
+    tracks      whether the simulations track the measured motion, so that torques tell and positions do not
+    """
 
     robot: str
     sentence: str
     where: Bin | None
+    structural: bool
     logs: tuple[LogErrors, ...]
     bins: tuple[Bin, ...]
+    refitted: tuple[Bin, ...]
     tracks: bool
 
     def json(self) -> dict[str, Any]:
@@ -98,10 +106,11 @@ class Comparison:
         return {
             "model": self.robot,
             "sentence": self.sentence,
-            "where": _bin_json(self.where) if self.where else None,
+            "where": _bin_json(self.where) | {"structural": self.structural} if self.where else None,
             "tracks_measured_motion": self.tracks,
             "logs": {log.log: log.json() for log in self.logs},
             "breakdown": [_bin_json(b) for b in self.bins],
+            "breakdown_refitted": [_bin_json(b) for b in self.refitted],
         }
 
 
@@ -123,9 +132,21 @@ def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Par
     """Errors, their floors and where they stand out most."""
     names = [r.log.source for r in trial.judged]
     errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
-    bins = breakdown(trial.robot, data, replicas, [Path(n).name for n in names])
-    where = _worst(bins, errors)
-    return Comparison(trial.robot.name, _sentence(where, errors), where, errors, tuple(bins), trial.tracks)
+    short = [Path(n).name for n in names]
+    own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
+    structure, values = _worst(refitted, errors), _worst(own, errors)
+    where = structure or values
+    sentence = f"{_first(where, structure is not None)} {_simulated(trial, errors)}"
+    return Comparison(
+        trial.robot.name,
+        sentence,
+        where,
+        structure is not None,
+        errors,
+        tuple(own),
+        tuple(refitted),
+        trial.tracks,
+    )
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:
@@ -134,11 +155,11 @@ def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> Lo
     equations = {}
     for c, name in enumerate(robot.coordinates):
         unit = _force_unit(robot, name)
-        levels = [[_left(p, p.residual, c) for p in replicas], [_left(p, p.refitted, c) for p in replicas]]
+        floor = _rms([_left(p, p.residual, c) for p in replicas])
         equations[name] = Error(
             _left(data, data.residual, c),
             _left(data, _signal(robot, data, c), c),
-            max(_rms(x) for x in levels),
+            floor,
             unit,
         )
     late = log.frame.iloc[-len(data.time) :]
@@ -200,18 +221,30 @@ def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:
     return max(np.sqrt(max(e.rmse**2 - e.floor**2, 0.0)) / max(e.signal, 1e-300) for e in found)
 
 
-def _sentence(where: Bin | None, errors: Sequence[LogErrors]) -> str:
+def _first(where: Bin | None, structural: bool) -> str:
     if where is None:
-        first = "Nothing stands out: the equations' errors are what the method itself leaves."
-    else:
-        k = where.joint.removeprefix("joint")
-        place = f"joint {k}, {where.balance} side" + (f", {where.label}" if where.label else "")
-        first = f"It fails most at {place}: {where.ratio:.2g} times the floor."
-    missed = [(e.simulation[n], n) for e in errors for n in e.simulation if n == "tip" or n.endswith(".e")]
-    error, name = max(missed, key=lambda pair: (pair[1] == "tip", pair[0].ratio))
-    what = "the tip" if name == "tip" else f"joint {name.split('.')[0].removeprefix('joint')}"
-    missed_by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
-    return f"{first} In simulation {what} misses by {missed_by}."
+        return "Nothing stands out: the equations leave what the method itself leaves."
+    place = f"joint {joint_of(where.coordinate)}, {where.balance} side"
+    place += f", {where.label}" if where.label else ""
+    if structural:
+        return f"It fails most at {place}: {where.ratio:.2g} times the floor."
+    return (
+        f"The values of its parameters are off, most at {place}: {where.ratio:.2g} times the floor, and "
+        "other values take that away; identify it with --refine."
+    )
+
+
+def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
+    kinds = (".tau",) if trial.tracks else ("tip", ".e")
+    missed = [
+        (e.simulation[n], n) for kind in kinds for e in errors for n in e.simulation if n.endswith(kind)
+    ]
+    name = missed[0][1] if missed[0][1] == "tip" else max(missed, key=lambda pair: pair[0].ratio)[1]
+    error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
+    what = "the tip" if name == "tip" else f"joint {joint_of(name)}"
+    what += "'s torque" if trial.tracks else ""
+    by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
+    return f"In simulation {what} misses by {by}."
 
 
 def _force_unit(robot: Robot, name: str) -> str:

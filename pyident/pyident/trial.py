@@ -1,9 +1,9 @@
 """A model on trial: what its equations leave of logs, what its simulation misses, both on replicas too.
 
-A replica is made by the model, fitted as a log is fitted, and judged with what was found: its errors are the
-floor, what the method itself leaves where the model is right. A model may come from the regression alone or from
-a refinement that removed the regression's bias; so equations are judged under both, what the regression finds
-and the model's own parameters with the scatter of the fits. Simulations run under the latter.
+Each is judged twice: under the model's own parameters, which tells how good the model is, and under those
+that the regression finds in that log or replica, which tells how good its structure is. A replica's errors are the
+floor, what the method itself leaves where the model is right; its own parameters are the model's with the
+scatter of the fits among replicas.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,7 +34,7 @@ class Part:
 
     part       the conditioned log
     residual   (N, n) of the equations, 0 where they are not used
-    refitted   (N, n) of a replica under what the regression finds in it; of a log: `residual` again
+    refitted   (N, n) the same under what the regression finds
     time, missed   (S,) [s] and signal -> (S,), log less simulation
     """
 
@@ -81,11 +81,16 @@ def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
 
 @dataclass(frozen=True)
 class Refit:
-    """A replica, its judged logs, and what the regression finds in its fitted ones."""
+    """The judged logs, or a replica of them, and what the regression finds in the fitted ones."""
 
     judged: list[Log]
     reduced: Reduced
     solution: Solution
+
+    def robot(self, like: Robot, p: np.ndarray) -> Robot:
+        """The robot with the physically consistent parameters nearest to p (P,)."""
+        p = consistent(like, self.reduced, replace(self.solution, p=p))
+        return like.with_parameters(dict(zip(self.reduced.columns, p, strict=True)))
 
 
 def run_trial(
@@ -113,7 +118,8 @@ def _counted(job: Any, progress: Progress, fraction: float) -> Any:
 
 
 def _of_logs(fmu: Any, trial: Trial) -> list[Part]:
-    return _judge(fmu, trial, trial.robot, [r.log for r in trial.judged])
+    found = _fit(trial, [r.log for r in trial.fitted], [r.log for r in trial.judged])
+    return _judge(fmu, trial, trial.robot, found)
 
 
 def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
@@ -124,24 +130,20 @@ def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
         key: r.replica(fmu.simulate, parameters, trial.noise, int(rng.integers(2**31)))
         for key, r in repeats.items()
     }
-    parts = tuple(condition(made[id(r)], trial.robot) for r in trial.fitted)
-    problem = Problem(trial.robot, parts)
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
-    return Refit([made[id(r)] for r in trial.judged], reduced, solve_weighted(reduced))
+    return _fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged])
 
 
 def _of_replica(fmu: Any, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
     """scatter (P,): of the fit among those of all replicas."""
     own = np.array(list(trial.robot.linear_parameters.values()))
-    solution = replace(refit.solution, p=own + seen(refit.solution, scatter))
-    parts = _judge(fmu, trial, _with(trial.robot, refit.reduced, solution), refit.judged)
-    found = _with(trial.robot, refit.reduced, refit.solution)
-    return [replace(part, refitted=residual(found, part.part)) for part in parts]
+    robot = refit.robot(trial.robot, own + seen(refit.solution, scatter))
+    return _judge(fmu, trial, robot, refit)
 
 
-def _with(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
-    p = consistent(robot, reduced, solution)
-    return robot.with_parameters(dict(zip(reduced.columns, p, strict=True)))
+def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
+    problem = Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted))
+    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    return Refit(judged, reduced, solve_weighted(reduced))
 
 
 def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
@@ -158,9 +160,10 @@ def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
     return replace(trial, noise=trial.noise | {name: float(np.mean(s)) for name, s in found.items()})
 
 
-def _judge(fmu: Any, trial: Trial, robot: Robot, logs: Sequence[Log]) -> list[Part]:
+def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
+    fitted = refit.robot(robot, refit.solution.p)
     found = []
-    for log, r, since in zip(logs, trial.judged, trial.since, strict=True):
+    for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):
         frame = fmu.simulate(r.plan, robot.parameters)
         late = r.plan.time >= since
         names = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered), *TIP]
@@ -170,8 +173,8 @@ def _judge(fmu: Any, trial: Trial, robot: Robot, logs: Sequence[Log]) -> list[Pa
             if name in log.frame and name in frame and name in r.log.frame
         }
         part = condition(Log(log.frame[late].reset_index(drop=True), log.source), robot)
-        left = residual(robot, part)
-        found.append(Part(part, log.period, left, left, r.plan.time[late], missed))
+        left = residual(robot, part), residual(fitted, part)
+        found.append(Part(part, log.period, *left, r.plan.time[late], missed))
     return found
 
 
