@@ -10,6 +10,7 @@ PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": R
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
 COMPOSERS = {
     "pyident/cli.py",
+    "pyident/command.py",
     "pyident/pipeline.py",
     "pyident/parameter_study.py",
 }  # where robot, FMU and identification are put together

@@ -92,6 +92,15 @@ def breakdown(
     return found
 
 
+def mean_square_over_floor(
+    data: Sequence[Part], replicas: Sequence[Sequence[Part]], rows: Sequence[int]
+) -> float:
+    """Of the residual of some equations, each over its floor at every frequency; 1 is the floor."""
+    level = _floor(replicas, [[p.residual for p in parts] for parts in replicas])
+    spectra = _spectra(data, [p.residual for p in data], level)
+    return float(np.mean(np.concatenate([np.abs(S[:, list(rows)]) ** 2 for _, S in spectra])))
+
+
 def _floor(replicas: Sequence[Sequence[Part]], left: Sequence[Sequence[np.ndarray]]) -> Floor:
     bands = [band_of(p) for made in replicas for p in made]
     residuals = [r for made in left for r in made]

@@ -22,6 +22,7 @@ from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.base_parameters import weakest_directions
+from pyident.cli_diagnosis import add_command, compare_command
 from pyident.experiment_file import ExperimentError, load_experiment, read_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
@@ -88,6 +89,10 @@ def main() -> None:
 
     MODEL is a shipped robot's name (see `pyident robots`) or a TOML file.
     """
+
+
+main.add_command(compare_command)
+main.add_command(add_command)
 
 
 @main.command()

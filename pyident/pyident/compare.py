@@ -15,7 +15,7 @@ from pyident.log import Log
 from pyident.trial import TIP, Part, Progress, Trial, on_trial, run_trial
 
 REPLICAS = 6
-_CERTAIN = 5.0  # standard deviations of the replicas: what is no chance among hundreds of bins
+_CERTAIN = 1.25  # times the deviations that a replica shows among the others: what is no chance
 _MATTERS = 1.25  # times the floor: less is not worth a sentence
 _CARRIES = 0.1  # of the equation's excess that the named part must hold
 _SAMPLES = 0.02  # of the data that it must hold
@@ -134,7 +134,10 @@ def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Par
     errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
     short = [Path(n).name for n in names]
     own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
-    structure, values = _worst(refitted, errors), _worst(own, errors)
+    values, structure = (
+        _worst(bins, errors, _chance(trial.robot, replicas, short, r))
+        for bins, r in ((own, False), (refitted, True))
+    )
     where = structure or values
     sentence = f"{_first(where, structure is not None)} {_simulated(trial, errors)}"
     return Comparison(
@@ -201,18 +204,27 @@ def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:
     return k * part.part.motion.q
 
 
-def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors]) -> Bin | None:
+def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float) -> Bin | None:
     """The largest ratio among the parts that are no chance and that matter."""
     telling = [
         b
         for b in bins
-        if b.deviations > _CERTAIN
+        if b.deviations > _CERTAIN * chance
         and b.ratio > _MATTERS
         and b.share > _CARRIES
         and b.data_share > _SAMPLES
         and _excess(b.coordinate, errors) > _OF_SIGNAL
     ]
     return max(telling, key=lambda b: b.ratio, default=None)
+
+
+def _chance(robot: Robot, replicas: Sequence[Sequence[Part]], names: Sequence[str], refitted: bool) -> float:
+    """The largest deviation of any part of a replica from the others, taken for the data."""
+    found = []
+    for i, made in enumerate(replicas):
+        others = [*replicas[:i], *replicas[i + 1 :]]
+        found += [b.deviations for b in breakdown(robot, made, others, names, refitted)]
+    return max(found)
 
 
 def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:

@@ -1,9 +1,9 @@
 """A model on trial: what its equations leave of logs, what its simulation misses, both on replicas too.
 
 Each is judged twice: under the model's own parameters, which tells how good the model is, and under those
-that the regression finds in that log or replica, which tells how good its structure is. A replica's errors are the
-floor, what the method itself leaves where the model is right; its own parameters are the model's with the
-scatter of the fits among replicas.
+that the regression finds in that log or replica, which tells how good its structure is. A replica's errors
+are the floor, what the method itself leaves where the model is right; its own parameters are the model's
+with the scatter of the fits among replicas.
 """
 
 from collections.abc import Callable, Sequence
