@@ -16,6 +16,7 @@ from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot
 from pyident.base_parameters import weakest_directions
 from pyident.cli_data import data, log
+from pyident.cli_diagnosis import add_command, compare_command, diagnose_command
 from pyident.cli_robots import robots
 from pyident.command import console
 from pyident.command import json_option as _json
@@ -55,6 +56,9 @@ def main() -> None:
 main.add_command(robots)
 main.add_command(log)
 main.add_command(data)
+main.add_command(compare_command)
+main.add_command(diagnose_command)
+main.add_command(add_command)
 
 
 @main.command()
