@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, log10
+from math import isfinite
 
-from flexmodels.effects import CATALOGUE
 from pyident.diagnosis import Diagnosis, Finding, Limit, Named, Row
-from pyident.report.diagnosis_figures import SCALE, band_name, row_name
+from pyident.report.diagnosis_figures import band_name, colour, row_name
 from pyident.report.wording import interval, measured, number, unit
 
 _NEIGHBOURS = 4  # rivals that are argued with, per finding
@@ -47,9 +46,6 @@ class Worst:
 class ParameterRow:
     """A parameter as the page shows it; `interval` is empty where none is known."""
 
-    effect: str
-    joint: str
-    log: str | None
     name: str
     value: str
     interval: str
@@ -70,16 +66,23 @@ def ranking(d: Diagnosis) -> list[tuple[Named, bool]]:
     return [(n, (n.effect, n.joint, n.log) in mine) for n in best if n.gain_percent > 0]
 
 
-def parameters(d: Diagnosis) -> list[ParameterRow]:
+def parameters(d: Diagnosis) -> list[tuple[Named, list[ParameterRow]]]:
     """Of every member of every tie."""
-    return [
-        ParameterRow(
-            n.effect, n.joint, n.log, name, measured(value, n.std[name]), interval(value, n.std[name]), unit(n.units[name])
-        )
-        for f in d.findings
-        for n in f.tie
-        for name, value in n.values.items()
-    ]
+    return [(n, [_row(n, name) for name in n.values]) for f in d.findings for n in f.tie]
+
+
+def _row(n: Named, name: str) -> ParameterRow:
+    value, std = n.values[name], n.std[name]
+    return ParameterRow(name, measured(value, std), interval(value, std), unit(n.units[name]))
+
+
+def left_for(d: Diagnosis) -> tuple[Named, float] | None:
+    """The effect that takes most of what the findings leave, and its share of that [%]; None where not asked."""
+    asked = [(n.beside_percent, n) for n in d.ranking if n.beside_percent is not None]
+    if not asked or d.remaining <= 1:
+        return None
+    share, best = max(asked, key=lambda pair: pair[0])
+    return best, min(share * (d.excess - 1) / (d.remaining - 1), 100.0)
 
 
 def joints(rows: Sequence[Row], place: tuple[str, str] | None) -> list[tuple[str, list[Side]]]:
@@ -88,9 +91,9 @@ def joints(rows: Sequence[Row], place: tuple[str, str] | None) -> list[tuple[str
     for row in rows:
         sides = over.setdefault(row.joint, {})
         sides[row.balance] = max(sides.get(row.balance, 0.0), *row.over_floor)
-    top = max((log10(max(v, 3.0)) for sides in over.values() for v in sides.values()), default=1.0)
+    top = max((v for sides in over.values() for v in sides.values()), default=1.0)
     return [
-        (joint, [Side(_SIDES[b], v, _shade(v, top), (joint, b) == place) for b, v in sides.items()])
+        (joint, [Side(_SIDES[b], v, colour(v, top), (joint, b) == place) for b, v in sides.items()])
         for joint, sides in over.items()
     ]
 
@@ -114,20 +117,17 @@ def limit_table(limits: Sequence[Limit]) -> tuple[list[str], list[tuple[str, lis
 
 
 def _rivals(best: Named, others: Sequence[Named]) -> tuple[Named, ...]:
-    """What looks like it by its law, or acts at the same joint, and takes something away by itself."""
-    confounders = CATALOGUE[best.effect].confounders if best.effect in CATALOGUE else ()
-    alike = [n for n in others if n.joint == best.joint or n.effect in confounders]
-    worth = [n for n in alike if n.gain_percent >= _WORTH]
+    """What takes something away at the same joint, but by half less beside the findings: it imitated them."""
+    alike = [n for n in others if n.joint == best.joint and n.gain_percent >= _WORTH]
+    worth = [n for n in alike if n.beside_percent is None or n.beside_percent < n.gain_percent / 2]
     return tuple(sorted(worth, key=lambda n: -n.gain_percent)[:_NEIGHBOURS])
 
 
 def _name(n: Named) -> str:
     """With the nonlinear values, which tell apart two of a kind."""
-    fixed = [f"{name} {number(v)} {unit(n.units[name])}".strip() for name, v in n.values.items() if not isfinite(n.std[name])]
+    fixed = [
+        f"{name} {number(v)} {unit(n.units[name])}".strip()
+        for name, v in n.values.items()
+        if not isfinite(n.std[name])
+    ]
     return f"{n.effect} at {n.joint}" + (f" ({', '.join(fixed)})" if fixed else "")
-
-
-def _shade(ratio: float, top: float) -> str:
-    """The heat map's colour of a ratio to the floor, in steps."""
-    share = log10(max(ratio, 1.0)) / top
-    return SCALE[min(round(share * (len(SCALE) - 1)), len(SCALE) - 1)]

@@ -6,6 +6,7 @@ from html import escape
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
+from plotly.colors import sample_colorscale
 
 from pyident.diagnosis import Diagnosis, Named, Row
 from pyident.report.wording import MINUS, number, times
@@ -24,7 +25,7 @@ def row_name(row: Row) -> str:
 
 
 def band_name(band: tuple[float, float]) -> str:
-    return f"{band[0]:g}–{band[1]:.3g}"
+    return f"{band[0]:g}–{band[1]:.2g}"
 
 
 def heat_map(rows: Sequence[Row]) -> Markup:
@@ -39,7 +40,7 @@ def heat_map(rows: Sequence[Row]) -> Markup:
             y=[escape(row_name(row)) for row in rows],
             z=shade,
             zmin=0,
-            zmax=max(float(np.nanmax(shade)), np.log10(3)),
+            zmax=_top(float(ratio.max())),
             text=[[_cell(v, u) for v, u in zip(*r, strict=True)] for r in zip(ratio, used, strict=True)],
             customdata=[[number(v) for v in values] for values in rms],
             texttemplate="%{text}",
@@ -50,10 +51,23 @@ def heat_map(rows: Sequence[Row]) -> Markup:
             ygap=2,
         )
     )
-    figure.update_xaxes(title="frequency [Hz]", side="top", fixedrange=True, type="category", ticks="")
+    figure.update_xaxes(
+        title="frequency [Hz]", side="top", fixedrange=True, type="category", ticks="", tickangle=0
+    )
     figure.update_yaxes(autorange="reversed", fixedrange=True, ticks="", type="category", ticksuffix=" ")
     figure.update_traces(textfont_size=11)
     return _embedded(figure, "where-map", 70 + 24 * len(rows))
+
+
+def colour(ratio: float, highest: float) -> str:
+    """The heat map's colour of a ratio to the floor, in a map whose highest ratio is given."""
+    share = min(float(np.log10(max(ratio, 1.0))) / _top(highest), 1.0)
+    return str(sample_colorscale(list(SCALE), share)[0])
+
+
+def _top(highest: float) -> float:
+    """Where the colour scale ends: small ratios must not look like large ones."""
+    return float(np.log10(max(highest, 10.0)))
 
 
 def waterfall(diagnosis: Diagnosis) -> Markup:
@@ -81,13 +95,15 @@ def waterfall(diagnosis: Diagnosis) -> Markup:
     for at, (name, value) in enumerate(zip(names, figures, strict=True)):
         figure.add_annotation(
             x=0, y=at - 0.27, xref="paper", text=f"{escape(name)}  <b>{value}</b>",
-            showarrow=False, xanchor="left", yanchor="bottom", font_size=14,
+            showarrow=False, xanchor="left", yanchor="bottom", xshift=6, font_size=14,
         )  # fmt: skip
     figure.add_vline(1, line={"color": _INK, "width": 1.5, "dash": "dot"})
     figure.add_annotation(
         x=1, y=len(names) - 0.55, text="floor: 1", showarrow=False, xanchor="left", xshift=5, font_size=12
     )
-    figure.update_xaxes(rangemode="tozero", title="residual energy, in floors", showgrid=True, gridcolor="#eceff1")
+    figure.update_xaxes(
+        rangemode="tozero", title="residual energy, in floors", showgrid=True, gridcolor="#eceff1"
+    )
     figure.update_yaxes(range=[len(names) - 0.35, -0.75], visible=False)
     figure.update_xaxes(fixedrange=True, nticks=6)
     figure.update_yaxes(fixedrange=True)
@@ -101,7 +117,7 @@ def _effect(named: Named) -> str:
 def _cell(ratio: float, used: bool) -> str:
     if not used:
         return ""
-    return f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}"
+    return times(ratio) if ratio >= 99.95 else f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}"
 
 
 def _embedded(figure: go.Figure, name: str, height: int) -> Markup:
@@ -114,6 +130,9 @@ def _embedded(figure: go.Figure, name: str, height: int) -> Markup:
     figure.update_xaxes(automargin=True)
     figure.update_yaxes(automargin=True)
     html = figure.to_html(
-        config={"displayModeBar": False, "responsive": True}, include_plotlyjs=False, full_html=False, div_id=name
+        config={"displayModeBar": False, "responsive": True},
+        include_plotlyjs=False,
+        full_html=False,
+        div_id=name,
     )
     return Markup(html)

@@ -14,6 +14,7 @@ from pyident.report import wording
 from pyident.report.diagnosis_content import (
     findings,
     joints,
+    left_for,
     limit_table,
     parameters,
     ranking,
@@ -55,6 +56,7 @@ def write_diagnosis(diagnosis: Diagnosis, path: str | Path, model: str = "") -> 
 def _content(d: Diagnosis, model: str) -> dict[str, object]:
     """What the template shows, by name."""
     names = _effects(d)
+    rows = sorted(d.rows, key=lambda row: [r.joint for r in d.rows].index(row.joint))
     return {
         "d": d,
         "model": model,
@@ -62,15 +64,16 @@ def _content(d: Diagnosis, model: str) -> dict[str, object]:
         "found": findings(d),
         "ranking": ranking(d),
         "parameters": parameters(d),
-        "joints": joints(d.rows, d.localised),
-        "worst": worst_place(d.rows),
-        "rows": [(row_name(row), row) for row in d.rows],
-        "bands": [band_name(band) for band in d.rows[0].bands] if d.rows else [],
+        "joints": joints(rows, d.localised),
+        "worst": worst_place(rows),
+        "rows": [(row_name(row), row) for row in rows],
+        "bands": [band_name(band) for band in rows[0].bands] if rows else [],
         "limits": limit_table(d.limits),
         "unseen": [limit for limit in d.limits if limit.reason],
         "commands": commands(d, model),
+        "left_for": left_for(d),
         "far": d.remaining > _FAR,
-        "heat_map": heat_map(d.rows) if d.rows else "",
+        "heat_map": heat_map(rows) if rows else "",
         "waterfall": waterfall(d) if len(d.stages) > 1 else "",
         "sheets": [law_sheet(CATALOGUE[name]) for name in names if name in CATALOGUE],
         "known": [name for name in names if name in CATALOGUE],
@@ -81,4 +84,8 @@ def _content(d: Diagnosis, model: str) -> dict[str, object]:
 def _effects(d: Diagnosis) -> Sequence[str]:
     """Every effect that the page names, those of the findings first."""
     named: list[Named] = [member for finding in d.findings for member in finding.tie]
-    return list(dict.fromkeys([*(n.effect for n in named), *(n.effect for n in d.ranking), *(x.effect for x in d.limits)]))
+    return list(
+        dict.fromkeys(
+            [*(n.effect for n in named), *(n.effect for n in d.ranking), *(x.effect for x in d.limits)]
+        )
+    )

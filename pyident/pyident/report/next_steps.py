@@ -26,7 +26,11 @@ def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
         name = f"{name}_{n.effect}"
         new = f"{name}.toml"
         logs = [n.log] if n.log else list(d.logs)
-        lines.append(join(["pyident", "add", last, n.effect, "--joint", n.joint.removeprefix("joint"), *logs, "-o", new]))
+        lines.append(
+            join(
+                ["pyident", "add", last, n.effect, "--joint", n.joint.removeprefix("joint"), *logs, "-o", new]
+            )
+        )
         last = new
     held = [word for log in d.heldout for word in ("--holdout", log)]
     lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))

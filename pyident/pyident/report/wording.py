@@ -26,8 +26,8 @@ def times(ratio: float) -> str:
 def percent(share: float) -> str:
     """A share; what shows no digit is said to be small."""
     if 0 < share < 0.05:
-        return "< 0.1 %"
-    return f"{_fixed(share, 0 if share >= 99.95 else 1)} %"
+        return "<\u00a00.1\u00a0%"
+    return f"{_fixed(share, 0 if share >= 99.95 else 1)}\u00a0%"
 
 
 def unit(symbol: str) -> str:
@@ -60,7 +60,7 @@ def chance(p_value: float) -> str:
 
 def _shown(value: float, std: float) -> bool:
     """Whether plain decimals show the value well."""
-    return isfinite(std) and 0 < std and _places(std) <= 7 and max(abs(value), std) < 1e6
+    return isfinite(std) and std > 0 and _places(std) <= 7 and max(abs(value), std) < 1e6
 
 
 def _places(std: float) -> int:
