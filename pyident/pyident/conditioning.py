@@ -65,6 +65,8 @@ def condition(log: Log, robot: Robot) -> Conditioned:
         before = np.concatenate([torque[:1], torque[:-1]])
     scheme = DERIVATIVES[plan.derivative or ("hat" if robot.controller else "central")]
     q, dq, ddq = scheme(q, log.period)
+    if plan.dead_zone:
+        dq = np.where(np.abs(dq) < plan.dead_zone, 0.0, dq)
     border = _SETTLING if plan.cutoff is not None else 0
     keep = slice(border, len(q) - border)
     torque, before = torque[REACH:-REACH][keep], before[REACH:-REACH][keep]

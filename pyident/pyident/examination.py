@@ -115,8 +115,16 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         progress(0.5 + 0.5 * (i + 1) / count)
     energy, number = _energy(data, base)
     return Examination(
-        setting, level, data, base, listed, gains,
-        np.array([g for g, _ in judged]), energy, np.array([e for _, e in judged]), number,
+        setting,
+        level,
+        data,
+        base,
+        listed,
+        gains,
+        np.array([g for g, _ in judged]),
+        energy,
+        np.array([e for _, e in judged]),
+        number,
     )
 
 

@@ -24,10 +24,15 @@ class LogError(ValueError):
 
 @dataclass(frozen=True)
 class Log:
-    """Uniformly sampled signals. frame: column `time` and one column per signal."""
+    """Uniformly sampled signals.
+
+    frame   column `time` and one column per signal
+    notes   what was done to it, a sentence each
+    """
 
     frame: pd.DataFrame
     source: str
+    notes: tuple[str, ...] = ()
 
     @property
     def period(self) -> float:
@@ -58,7 +63,7 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
     except Exception as error:
         raise LogError(f"{path} cannot be read as {path.suffix[1:]} ({str(error).splitlines()[0]})") from None
     frame = _renamed(frame, columns or {}, str(path))
-    _check(frame, str(path))
+    check(frame, str(path))
     return Log(frame.reset_index(drop=True), str(path))
 
 
@@ -124,7 +129,8 @@ def _renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) ->
     return pd.DataFrame(out | kept)
 
 
-def _check(frame: pd.DataFrame, source: str) -> None:
+def check(frame: pd.DataFrame, source: str) -> None:
+    """Raises LogError unless the frame is a uniformly sampled log of finite numbers."""
     if "time" not in frame:
         raise LogError(f"{source}: column time is missing; add it in seconds")
     if len(frame) < 2:

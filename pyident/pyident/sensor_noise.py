@@ -45,7 +45,9 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
             frame[channel] = frame[channel] + probes[channel] * rng.standard_normal(len(frame))
             change = _residual(robot, replace(log, frame=frame), p) - residual
             patterns.append(_power(change, robot, log) / max(probes[channel], 1e-300) ** 2)
-    variances = _shared(np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds)
+    variances = _shared(
+        np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds
+    )
     return dict(zip(channels, np.sqrt(variances).tolist(), strict=True))
 
 
