@@ -98,6 +98,17 @@ class Search:
         )
         return Step(tie, self.p_value(best), tuple(f for f in ranked if f not in tie))
 
+    def best(self, effect: str, joint: int) -> Found | None:
+        """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""
+        found = []
+        for number, (family, at) in enumerate(self.families.items()):
+            if family[:2] == (effect, joint):
+                gains = {i: gain(self.base, self._columns[i], *self._bounds[i]) for i in at}
+                top = max(gains, key=lambda i: gains[i].energy)
+                start = self._found(self.examination.candidates[top], gains[top], number)
+                found.append(self._refined(start, number))
+        return max(found, key=lambda f: f.excess, default=None)
+
     def p_value(self, found: Found) -> float:
         """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""
         return (1 + int((self.peaks >= found.z).sum())) / (1 + len(self.peaks))
