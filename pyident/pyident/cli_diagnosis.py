@@ -1,4 +1,4 @@
-"""Commands that judge a model: compare, add."""
+"""Commands that judge a model: compare, diagnose, add."""
 
 import sys
 from pathlib import Path
@@ -10,10 +10,14 @@ from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.command import console, json_option, output_option, progress_bar, reported, write_json
 from pyident.compare import Comparison, Error, compare
-from pyident.extend import Extended, add_effect
-from pyident.log import Log, read_log
+from pyident.diagnose import diagnose
+from pyident.diagnosis import Diagnosis
+from pyident.extend import Extended, add_effect, split
+from pyident.log import Log
+from pyident.log_import import robot_log
 from pyident.pipeline import FmuRuns
 from pyident.report.comparison import write_comparison
+from pyident.report.diagnosis_page import write_diagnosis
 
 
 @click.command(name="compare")
@@ -46,6 +50,38 @@ def compare_command(models_and_logs: tuple[str, ...], output: str | None, json_f
         click.echo(f"wrote {output}")
     contents = [c.json() for c in found]
     write_json(json_file, contents[0] if len(found) == 1 else contents[1] | {"old": contents[0]})
+
+
+@click.command(name="diagnose")
+@click.argument("model")
+@click.argument("logs", nargs=-1, required=True, metavar="LOG...")
+@click.option(
+    "--holdout", multiple=True, metavar="LOG", help="Log to judge on.  [default: the last, or its last third]"
+)
+@click.option("-o", "--output", type=click.Path(dir_okay=False), help="Page (HTML) to write.")
+@json_option
+@reported
+def diagnose_command(
+    model: str, logs: tuple[str, ...], holdout: tuple[str, ...], output: str | None, json_file: str | None
+) -> None:
+    """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or nothing.
+
+    The model is fitted to the logs; its own masses, frictions and stiffnesses are not used. The exit code is 1
+    when something is missing.
+
+    Example: pyident diagnose my_arm.toml a.parquet b.parquet c.parquet -o diagnosis.html
+    """
+    robot = load_robot(model)
+    parts = split(_read(robot, logs), _read(robot, holdout))
+    with progress_bar("fitting, replicas, search") as progress:
+        found = diagnose(robot, parts.fitted, FmuRuns, parts.unseen, progress)
+    _print_diagnosis(found)
+    if output:
+        write_diagnosis(found, output, model)
+        click.echo(f"wrote {output}")
+    write_json(json_file, found.json())
+    if found.verdict != "nothing_detectable":
+        sys.exit(1)
 
 
 @click.command(name="add")
@@ -98,7 +134,7 @@ def _models_and_logs(given: tuple[str, ...]) -> tuple[list[str], list[str]]:
 
 
 def _read(robot: Robot, paths: tuple[str, ...] | list[str]) -> list[Log]:
-    return [read_log(path, robot.columns) for path in paths]
+    return [robot_log(path, robot) for path in paths]
 
 
 def _print_comparison(models: list[str], found: list[Comparison]) -> None:
@@ -116,6 +152,23 @@ def _print_comparison(models: list[str], found: list[Comparison]) -> None:
                 what = f"{kind[:-1] if kind == 'equations' else 'simulated'} {name}"
                 table.add_row(what.replace("[", r"\["), *cells, f"{errors[-1].floor_percent:.3g}")
         console.print(table)
+
+
+def _print_diagnosis(found: Diagnosis) -> None:
+    for note in found.notes:
+        click.echo(f"note: {note}")
+    click.echo(found.sentence)
+    table = Table("finding", "share of the excess", "fall on held-out data", "parameters")
+    for finding in found.findings:
+        best = finding.tie[0]
+        names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
+        held = "-" if finding.heldout_gain_percent is None else f"{finding.heldout_gain_percent:.0f} %"
+        values = ", ".join(f"{name} {value:.4g} {best.units[name]}" for name, value in best.values.items())
+        table.add_row(names, f"{finding.share_percent:.0f} %", held, values)
+    if found.findings:
+        console.print(table)
+    for sentence in (*found.depends_on, *(f"to separate: {f.experiment}" for f in found.findings if f.experiment)):
+        click.echo(sentence)
 
 
 def _print_waterfall(found: Extended) -> None:

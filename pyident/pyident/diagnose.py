@@ -19,10 +19,12 @@ from pyident.detectable import limits, rows_over_floor
 from pyident.diagnosis import Diagnosis, Finding, Named, Stage, VerdictName
 from pyident.evidence import gain, joined, taken_over
 from pyident.examination import REPLICAS, examine, set_up, unbiased, whitened
+from pyident.integrity import integrity
 from pyident.log import Log
 from pyident.search import Found, Search, Step
 from pyident.selection import MATERIAL, Selection, select
 from pyident.spectra import Equations
+from pyident.unexplained import depends_on
 
 OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Progress = Callable[[float], None]
@@ -42,10 +44,11 @@ def diagnose(
     heldout        logs on which the findings must hold
     Raises LogError.
     """
+    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.9 * share), replicas)
     diagnosis = concluded(search, heldout)
     progress(1.0)
-    return diagnosis
+    return replace(diagnosis, notes=notes)
 
 
 def searched(
@@ -166,6 +169,7 @@ def _outcome(
     localised = _place(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
     ranking = tuple(_beside(search, f) for f in selection.first.ranked)
     stages = tuple(_stages(search, kept))
+    leads = depends_on(ex, search.base).sentences if verdict == "unexplained" else ()
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
@@ -180,6 +184,7 @@ def _outcome(
         remaining=stages[-1].over_floor,
         ranking=ranking,
         noise=ex.setting.noise,
+        depends_on=leads,
         stages=stages,
     )
 

@@ -95,6 +95,15 @@ class Split:
     judged: list[Log]
     since: tuple[float, ...]
 
+    @property
+    def unseen(self) -> list[Log]:
+        """What counts of the logs to judge."""
+        starts = [round(t / log.period) for log, t in zip(self.judged, self.since, strict=True)]
+        return [
+            replace(log, frame=log.frame.iloc[n:].reset_index(drop=True))
+            for log, n in zip(self.judged, starts, strict=True)
+        ]
+
 
 def split(logs: Sequence[Log], heldout: Sequence[Log]) -> Split:
     """Held-out logs are those named, else the last of several, else the last third of the only one."""
