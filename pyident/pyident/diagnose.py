@@ -95,10 +95,15 @@ def _finding(search: Search, selection: Selection, number: int, held: Sequence[E
         tie=tuple(named(search, f) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
-        share_percent=100 * step.best.excess / max(search.excess, step.best.excess),
+        share_percent=_percent(step.best.excess, search),
         heldout_gain_percent=100 * (1 - with_it / without) if held else None,
         experiment=_experiment(search.robot, step) if len(step.tie) > 1 else "",
     )
+
+
+def _percent(energy: float, search: Search) -> float:
+    """Of what exceeds the floor."""
+    return 100 * energy / max(search.excess, energy, 1e-300)
 
 
 def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
@@ -147,7 +152,7 @@ def named(search: Search, found: Found) -> Named:
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units={p.name: units[prefix + p.name] for p in law.parameters},
-        gain_percent=100 * found.excess / max(search.excess, found.excess),
+        gain_percent=_percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
     )
 
@@ -193,7 +198,7 @@ def _beside(search: Search, found: Found) -> Named:
     """A candidate by itself, and what it would still take away beside those that the search rests on."""
     left = gain(search.base, search.columns(found.candidate), *bounds(search.robot, found.candidate)).energy
     excess = max(left - found.pretended, 0.0)
-    return replace(named(search, found), beside_percent=100 * excess / max(search.excess, found.excess))
+    return replace(named(search, found), beside_percent=_percent(excess, search))
 
 
 def _stages(search: Search, kept: Sequence[tuple[Step, Finding]]) -> Iterator[Stage]:

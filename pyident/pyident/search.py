@@ -32,6 +32,11 @@ class Found:
     def excess(self) -> float:
         return self.gain.energy - self.pretended
 
+    @property
+    def freedom(self) -> int:
+        """Number of parameters: of laws that explain alike, the one with fewer comes first."""
+        return len(self.gain.coefficients) + len(self.candidate.values)
+
 
 @dataclass(frozen=True)
 class Step:

@@ -7,13 +7,13 @@ from flexmodels.signals import beyond, dde, de, e, eps, tip
 
 _angle = e + eps[1]  # of the link relative to the joint's base side: it loads motor and transmission alike
 
-_stiffness = Parameter("stiffness", "N.m/rad")
+_stiffness, _pull = Parameter("stiffness", "N.m/rad"), Parameter("preload", "N.m")
 
 joint_spring = Effect(
     name="joint_spring",
     title="Spring between the links on both sides of the joint, as of hoses and cables",
-    forces={q: _stiffness.symbol * _angle for q in (e, eps[1])},
-    parameters=(_stiffness,),
+    forces={q: _stiffness.symbol * _angle + _pull.symbol for q in (e, eps[1])},
+    parameters=(_stiffness, _pull),
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="a large part of the joint's range",
     confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset"),
