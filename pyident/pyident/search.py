@@ -98,9 +98,9 @@ class Search:
         ]
         ranked = sorted(refined, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
         best = ranked[0]
-        tie = tuple(f for f in ranked if f.excess >= _TIE * best.excess and self.p_value(f) <= ALPHA) or (
-            best,
-        )
+        near = [f for f in ranked if f.excess >= _TIE * best.excess and self.p_value(f) <= ALPHA]
+        tie = tuple(sorted(near or [best], key=lambda f: (f.freedom, -f.excess)))
+        best = tie[0]
         return Step(tie, self.p_value(best), tuple(f for f in ranked if f not in tie))
 
     def best(self, effect: str, joint: int) -> Found | None:
