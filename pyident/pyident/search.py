@@ -15,6 +15,7 @@ ALPHA = 0.05  # chance of a name when nothing is missing
 _TRIALS = 60  # of the nonlinear parameters of one candidate
 _WORTH_REFINING = 0.3  # of the best gain
 _TIE = 0.9  # of the best gain: what explains as much cannot be told from it
+_CHANCE = 5.0  # standard deviations by which a gain may differ by chance
 _STANDS_OUT = 0.3  # of the floor's energy
 _OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's own trace is known
 
@@ -98,7 +99,8 @@ class Search:
         ]
         ranked = sorted(refined, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
         best = ranked[0]
-        near = [f for f in ranked if f.excess >= _TIE * best.excess and self.p_value(f) <= ALPHA]
+        least = max(_TIE * best.excess, best.excess - self._misfit(best))
+        near = [f for f in ranked if f.excess >= least and self.p_value(f) <= ALPHA]
         tie = tuple(sorted(near or [best], key=lambda f: (f.freedom, -f.excess)))
         best = tie[0]
         return Step(tie, self.p_value(best), tuple(f for f in ranked if f not in tie))
@@ -113,6 +115,11 @@ class Search:
                 start = self._found(self.examination.candidates[top], gains[top], number)
                 found.append(self._refined(start, number))
         return max(found, key=lambda f: f.excess, default=None)
+
+    def _misfit(self, found: Found) -> float:
+        """What a candidate leaves on its own equations: a rival that explains less by no more is not excluded."""
+        left = self.remaining_on(self.rows(found.candidate)) - found.excess
+        return max(left, _CHANCE**2)
 
     def p_value(self, found: Found) -> float:
         """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""

@@ -71,7 +71,7 @@ def _standing(search: Search, steps: list[Step]) -> list[Step]:
     while len(steps) < MOST:
         search.rest_on([s.best.candidate for s in steps])
         step = search.step()
-        named = {s.best.candidate.family for s in steps}
+        named = {f.candidate.family for s in steps for f in s.tie}
         others = (f for f in step.ranked if f.candidate.family not in named)
         further = next((f for f in others if _counts(search, f) and _owns(search, f)), None)
         if further is None:

@@ -25,7 +25,7 @@ class Plan:
     """most: of each kind of case; None: all. nulls: of the full list."""
 
     seed: int = SEED
-    nulls: int = 20
+    nulls: int = 12
     most: Mapping[str, int] | None = None
     replicas: int = REPLICAS
 
