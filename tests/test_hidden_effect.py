@@ -74,16 +74,17 @@ def test_the_intervals_are_wilsons():
 def test_the_confusion_has_every_case_but_pairs():
     counts = confusion(MADE_UP)
     assert counts.to_numpy().sum() == len(MADE_UP) - 2
-    assert counts.loc["nothing hidden", NOTHING] == 3
-    assert counts.loc["outside the catalogue", UNEXPLAINED] == 1
-    assert counts.loc["stribeck", ELSEWHERE] == 1
-    assert counts.loc["stribeck", "stribeck"] == 1
-    assert counts.loc["stribeck", FAILED] == 1
-    assert counts.loc["not observable", "cannot tell"] == 1
+    by_truth = counts.to_dict("index")
+    assert by_truth["nothing hidden"][NOTHING] == 3
+    assert by_truth["outside the catalogue"][UNEXPLAINED] == 1
+    assert by_truth["stribeck"][ELSEWHERE] == 1
+    assert by_truth["stribeck"]["stribeck"] == 1
+    assert by_truth["stribeck"][FAILED] == 1
+    assert by_truth["not observable"]["cannot tell"] == 1
 
 
 def test_a_table_names_truth_ties_and_failures():
-    lines = table(MADE_UP)
+    lines = table(MADE_UP).to_dict("list")
     assert lines["truth"][10] == "stribeck@2 + backlash@3"
     assert lines["names"][5] == "torque_ripple@2 or stribeck@2"
     assert lines["failure"][9] == "SimulationError: gone"
