@@ -1,15 +1,19 @@
-"""The blind study: its arithmetic on answers made up here, and three cases from their logs to their scores."""
+"""The blind study: its arithmetic on answers made up here, and three cases from logs to scores."""
 
 import json
+import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+from studies.hidden_effect.blind import solve_all
+from studies.hidden_effect.confusion import ELSEWHERE, NOTHING, UNEXPLAINED, confusion
+from studies.hidden_effect.generator import cases_of
+from studies.hidden_effect.scoring import FAILED, Scored, score, table, unseal
+from studies.hidden_effect.study import REDUCED, SEED, TUNING, Plan, report
 
-from pyident.studies.hidden_effect.blind import solve_all
-from pyident.studies.hidden_effect.confusion import ELSEWHERE, NOTHING, UNEXPLAINED, confusion
-from pyident.studies.hidden_effect.generator import cases_of
-from pyident.studies.hidden_effect.scoring import FAILED, Scored, score, table, unseal
-from pyident.studies.hidden_effect.study import REDUCED, SEED, TUNING, Plan, report
+from pyident.studies import find_study
 
 STRIBECK, BACKLASH, RIPPLE = ("stribeck", 2), ("backlash", 3), ("torque_ripple", 2)
 
@@ -70,16 +74,17 @@ def test_the_intervals_are_wilsons():
 def test_the_confusion_has_every_case_but_pairs():
     counts = confusion(MADE_UP)
     assert counts.to_numpy().sum() == len(MADE_UP) - 2
-    assert counts.loc["nothing hidden", NOTHING] == 3
-    assert counts.loc["outside the catalogue", UNEXPLAINED] == 1
-    assert counts.loc["stribeck", ELSEWHERE] == 1
-    assert counts.loc["stribeck", "stribeck"] == 1
-    assert counts.loc["stribeck", FAILED] == 1
-    assert counts.loc["not observable", "cannot tell"] == 1
+    by_truth = counts.to_dict("index")
+    assert by_truth["nothing hidden"][NOTHING] == 3
+    assert by_truth["outside the catalogue"][UNEXPLAINED] == 1
+    assert by_truth["stribeck"][ELSEWHERE] == 1
+    assert by_truth["stribeck"]["stribeck"] == 1
+    assert by_truth["stribeck"][FAILED] == 1
+    assert by_truth["not observable"]["cannot tell"] == 1
 
 
 def test_a_table_names_truth_ties_and_failures():
-    lines = table(MADE_UP)
+    lines = table(MADE_UP).to_dict("list")
     assert lines["truth"][10] == "stribeck@2 + backlash@3"
     assert lines["names"][5] == "torque_ripple@2 or stribeck@2"
     assert lines["failure"][9] == "SimulationError: gone"
@@ -88,6 +93,14 @@ def test_a_table_names_truth_ties_and_failures():
 
 def test_what_is_scored_was_never_tuned_on():
     assert Plan().seed == SEED != TUNING == REDUCED.seed
+
+
+def test_other_processes_find_the_study():
+    """What is sent to them goes by its module's name."""
+    study = find_study("hidden_effect")
+    load = f"import pickle; print(pickle.loads({pickle.dumps(study)!r}).__module__)"
+    done = subprocess.run([sys.executable, "-c", load], capture_output=True, text=True)
+    assert done.stdout.strip() == "pyident.studies.hidden_effect.study", done.stderr
 
 
 def test_three_cases_from_logs_to_scores(tmp_path):
