@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Literal
 
 from flexfmu import fmi2_description, fmi3_description
-from flexfmu.compilation import HOST, PLATFORMS, BuildError, compile_for
+from flexfmu.compilation import HOST, PLATFORMS, compile_for
 from flexfmu.documentation import documentation
 from flexfmu.source import RUNTIME, model_sources, token_of
 from flexfmu.variables import identifier
 from flexmodels.atomic import replacing
+from flexmodels.compiler import BuildError
 from flexmodels.plant import Equations
 
 __all__ = ["BuildError", "export_fmu"]

@@ -8,10 +8,12 @@ import numpy as np
 import sympy
 
 from flexmodels.effect import Effect
-from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
-from pyident.fem import body, robot_structure, transfer
+from flexmodels.robot import Robot, parameter_name
+from pyident.link_columns import LinkColumns
+from pyident.parallel import spread
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
+BLOCK = 2 * CACHED
 
 
 @dataclass(frozen=True)
@@ -41,20 +43,23 @@ class Regressor:
 def regressor(robot: Robot, motion: Motion) -> Regressor:
     """Φ of the whole motion in memory. Raises ValueError for a wrong motion or a law that is not linear."""
     rows, columns = robot.coordinates, tuple(robot.parameters)
-    matrix = np.empty((len(motion.q), len(rows), len(columns)))
+    matrix = np.zeros((len(motion.q), len(rows), len(columns)))
     builder = _Builder(robot, motion)
     builder.fill(matrix, 0)
     return Regressor(matrix, rows, columns)
 
 
-def regressor_blocks(robot: Robot, motion: Motion, block: int = 4096) -> Iterator[tuple[slice, np.ndarray]]:
-    """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use it or copy it.
+def regressor_blocks(robot: Robot, motion: Motion, block: int = BLOCK) -> Iterator[tuple[slice, np.ndarray]]:
+    """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use or copy it.
+
+    In memory the samples of an entry are neighbours. What is zero in every motion is written once: Phi may
+    be scaled in place, but nothing be added to it.
 
     Raises ValueError as `regressor` does, before the first piece.
     """
     builder = _Builder(robot, motion)
     n, samples = len(robot.coordinates), len(motion.q)
-    Phi = np.empty((min(block, samples), n, len(robot.parameters)))
+    Phi = np.zeros((n, len(robot.parameters), min(block, samples))).transpose(2, 0, 1)
 
     def pieces() -> Iterator[tuple[slice, np.ndarray]]:
         for start in range(0, samples, block):
@@ -80,37 +85,24 @@ class _Builder:
     """What is known of Φ before the first sample: the structure, where each column stands, the laws."""
 
     def __init__(self, robot: Robot, motion: Motion):
-        self.gravity = np.array(robot.gravity)
-        self.structure = robot_structure.of_robot(robot)
-        names = list(robot.parameters)
-        starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
-        self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
         self.signals = _signals(robot, motion)
         self.laws = list(_law_columns(robot, frozenset(self.signals)))
+        self.links = LinkColumns(robot)
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
-        """Write Φ of the samples from `start` on."""
-        for at in range(0, len(Phi), CACHED):
-            piece = Phi[at : at + CACHED]
-            part = slice(start + at, start + at + len(piece))
-            self._fill_links(piece, part)
-            self._fill_laws(piece, part)
+        """Write Φ of the samples from `start` on into Phi, which is zero or was filled before."""
 
-    def _fill_links(self, Phi: np.ndarray, part: slice) -> None:
-        """Φ^(l): virtual power DFᵀ(M x'' − f) of every lumped body, eq. (8)."""
-        q, dq, ddq = (np.ascontiguousarray(rate[part].T) for rate in self.rates)
-        nodes = transfer.nodes(self.structure, q, dq, ddq)
-        for (x, R), columns in zip(self.structure.bodies, self.links, strict=True):
-            position, orientation = nodes.positions[x], nodes.orientations[R]
-            DF = np.concatenate([position.DF, orientation.DF])
-            Y = body.reaction(position, orientation, self.gravity)
-            np.matmul(DF.transpose(2, 1, 0), Y.transpose(2, 0, 1), out=Phi[:, :, columns])
+        def fill_part(part: slice) -> None:
+            piece, samples = Phi[part], slice(start + part.start, start + part.stop)
+            q, dq, ddq = (rate[samples] for rate in self.rates)
+            self.links.fill(piece, (q, dq, ddq))
+            for law in self.laws:
+                piece[:, law.row, law.column] = law.value(
+                    *(self.signals[name][samples] for name in law.signals)
+                )
 
-    def _fill_laws(self, Phi: np.ndarray, part: slice) -> None:
-        Phi[:, :, self.links[-1].stop :] = 0.0
-        for law in self.laws:
-            Phi[:, law.row, law.column] = law.value(*(self.signals[name][part] for name in law.signals))
+        spread(fill_part, len(Phi), CACHED)
 
 
 def _signals(robot: Robot, motion: Motion) -> dict[str, np.ndarray]:
