@@ -22,10 +22,7 @@ SOURCE = "double twice(double x) { return 2 * x; }"
 
 def filled(links: LinkColumns, robot: Robot, motion, *, samples_last: bool = False) -> np.ndarray:
     shape = len(motion[0]), len(robot.coordinates), len(robot.parameters)
-    if samples_last:
-        Phi = np.zeros((*shape[1:], shape[0])).transpose(2, 0, 1)
-    else:
-        Phi = np.zeros(shape)
+    Phi = np.zeros((*shape[1:], shape[0])).transpose(2, 0, 1) if samples_last else np.zeros(shape)
     links.fill(Phi, motion)
     return Phi
 

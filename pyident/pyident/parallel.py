@@ -1,9 +1,12 @@
 """Samples shared out among the cores; threads, for what works outside of Python (C, NumPy, LAPACK)."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 def spread(work: Callable[[slice], None], samples: int, most: int) -> None:
@@ -12,11 +15,16 @@ def spread(work: Callable[[slice], None], samples: int, most: int) -> None:
     Raises what `work` raises.
     """
     parts = [slice(at, min(at + most, samples)) for at in range(0, samples, most)]
-    if cores() == 1 or len(parts) == 1:
-        for part in parts:
-            work(part)
+    each(work, parts)
+
+
+def each(work: Callable[[T], None], items: Iterable[T]) -> None:
+    """work(item) for every item, on all cores. Raises what `work` raises."""
+    if cores() == 1:
+        for item in items:
+            work(item)
     else:
-        list(_threads().map(work, parts))
+        list(_threads().map(work, items))
 
 
 def cores() -> int:

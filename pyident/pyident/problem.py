@@ -43,7 +43,9 @@ def _blocks(robot: Robot, part: Conditioned, weights: np.ndarray | None) -> Iter
     if part.thinning == 1:
         for at, Phi in regressor_blocks(robot, part.motion):
             use = part.use[at] if weights is None else part.use[at] * weights[at]
-            yield Phi * use[:, :, None], part.target[at] * use
+            for row in np.flatnonzero((use != 1).any(axis=0)):
+                Phi[:, row] *= use[:, row, None]
+            yield Phi, part.target[at] * use
     else:
         Phi, y = thin(regressor(robot, part.motion).matrix, part.thinning), thin(part.target, part.thinning)
         yield (Phi, y) if weights is None else (Phi * weights[:, :, None], y * weights)
