@@ -25,6 +25,7 @@ from pyident.experiment_file import ExperimentError, load_experiment, read_exper
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
 from pyident.log import Log, LogError, read_log, write_log
+from pyident.log_file import open_log
 from pyident.output_error import output_error
 from pyident.pipeline import FmuRuns, simulate_robot
 from pyident.studies import find_study, study_names
@@ -184,8 +185,10 @@ def identify_command(
     Example: pyident identify four_link log.parquet -o identified.toml
     """
     robot = load_robot(model)
-    read = [read_log(log, robot.columns) for log in logs]
-    found = _refined(robot, read) if refine else identify(robot, read, robust=robust)
+    if refine:
+        found = _refined(robot, [read_log(log, robot.columns) for log in logs])
+    else:
+        found = identify(robot, [open_log(log, robot.columns) for log in logs], robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)

@@ -30,11 +30,10 @@ class Compiled:
 
 
 class LinkColumns:
-    """The columns of a robot's links in Φ."""
+    """The columns of a robot's links in Φ; starts: of each link the column of its first parameter."""
 
-    def __init__(self, robot: Robot):
-        names = list(robot.parameters)
-        self.starts = np.array([names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)])
+    def __init__(self, robot: Robot, starts: list[int]):
+        self.starts = np.array(starts)
         self.gravity = np.array(robot.gravity)
         self.structure = robot_structure.of_robot(robot)
         self.compiled = compiled(self.structure, self.gravity) if self.structure.is_chain else None

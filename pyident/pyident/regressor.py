@@ -87,7 +87,9 @@ class _Builder:
     def __init__(self, robot: Robot, motion: Motion):
         self.signals = _signals(robot, motion)
         self.laws = list(_law_columns(robot, frozenset(self.signals)))
-        self.links = LinkColumns(robot)
+        names = list(robot.parameters)
+        starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
+        self.links = LinkColumns(robot, starts)
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
