@@ -10,17 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning import REACH, Conditioned, Recipe, condition, recipe, settling, thinning_filter
+from pyident.conditioning import (
+    REACH,
+    Conditioned,
+    Piece,
+    Recipe,
+    condition,
+    recipe,
+    settling,
+    thinning_filter,
+)
 from pyident.log import Log
 from pyident.log_file import ROWS, LogFile
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Conditioned samples of which `own` belong to no other piece; the others are a margin for `thin`."""
-
-    conditioned: Conditioned
-    own: slice
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,7 @@ class ConditionedFile:
             yield Piece(self.recipe.masked(part, self.mean_square), own)
 
 
-Part = Conditioned | ConditionedFile
-
-
-def prepared(log: Log | LogFile, robot: Robot) -> Part:
+def prepared(log: Log | LogFile, robot: Robot) -> Conditioned | ConditionedFile:
     """The log as equations; a log on disk stays there. Raises LogError."""
     if isinstance(log, Log):
         return condition(log, robot)
@@ -54,14 +52,6 @@ def prepared(log: Log | LogFile, robot: Robot) -> Part:
         speed = part.motion.dq[own, :joints]
         squares, samples = squares + (speed**2).sum(axis=0), samples + len(speed)
     return ConditionedFile(log, plan, squares / samples)
-
-
-def pieces_of(part: Part) -> Iterator[Piece]:
-    """A log in memory is one piece."""
-    if isinstance(part, Conditioned):
-        yield Piece(part, slice(0, len(part.target)))
-    else:
-        yield from part.pieces()
 
 
 def _windows(log: LogFile, plan: Recipe, thinning: int) -> Iterator[tuple[Conditioned, slice]]:

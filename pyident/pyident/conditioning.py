@@ -12,7 +12,7 @@ and Φ, evaluated at the means, belongs to the mean torque. Without a held torqu
 central differences are taken at the samples themselves.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,10 +48,22 @@ class Conditioned:
     use: np.ndarray
     thinning: int
 
+    def pieces(self) -> "Iterator[Piece]":
+        """All of it: what is in memory is one piece."""
+        yield Piece(self, slice(0, len(self.target)))
+
     def cut(self, samples: slice) -> "Conditioned":
         """Some of the samples."""
         motion = {name: x if x is None else x[samples] for name, x in vars(self.motion).items()}
         return Conditioned(Motion(**motion), self.target[samples], self.use[samples], self.thinning)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Conditioned samples of which `own` belong to no other piece; the others are a margin for `thin`."""
+
+    conditioned: Conditioned
+    own: slice
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Long logs stay on disk: checked once, then read block by block as often as they are needed."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,7 +12,8 @@ from flexmodels.robot import Column
 from pyident.log import Log, LogError, check_columns, check_steps, median_step, read_log, reading, renamed
 
 LARGE = 16_000_000  # bytes of numbers (Parquet) or text (CSV) from which a log stays on disk
-ROWS = 16_384  # of a block
+ROWS = 8_192  # of a block
+_BUFFER = 1 << 16  # bytes of a column that are read at a time
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class LogFile:
     def windows(self, names: list[str], own: int, margin: int) -> Iterator[Window]:
         """The named signals in windows of `own` rows between margins; each row is read once."""
         held, first, at = np.empty((0, len(names))), 0, 0
-        for frame in _frames(self.path, self.columns):
+        for frame in _frames(self.path, self.columns, names):
             held = np.concatenate([held, frame[names].to_numpy(dtype=float)])
             read = first + len(held)
             while at < self.length and read >= min(at + own + margin, self.length):
@@ -82,17 +83,29 @@ def log_file(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
     return LogFile(path, columns, names, length, float((ends[1] - ends[0]) / (length - 1)))
 
 
-def _frames(path: Path, columns: Mapping[str, Column]) -> Iterator[pd.DataFrame]:
-    """The rows block by block, under the contract's names. Raises LogError."""
+def _frames(
+    path: Path, columns: Mapping[str, Column], names: Sequence[str] | None = None
+) -> Iterator[pd.DataFrame]:
+    """The rows block by block, under the contract's names; only the named signals. Raises LogError."""
+    if names is not None:
+        columns = {name: columns[name] for name in names if name in columns}
+    wanted = None if names is None else {*names, *(column.source for column in columns.values())}
     with reading(path):
-        if path.suffix == ".csv":
-            with pd.read_csv(path, chunksize=ROWS) as chunks:
-                for frame in chunks:
-                    yield renamed(frame, columns, str(path))
-        else:
-            with pq.ParquetFile(path, buffer_size=1 << 18, pre_buffer=False) as file:
-                for batch in file.iter_batches(ROWS):
-                    yield renamed(batch.to_pandas(), columns, str(path))
+        for frame in (_csv_frames if path.suffix == ".csv" else _parquet_frames)(path, wanted):
+            yield renamed(frame, columns, str(path))
+
+
+def _csv_frames(path: Path, wanted: set[str] | None) -> Iterator[pd.DataFrame]:
+    usecols = None if wanted is None else lambda name: name in wanted
+    with pd.read_csv(path, chunksize=ROWS, usecols=usecols) as chunks:
+        yield from chunks
+
+
+def _parquet_frames(path: Path, wanted: set[str] | None) -> Iterator[pd.DataFrame]:
+    with pq.ParquetFile(path, buffer_size=_BUFFER, pre_buffer=False) as file:
+        names = [name for name in file.schema_arrow.names if wanted is None or name in wanted]
+        for batch in file.iter_batches(ROWS, columns=names, use_threads=False):
+            yield batch.to_pandas(use_threads=False)
 
 
 def _bytes(path: Path) -> int:

@@ -2,15 +2,23 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioned_file import Part, Piece, pieces_of
-from pyident.conditioning import thin
+from pyident.conditioning import Piece, thin
 from pyident.regressor import regressor_blocks
 
 Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)
+
+
+class Part(Protocol):
+    """A conditioned log: its samples piece by piece, and the factor by which equations are thinned out."""
+
+    @property
+    def thinning(self) -> int: ...
+    def pieces(self) -> Iterator[Piece]: ...
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,7 @@ class Problem:
 
     def _blocks(self, part: Part, weights: np.ndarray | None) -> Iterator[Block]:
         at = 0
-        for piece in pieces_of(part):
+        for piece in part.pieces():
             blocks = _whole(self.robot, piece) if part.thinning == 1 else _thinned(self.robot, piece)
             for A, y in blocks:
                 if weights is not None:
