@@ -14,6 +14,7 @@ central differences are taken at the samples themselves.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class Conditioned:
 
     def cut(self, samples: slice) -> "Conditioned":
         """Some of the samples."""
-        motion = {name: x if x is None else x[samples] for name, x in vars(self.motion).items()}
+        motion: dict[str, Any] = {n: x if x is None else x[samples] for n, x in vars(self.motion).items()}
         return Conditioned(Motion(**motion), self.target[samples], self.use[samples], self.thinning)
 
 
@@ -103,9 +104,10 @@ class Recipe:
         if robot.controller is not None:
             torque[1:] = (torque[1:] + torque[:-1]) / 2
         scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
-        motion = Motion(*scheme(q, self.period), torque[REACH:-REACH], time)
-        target = np.zeros_like(motion.q)
-        target[:, :joints] = motion.tau
+        q, dq, ddq = scheme(q, self.period)
+        torque, target = torque[REACH:-REACH], np.zeros_like(q)
+        target[:, :joints] = torque
+        motion = Motion(q, dq, ddq, torque, time)
         return Conditioned(motion, target, np.ones_like(target), robot.processing.decimate)
 
     def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:

@@ -74,8 +74,9 @@ def compiled(structure: Structure, gravity: np.ndarray) -> Compiled | None:
 def check_bends(structure: Structure, q: np.ndarray) -> None:
     """Raises ValueError where q (N, n) bends a hinge by a right angle."""
     for element, columns in zip(structure.elements, structure.columns, strict=True):
-        if isinstance(element, Hinge) and None not in columns:
-            hinge.check_bend(q[:, columns].T)
+        place = [column for column in columns if column is not None]
+        if isinstance(element, Hinge) and len(place) == element.modes:
+            hinge.check_bend(q[:, place].T)
 
 
 def _compile(structure: Structure, gravity: np.ndarray) -> Compiled | None:
