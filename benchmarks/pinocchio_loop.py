@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
-
 from benchmarks.measure import best
 
 _SOURCE = r"""

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
 from benchmarks.measure import best, on_one_core
+
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
 from pyident.link_columns import LinkColumns
