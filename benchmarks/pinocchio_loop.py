@@ -11,8 +11,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]
 from benchmarks.measure import best
 
 _SOURCE = r"""
-#include <pinocchio/multibody/model.hpp>
-#include <pinocchio/multibody/data.hpp>
+#include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/regressor.hpp>
 #include <chrono>
 #include <cstdio>
@@ -49,6 +48,7 @@ int main(int, char** files)
     std::printf("%g\n", samples / least);
 }
 """
+_BOOST = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS"]
 _VECTOR3 = "typedef Eigen::Vector3d Vector3;\n"
 
 
@@ -78,7 +78,17 @@ def cpp_speed(model, motion: tuple[np.ndarray, ...]) -> float | str:
         source, binary, data = (Path(folder) / name for name in ("loop.cpp", "loop", "data.txt"))
         source.write_text(_SOURCE.replace("int main", _VECTOR3 + "int main"))
         data.write_text(_as_text(model, motion))
-        command = ["g++", "-std=c++17", "-O3", "-march=native", "-DNDEBUG", str(source), "-o", str(binary)]
+        command = [
+            "g++",
+            "-std=c++17",
+            "-O3",
+            "-march=native",
+            "-DNDEBUG",
+            *_BOOST,
+            str(source),
+            "-o",
+            str(binary),
+        ]
         command += [f"-I{prefix}/include", f"-I{prefix}/include/eigen3", f"-L{prefix}/lib"]
         command += ["-lpinocchio_default", f"-Wl,-rpath,{prefix}/lib"]
         built = subprocess.run(command, capture_output=True, text=True)

@@ -15,7 +15,8 @@ from platformdirs import user_cache_path
 from flexmodels.atomic import replacing
 from flexmodels.compiler import BuildError, compiler
 
-_FLAGS = ["-std=c11", "-O2", "-march=native", "-ffp-contract=fast", "-shared"]
+# -ffast-math for sines of several samples at once; never given to the linker, where it changes the process.
+_FLAGS = ["-std=c11", "-O3", "-march=native", "-ffast-math"]
 _FLAGS += [] if sys.platform == "win32" else ["-fPIC"]
 _SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 _log = logging.getLogger(__name__)
@@ -24,8 +25,8 @@ _log = logging.getLogger(__name__)
 def library(source: str) -> ctypes.CDLL | None:
     """The compiled source; None where it cannot be compiled or loaded, with a note to the log."""
     try:
-        command = [*compiler(), *_FLAGS]
-        path = cache_folder() / f"{_key(source, command)}{_SUFFIX}"
+        command = compiler()
+        path = cache_folder() / f"{_key(source, [*command, *_FLAGS])}{_SUFFIX}"
         if not path.exists():
             _compile(source, command, path)
         return ctypes.CDLL(str(path))
@@ -42,11 +43,12 @@ def cache_folder() -> Path:
 def _compile(source: str, command: list[str], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     with tempfile.TemporaryDirectory() as folder, replacing(path) as binary:
-        file = Path(folder) / "source.c"
-        file.write_text(source, encoding="utf-8")
-        done = subprocess.run([*command, str(file), "-o", str(binary), "-lm"], capture_output=True, text=True)
-        if done.returncode:
-            raise BuildError(f"the C compiler failed ({command[0]} ...):\n{done.stderr.strip()}")
+        file, compiled = (str(Path(folder) / name) for name in ("source.c", "source.o"))
+        Path(file).write_text(source, encoding="utf-8")
+        for step in ([*_FLAGS, "-c", file, "-o", compiled], ["-shared", compiled, "-o", str(binary), "-lm"]):
+            done = subprocess.run([*command, *step], capture_output=True, text=True)
+            if done.returncode:
+                raise BuildError(f"the C compiler failed ({command[0]} ...):\n{done.stderr.strip()}")
 
 
 def _key(source: str, command: list[str]) -> str:
