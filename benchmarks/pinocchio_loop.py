@@ -48,7 +48,11 @@ int main(int, char** files)
     std::printf("%g\n", samples / least);
 }
 """
-_BOOST = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS"]
+_BOOST = [
+    "-DBOOST_FUSION_INVOKE_MAX_ARITY=10",
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+    "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+]
 _VECTOR3 = "typedef Eigen::Vector3d Vector3;\n"
 
 
