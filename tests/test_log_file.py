@@ -76,7 +76,8 @@ def test_identify_gives_the_same_from_disk(four_link, identification_log, tmp_pa
     close(normal[0], normal[1])
     seen = want.solution.seen.T * want.solution.scale
     np.testing.assert_allclose(seen @ found.solution.p, seen @ want.solution.p, rtol=1e-6, atol=1e-6)
-    np.testing.assert_allclose([b.std for b in found.base], [b.std for b in want.base], rtol=1e-6)
+    spread = [np.diag(seen @ x.solution.covariance @ seen.T) for x in (found, want)]
+    np.testing.assert_allclose(spread[0], spread[1], rtol=1e-6)
 
 
 def test_short_logs_are_read_into_memory(tmp_path, monkeypatch):
