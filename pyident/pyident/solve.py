@@ -105,8 +105,10 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     weights = np.ones(len(reduced.rows)) if weights is None else weights
     A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
-    scale[scale == 0] = 1.0
+    absent = scale == 0
+    scale[absent] = 1.0
     U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0  # else rounding: taken for a direction later
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)
     rank = _rank(s, coefficients, float(y @ y), equations)
