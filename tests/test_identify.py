@@ -118,3 +118,14 @@ def test_the_paper_study_meets_its_goals(tmp_path):
     assert [row["what"] for row in result.rows if row["met"] == "no"] == []
     assert all(figure.stat().st_size > 10_000 for figure in result.figures)
     assert load_robot(tmp_path / "identified.toml").name == "four_link_identified"
+
+
+def test_a_column_that_is_zero_is_in_no_direction_that_the_data_see():
+    rng = np.random.default_rng(7)
+    A = rng.normal(size=(300, 3, 6))
+    A[:, :, [1, 4]] = 0.0
+    A[:, 0, 2] = 0.0
+    solution = solve(reduce([(A, rng.normal(size=(300, 3)))], ("a", "b", "c"), tuple("uvwxyz")))
+    assert solution.rank == 4
+    assert (solution.seen[[1, 4]] == 0).all()
+    assert (solution.p[[1, 4]] == 0).all()

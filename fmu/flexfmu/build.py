@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from flexfmu.compilation import BuildError
 from flexfmu.documentation import controller_page, plant_page
 from flexfmu.icon import icons
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Platforms, Version, write_fmu
 from flexfmu.source import controller_sources, model_sources
 from flexfmu.variables import states
+from flexmodels.compiler import BuildError
 from flexmodels.plant import Equations
 
 __all__ = ["BuildError", "export_controller", "export_fmu"]

@@ -1,6 +1,7 @@
 """The command line: where robot, FMU and identification are put together."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -28,8 +29,8 @@ from pyident.experiment_file import load_experiment, read_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
 from pyident.locked import locked
-from pyident.log import Log, write_log
-from pyident.log_import import robot_log
+from pyident.log import Log, Sampled, write_log
+from pyident.log_import import open_robot_log, robot_log
 from pyident.mapping import read_mapping
 from pyident.output_error import output_error
 from pyident.parameter_study import run_plan
@@ -176,12 +177,14 @@ def identify_command(
     """
     robot = load_robot(model)
     columns = read_mapping(mapping) if mapping else None
-    read = [robot_log(log, robot, columns) for log in logs]
-    robot, notes = locked(robot, read)
-    notes = [note for log in read for note in log.notes] + notes
-    for note in notes:
-        click.echo(f"note: {note}")
-    found = _refined(robot, read) if refine else identify(robot, read, robust=robust)
+    if refine:
+        in_memory = [robot_log(log, robot, columns) for log in logs]
+        robot, notes = _locked(robot, in_memory)
+        found = _refined(robot, in_memory)
+    else:
+        opened = [open_robot_log(log, robot, columns) for log in logs]
+        robot, notes = _locked(robot, opened)
+        found = identify(robot, opened, robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)
@@ -262,6 +265,15 @@ def _simulable(model: str) -> Robot:
 def _require_controller(robot: Robot) -> None:
     if robot.controller is None:
         raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
+
+
+def _locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
+    """The robot as far as the logs can tell of it; what was done to both is printed and returned."""
+    robot, notes = locked(robot, logs)
+    notes = [note for log in logs for note in log.notes] + notes
+    for note in notes:
+        click.echo(f"note: {note}")
+    return robot, notes
 
 
 def _refined(robot: Robot, logs: list[Log]) -> Identified:

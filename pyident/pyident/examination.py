@@ -162,8 +162,7 @@ def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Seq
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    return equations(problem, [log.period for log in logs])
+    return equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:

@@ -24,7 +24,6 @@ from pyident.evidence import gain, solve_base
 from pyident.examination import Setting, set_up, unbiased
 from pyident.law_columns import nonlinear_grid
 from pyident.log import Log, LogError
-from pyident.problem import Problem
 from pyident.replica import repeat
 from pyident.spectra import equations
 from pyident.trial import Part, Progress, Trial, run_trial
@@ -179,12 +178,12 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
     setting = base.setting
     robot = setting.robot
     logs = setting.logs
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    grid = nonlinear_grid(robot, joint, effect, problem.parts[0].motion)
+    parts = [condition(log, robot) for log in logs]
+    grid = nonlinear_grid(robot, joint, effect, parts[0].motion)
     listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
     if not listed[0].values:
         return wider
-    plain = equations(problem, [log.period for log in logs])
+    plain = equations(robot, parts, [log.period for log in logs])
     level = 1 / np.maximum(setting.solution.weights, 1e-300)
     levels = [np.repeat(level[:, None], e.y.shape[1], axis=1) for e in plain]
     weighted = [e.over(lv) for e, lv in zip(plain, levels, strict=True)]

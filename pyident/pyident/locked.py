@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from flexmodels.robot import Joint, Robot
-from pyident.log import Log
+from pyident.log import Sampled
 
 
-def locked(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, list[str]]:
+def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
     """The robot with only those deformations that every log holds, and a sentence on each that was taken."""
     joints, notes = list(robot.joints), []
     for k, joint in robot.numbered:
-        present = [i for i in joint.deformations if all(f"joint{k}.eps[{i}]" in log.frame for log in logs)]
+        present = [i for i in joint.deformations if all(f"joint{k}.eps[{i}]" in log.names for log in logs)]
         if joint.flexible and 1 not in present:
             joints[k - 1] = _without(joint, flexible=False)
             notes.append(

@@ -12,6 +12,7 @@ from scipy.io import loadmat
 
 from flexmodels.robot import Robot
 from pyident.log import Log, LogError, check, read_log
+from pyident.log_file import LogFile, open_log
 from pyident.mapping import Mapping
 from pyident.ros import read_bag
 
@@ -45,8 +46,16 @@ def robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) ->
     """A log of `robot`: through a mapping file, or by the robot's own [columns]. Raises LogError."""
     if mapping is not None:
         return import_log([path], mapping, robot)
-    log = read_log(path, robot.columns)
-    return Log(at_joints(log.frame, robot, log.source), log.source, log.notes)
+    return _at_its_joints(read_log(path, robot.columns), robot)
+
+
+def open_robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) -> Log | LogFile:
+    """The same, but a long log that needs neither mapping nor transmission stays on disk. Raises LogError."""
+    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.columns)
+    if isinstance(log, Log):
+        return log if mapping else _at_its_joints(log, robot)
+    foreign = any(name.startswith("motor") or name.endswith(".link") for name in log.names)
+    return robot_log(path, robot) if foreign else log
 
 
 def delayed(frame: pd.DataFrame, delays: dict[str, float]) -> pd.DataFrame:
@@ -57,6 +66,10 @@ def delayed(frame: pd.DataFrame, delays: dict[str, float]) -> pd.DataFrame:
         for name, delay in delays.items()
     }
     return frame.assign(**moved)
+
+
+def _at_its_joints(log: Log, robot: Robot) -> Log:
+    return Log(at_joints(log.frame, robot, log.source), log.source, log.notes)
 
 
 def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:

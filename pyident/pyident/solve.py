@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyident.parallel import each
+from pyident.triangle import Triangle
+
 ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
 _ROUNDS = 6  # of weighting by residuals; it settles to a per mille
@@ -75,14 +78,11 @@ def reduce(
     blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
 ) -> Reduced:
     """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
-    size = len(columns) + 1
-    triangles, samples = np.zeros((len(rows), size, size)), 0
+    triangles, samples = [Triangle(len(columns)) for _ in rows], 0
     for A, y in blocks:
         samples += len(A)
-        for c in range(len(rows)):
-            stacked = np.vstack([triangles[c], np.column_stack([A[:, c], y[:, c]])])
-            triangles[c] = _triangle(stacked, size)
-    return Reduced(triangles, samples, rows, columns)
+        each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
+    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)
 
 
 def solve_weighted(reduced: Reduced) -> Solution:
@@ -105,8 +105,10 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     weights = np.ones(len(reduced.rows)) if weights is None else weights
     A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
-    scale[scale == 0] = 1.0
+    absent = scale == 0
+    scale[absent] = 1.0
     U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0  # else rounding: taken for a direction later
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)
     rank = _rank(s, coefficients, float(y @ y), equations)
@@ -133,11 +135,6 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
 def residual_squares(reduced: Reduced, p: np.ndarray) -> np.ndarray:
     """Sum of squared residuals per coordinate, (n,)."""
     return ((reduced.triangles @ np.append(-p, 1.0)) ** 2).sum(axis=1)
-
-
-def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
-    R = np.asarray(np.linalg.qr(rows, mode="r"))
-    return R if len(R) == size else np.vstack([R, np.zeros((size - len(R), size))])
 
 
 def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:

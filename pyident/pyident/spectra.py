@@ -13,9 +13,8 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
-from flexmodels.robot import Processing
+from flexmodels.robot import Processing, Robot
 from pyident.conditioning import Conditioned
-from pyident.problem import Problem
 from pyident.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged
@@ -69,9 +68,9 @@ class Equations:
         return Equations(self.part, self.band, self.A / level[:, :, None], self.y / level)
 
 
-def equations(problem: Problem, periods: Sequence[float]) -> list[Equations]:
-    """Every log of a problem, transformed; periods [s] per log."""
-    return [_equations(problem, part, period) for part, period in zip(problem.parts, periods, strict=True)]
+def equations(robot: Robot, parts: Sequence[Conditioned], periods: Sequence[float]) -> list[Equations]:
+    """Every conditioned log, transformed; periods [s] per log."""
+    return [_equations(robot, part, period) for part, period in zip(parts, periods, strict=True)]
 
 
 def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
@@ -93,9 +92,9 @@ def _band(samples: int, processing: Processing, period: float) -> Band:
     return Band(length, max(2, int(top * length * period)), period)
 
 
-def _equations(problem: Problem, part: Conditioned, period: float) -> Equations:
-    band = _band(len(part.target), problem.robot.processing, period)
-    Phi = regressor(problem.robot, part.motion).matrix
+def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
+    band = _band(len(part.target), robot.processing, period)
+    Phi = regressor(robot, part.motion).matrix
     n, P = Phi.shape[1:]
     A = np.zeros((n, 2 * band.bins, P))
     for c in range(n):
