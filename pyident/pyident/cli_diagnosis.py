@@ -167,7 +167,10 @@ def _print_diagnosis(found: Diagnosis) -> None:
         table.add_row(names, f"{finding.share_percent:.0f} %", held, values)
     if found.findings:
         console.print(table)
-    for sentence in (*found.depends_on, *(f"to separate: {f.experiment}" for f in found.findings if f.experiment)):
+    for sentence in (
+        *found.depends_on,
+        *(f"to separate: {f.experiment}" for f in found.findings if f.experiment),
+    ):
         click.echo(sentence)
 
 
