@@ -228,4 +228,4 @@ def _low_pass(plan: Processing, log: Sampled) -> np.ndarray:
 def _needed(plan: Processing, parameters: int) -> int:
     """Samples without which the equations cannot be more than the unknowns."""
     border = 2 * REACH + (2 * _SETTLING if plan.cutoff is not None else 0)
-    return border + max(50, 2 * parameters) * plan.decimate
+    return border + max(50, parameters) * plan.decimate
