@@ -12,6 +12,7 @@ import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -58,9 +59,9 @@ def numpy_speed(robot: Robot, samples: int) -> float:
         LinkColumns.fill = filled
 
 
-def rows(joints: list[int], samples: int) -> list[dict[str, object]]:
+def rows(joints: list[int], samples: int) -> list[dict[str, Any]]:
     """Samples per second of every tool for the arms of so many joints; at 4 also what is slow to build."""
-    found: list[dict[str, object]] = []
+    found: list[dict[str, Any]] = []
     for count in joints:
         robot = with_joints(load_robot("four_link"), count)
         speeds: dict[str, float | str] = {"pyident, compiled": our_speed(robot, samples)}

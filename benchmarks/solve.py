@@ -15,6 +15,7 @@ import sys
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,11 +61,11 @@ def stored(of: Problem, tool: str) -> np.ndarray:
     if tool == "scipy lstsq":
         from scipy.linalg import lstsq
 
-        return np.asarray(lstsq(A, y, cond=_RCOND, overwrite_a=True)[0]) / scale
+        return np.asarray(lstsq(A, y, cond=_RCOND, overwrite_a=True)[0]) / scale  # pyright: ignore
     return np.linalg.lstsq(A, y, rcond=_RCOND)[0] / scale
 
 
-def job(tool: str, samples: int) -> dict[str, object]:
+def job(tool: str, samples: int) -> dict[str, Any]:
     """One run: seconds of wall clock, peak MB and what the solution predicts."""
     on_one_core()
     of = problem(samples)
@@ -75,7 +76,7 @@ def job(tool: str, samples: int) -> dict[str, object]:
     return {"seconds": seconds, "peak MB": peak_memory(), "prediction": (Phi[:50] @ p).ravel().tolist()}
 
 
-def file_job(path: str) -> dict[str, object]:
+def file_job(path: str) -> dict[str, Any]:
     """From the file to the solution."""
     from pyident.conditioned_file import prepared
     from pyident.log_file import log_file
@@ -87,7 +88,7 @@ def file_job(path: str) -> dict[str, object]:
     return {"seconds": time.perf_counter() - begin, "peak MB": peak_memory()}
 
 
-def rows(samples: int, lengths: list[int], tools: tuple[str, ...] = TOOLS) -> list[dict[str, object]]:
+def rows(samples: int, lengths: list[int], tools: tuple[str, ...] = TOOLS) -> list[dict[str, Any]]:
     """Every tool on so many samples; ours from disk on logs of several lengths."""
     found, predictions = [], {}
     for tool in tools:

@@ -13,10 +13,9 @@ from pyident.conditioning import condition, thin
 from pyident.log import Log
 from pyident.log_import import delayed
 from pyident.regressor import regressor
+from pyident.solve import reduce, solve_weighted
 
-_ROUNDS = 6
 _CERTAIN = 3.0  # standard deviations from which a delay is corrected
-_CUT = 1e-6  # of the largest singular value
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,8 @@ def encoder_skews(robot: Robot, log: Log) -> list[Skew]:
         late[:, row, i] = part.motion.dq[:, k - 1]
     A = thin(np.concatenate([Phi.matrix, late], axis=2), part.thinning)
     y = thin(part.target, part.thinning)
-    p, covariance = _fit(A, y, _partners(Phi.rows))
+    found = solve_weighted(reduce([(A, y)], Phi.rows, (*Phi.columns, *(f"joint{k}.late" for k in flexible))))
+    p, covariance = found.p, found.covariance
     out = []
     for i, k in enumerate(flexible):
         at = (Phi.columns.index(f"joint{k}.k[1]"), len(Phi.columns) + i)
@@ -64,23 +64,3 @@ def without_skew(log: Log, skews: list[Skew]) -> tuple[Log, list[str]]:
             link = frame.assign(**{eps: frame[eps] + frame[e]})
             frame = frame.assign(**{eps: delayed(link, {eps: skew.delay})[eps] - frame[e]})
     return Log(frame, log.source, (*log.notes, *notes)), notes
-
-
-def _partners(rows: tuple[str, ...]) -> list[int]:
-    """Per row the one whose residual weighs it: that of the joint's motor, as the others have no target."""
-    return [rows.index(f"{name.split('.')[0]}.e") for name in rows]
-
-
-def _fit(A: np.ndarray, y: np.ndarray, partners: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    w, X, target = np.ones(A.shape[1]), A, y
-    for _ in range(_ROUNDS):
-        X, target = (A * w[:, None]).reshape(-1, A.shape[2]), (y * w).ravel()
-        scale = np.linalg.norm(X, axis=0)
-        scale[scale == 0] = 1.0
-        U, s, Vt = np.linalg.svd(X / scale, full_matrices=False)
-        r = int((s > _CUT * s[0]).sum())
-        p = Vt[:r].T @ ((U.T @ target)[:r] / s[:r]) / scale
-        w = 1 / (y - A @ p).std(axis=0)[partners]
-    misfit = target - X @ p
-    spread = Vt[:r].T / s[:r] / scale[:, None]
-    return p, float(misfit @ misfit) / (len(misfit) - r) * spread @ spread.T

@@ -35,6 +35,11 @@ class Reduced:
         weighted = self.triangles * weights[:, None, None]
         return weighted[:, :, :-1].reshape(-1, len(self.columns)), weighted[:, :, -1].ravel()
 
+    def terms(self, p: np.ndarray) -> np.ndarray:
+        """(n,) root of the summed mean squares of the single terms A_ci p_i per coordinate."""
+        squares = (self.triangles[:, :, :-1] ** 2).sum(axis=1) / self.samples
+        return np.sqrt(squares @ p**2)
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -86,11 +91,23 @@ def reduce(
 
 
 def solve_weighted(reduced: Reduced) -> Solution:
-    """Least squares with each coordinate's equations weighted by the residual that they leave."""
+    """Least squares with each coordinate's equations weighted by the residual that they leave.
+
+    Equations without a right-hand side, those of deformations and passive joints, are solved exactly by zero:
+    weighted by their bare residual, a smaller stiffness would leave a smaller residual, which would weigh
+    more, until nothing is left of it. What tells of their error is the residual relative to the terms that
+    should cancel. It counts at the size that these terms have in the equally weighted solution, which fixes
+    the weight's scale. A deformation that is mostly noise still gets too small a stiffness, as in every
+    regression on noisy signals (`indirect` and `output_error` remove that), but no longer none.
+    """
     solution = solve(reduced)
+    free = solution.signal == 0
+    first = reduced.terms(solution.p)
     for _ in range(_ROUNDS):
-        floor = 1e-6 * solution.residual.max()
-        solution = solve(reduced, 1 / np.maximum(solution.residual, floor))
+        terms = reduced.terms(solution.p)
+        shrunk = np.divide(first, terms, out=np.ones_like(first), where=free & (terms > 0))
+        error = solution.residual * shrunk
+        solution = solve(reduced, 1 / np.maximum(error, 1e-6 * error.max()))
     return solution
 
 

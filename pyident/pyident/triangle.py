@@ -5,9 +5,10 @@ formed and R is as accurate as a QR of all rows at once. Columns that were zero 
 """
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs
 
 _INNER = 8  # columns that LAPACK reflects at a time
+_tpqrt = get_lapack_funcs("tpqrt")  # of doubles
 
 
 class Triangle:
@@ -25,7 +26,7 @@ class Triangle:
         np.take(A.T, self.columns[:-1], axis=0, out=block[:-1], mode="clip")
         block[-1] = y
         inner = min(_INNER, len(block))
-        self.R = lapack.dtpqrt(0, inner, self.R, block.T, overwrite_a=True, overwrite_b=True)[0]
+        self.R = _tpqrt(0, inner, self.R, block.T, overwrite_a=True, overwrite_b=True)[0]
 
     @property
     def full(self) -> np.ndarray:
