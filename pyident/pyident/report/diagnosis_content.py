@@ -24,7 +24,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a joint in the drawing: how far it stands over the floor, its colour, whether it is the place."""
+    """One side of a joint in the drawing: how far over the floor, its colour, whether it is the place."""
 
     name: str
     over_floor: float
@@ -76,8 +76,14 @@ def _row(n: Named, name: str) -> ParameterRow:
     return ParameterRow(name, measured(value, std), interval(value, std), unit(n.units[name]))
 
 
+def found_twice(d: Diagnosis) -> list[Named]:
+    """Best candidates that were accepted again with other nonlinear values."""
+    best = [f.tie[0] for f in d.findings]
+    return [n for i, n in enumerate(best) if (n.effect, n.joint) in [(m.effect, m.joint) for m in best[:i]]]
+
+
 def left_for(d: Diagnosis) -> tuple[Named, float] | None:
-    """The effect that takes most of what the findings leave, and its share of that [%]; None where not asked."""
+    """The effect that takes most of what the findings leave, and its share of that [%]; None: not asked."""
     asked = [(n.beside_percent, n) for n in d.ranking if n.beside_percent is not None]
     if not asked or d.remaining <= 1:
         return None

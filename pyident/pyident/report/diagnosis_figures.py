@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 import plotly.graph_objects as go
@@ -52,9 +53,17 @@ def heat_map(rows: Sequence[Row]) -> Markup:
         )
     )
     figure.update_xaxes(
-        title="frequency [Hz]", side="top", fixedrange=True, type="category", ticks="", tickangle=0
+        title="frequency [Hz]",
+        side="top",
+        fixedrange=True,
+        type="category",
+        ticks="",
+        tickangle=0,
+        showgrid=False,
     )
-    figure.update_yaxes(autorange="reversed", fixedrange=True, ticks="", type="category", ticksuffix=" ")
+    figure.update_yaxes(
+        autorange="reversed", fixedrange=True, ticks="", type="category", ticksuffix=" ", showgrid=False
+    )
     figure.update_traces(textfont_size=11)
     return _embedded(figure, "where-map", 70 + 24 * len(rows))
 
@@ -74,7 +83,7 @@ def waterfall(diagnosis: Diagnosis) -> Markup:
     """From the model as it is, effect by effect, down to the floor."""
     stages = diagnosis.stages
     levels = [stage.over_floor for stage in stages]
-    falls = [after - before for before, after in zip(levels, levels[1:], strict=False)]
+    falls = [after - before for before, after in pairwise(levels)]
     names = ["the model as it is", *(f"+ {_effect(s.added)}" for s in stages[1:] if s.added), "what is left"]
     figures = [times(levels[0]), *(f"{MINUS}{times(-fall)}" for fall in falls), times(levels[-1])]
     figure = go.Figure(
@@ -95,9 +104,9 @@ def waterfall(diagnosis: Diagnosis) -> Markup:
     for at, (name, value) in enumerate(zip(names, figures, strict=True)):
         figure.add_annotation(
             x=0, y=at - 0.27, xref="paper", text=f"{escape(name)}  <b>{value}</b>",
-            showarrow=False, xanchor="left", yanchor="bottom", xshift=6, font_size=14,
+            showarrow=False, xanchor="left", yanchor="bottom", xshift=6, font_size=14, bgcolor="white",
         )  # fmt: skip
-    figure.add_vline(1, line={"color": _INK, "width": 1.5, "dash": "dot"})
+    figure.add_vline(1, layer="below", line={"color": _INK, "width": 1.5, "dash": "dot"})
     figure.add_annotation(
         x=1, y=len(names) - 0.55, text="floor: 1", showarrow=False, xanchor="left", xshift=5, font_size=12
     )

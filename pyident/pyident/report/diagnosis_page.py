@@ -13,6 +13,7 @@ from pyident.diagnosis import Diagnosis, Named
 from pyident.report import wording
 from pyident.report.diagnosis_content import (
     findings,
+    found_twice,
     joints,
     left_for,
     limit_table,
@@ -71,6 +72,7 @@ def _content(d: Diagnosis, model: str) -> dict[str, object]:
         "limits": limit_table(d.limits),
         "unseen": [limit for limit in d.limits if limit.reason],
         "commands": commands(d, model),
+        "twice": found_twice(d),
         "left_for": left_for(d),
         "far": d.remaining > _FAR,
         "heat_map": heat_map(rows) if rows else "",
