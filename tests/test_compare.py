@@ -82,6 +82,7 @@ def test_wrong_values_are_told_from_a_wrong_structure(folder, logs):
     c = compare(two_link().with_parameters(stiff), [logs[0]], inline(folder), lambda _: None)
     assert not c.structural
     assert "joint 1" in c.sentence
+    assert c.where is not None
     assert c.where.balance == "transmission"
 
 
