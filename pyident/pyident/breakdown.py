@@ -110,7 +110,7 @@ def _floor(replicas: Sequence[Sequence[Part]], left: Sequence[Sequence[np.ndarra
 def band_of(part: Part) -> Band:
     """The frequencies at which the equations are sound."""
     samples = len(part.residual)
-    length = next_fast_len(samples, real=True)
+    length = int(next_fast_len(samples, real=True))  # pyright: ignore[reportArgumentType]
     top = _TOP * 0.5 / part.period / part.part.thinning
     return Band(length, max(2, int(top * length * part.period)), part.period)
 
@@ -160,7 +160,7 @@ def _state_bins(
     squares = [_filtered(S, c, parts, bands) for S, parts in zip(spectra, sets, strict=True)]
     table = np.array([[_mean(e, m) for m in listed] for e, listed in zip(squares, masks, strict=True)])
     counts = np.array([m.sum() for m in masks[0]])
-    kept = (table > 0).all(axis=0)
+    kept = np.all(table > 0, axis=0).tolist()
     return _judged(
         robot.coordinates[c],
         [row for row, k in zip(rows, kept, strict=True) if k],

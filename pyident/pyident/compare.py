@@ -120,6 +120,7 @@ def compare(
     """Hold an identified robot, with the parameters that it has, against logs.
 
     open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
+    replicas       how many stand for the floor, 3 or more
     Raises LogError, and what the simulation raises.
     """
     trial = on_trial(robot, logs)

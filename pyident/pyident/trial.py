@@ -172,7 +172,7 @@ def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
             for name in names
             if name in log.frame and name in frame and name in r.log.frame
         }
-        part = condition(Log(log.frame[late].reset_index(drop=True), log.source), robot)
+        part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
         left = residual(robot, part), residual(fitted, part)
         found.append(Part(part, log.period, *left, r.plan.time[late], missed))
     return found
