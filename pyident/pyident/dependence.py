@@ -1,7 +1,8 @@
 """Forces that no law names, as smooth functions of one signal: additive splines on one equation.
 
-A force f(x), or a friction sign(v) f(x), is a sum of B-splines of x. Their columns go through the same transform,
-floor and projection as those of a law, so what they explain is comparable with what a law would.
+A force f(x), or a friction sign(v) f(x), is a sum of B-splines of x. Their columns go through the same
+transform, floor and projection as those of a law, so what they explain is comparable with what a law
+would.
 """
 
 from collections.abc import Sequence
@@ -71,7 +72,7 @@ def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variabl
 def spline_columns(
     variable: Variable, logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
 ) -> Columns:
-    """Per log: row -> (E, K) whitened columns of the variable's splines, their common constant taken out."""
+    """Per log: row -> (E, K) whitened columns of the splines, without their constant."""
     raw = [variable.splines(x) for x in variable.values]
     mean = np.concatenate(raw).mean(axis=0)
     shaped = []

@@ -84,3 +84,41 @@ class FmuRuns:
     ) -> "Future[R]":
         """Call `work(fmu, *arguments)` in one of the processes; `work` is a function of a module."""
         return self._workers.submit(work, *arguments, **named)
+
+class RivalRuns:
+    """Simulations of several robots over the same experiments; use as a context manager.
+
+    On all cores, or on the Dask cluster that is configured. Raises BuildError, SimulationError.
+    """
+
+    def __init__(self, robots: Sequence[Robot]):
+        self._robots = tuple(robots)
+
+    def __enter__(self) -> "RivalRuns":
+        with tempfile.TemporaryDirectory() as folder:
+            paths = [
+                export_fmu(equations(robot), Path(folder) / f"plant{i}.fmu", derivatives=False)
+                for i, robot in enumerate(self._robots)
+            ]
+            contents = tuple(path.read_bytes() for path in paths)
+        self._stack = ExitStack()
+        self._workers = self._stack.enter_context(workers_with(partial(_loaded_fmus, contents)))
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        self._stack.close()
+
+    def __call__(self, experiment: Experiment) -> list[pd.DataFrame]:
+        """One frame per robot, in their order. Raises SimulationError."""
+        jobs = [self._workers.submit(_simulate_one, i, experiment) for i in range(len(self._robots))]
+        return [job.result() for job in jobs]
+
+
+@contextmanager
+def _loaded_fmus(contents: Sequence[bytes]) -> Iterator[list[LoadedFmu]]:
+    with ExitStack() as stack:
+        yield [stack.enter_context(loaded_fmu(content)) for content in contents]
+
+
+def _simulate_one(fmus: list[LoadedFmu], number: int, experiment: Experiment) -> pd.DataFrame:
+    return fmus[number].simulate(experiment)
