@@ -1,7 +1,7 @@
 """Forces that no law names, as smooth functions of one signal: additive splines on one equation.
 
-A force f(x), or a friction sign(v) f(x), is a sum of B-splines of x. Their columns go through the same transform,
-floor and projection as those of a law, so what they explain is comparable with what a law would.
+A force f(x), or a friction sign(v) f(x), is a sum of B-splines of x. Their columns go through the same
+transform, floor and projection as those of a law, so what they explain is comparable with what a law would.
 """
 
 from collections.abc import Sequence
@@ -94,7 +94,7 @@ def whitened_columns(
 
 
 def curve(variable: Variable, coefficients: np.ndarray, points: int = 101) -> tuple[np.ndarray, np.ndarray]:
-    """x and f(x), (points,): the force between its 1st and 99th percentile, zero on average over the motion."""
+    """x and f(x), (points,): the force between x's 1st and 99th percentile, of mean 0 over the motion."""
     data = np.concatenate(variable.values)
     x = np.linspace(*np.quantile(data, [0.01, 0.99]), points)
     mean = variable.splines(data).mean(axis=0)

@@ -1,10 +1,10 @@
 """Periodic forces of unknown period: amplitude against the order of a joint's angle and against frequency.
 
-For every order n of an angle the columns cos nφ, sin nφ are held against the residual like those of a law, and for
-every frequency cos ωt, sin ωt, in each log with a phase of its own. A peak counts against the median of its
-neighbours. An angle that is itself misread by s sin nφ enters the torque by its second derivative,
-J s (n cos nφ φ'' − n² sin nφ φ'²); that form is tried beside the plain one, and where it is found the error is put
-into every equation.
+For every order n of an angle the columns cos nφ, sin nφ are held against the residual like those of a law,
+and for every frequency cos ωt, sin ωt, in each log with a phase of its own. A peak counts against the median
+of its neighbours. An angle that is itself misread by s sin nφ enters the torque by its second derivative, J s
+(n cos nφ φ'' − n² sin nφ φ'²); that form is tried beside the plain one, and where it is found the error is
+put into every equation.
 """
 
 from collections.abc import Sequence
@@ -46,7 +46,10 @@ class Over:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """at (F,) [Hz or periods per turn], amplitude (F,) [N m; kg m² rad where misread], energy, background (F,)."""
+    """Amplitude against frequency or order; every array (F,).
+
+    at           [Hz or periods per turn];  amplitude  [N m; kg m² rad where misread];  energy, background
+    """
 
     over: Over
     at: np.ndarray

@@ -1,7 +1,8 @@
 """What a residual depends on where no effect of the catalogue explains it.
 
-On the equation with the largest excess, splines of every signal and waves of every frequency and order compete; the
-best joins the base and the rest compete again. Replicas, analysed alike, show what the method itself pretends.
+On the equation with the largest excess, splines of every signal and waves of every frequency and order
+compete; the best joins the base and the rest compete again. Replicas, analysed alike, show what the method
+itself pretends.
 """
 
 from collections.abc import Sequence

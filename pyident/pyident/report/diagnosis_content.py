@@ -24,7 +24,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a joint in the drawing: how far it stands over the floor, its colour, whether it is the place."""
+    """One side of a drawn joint: how far it stands over the floor, its colour, whether it is the place."""
 
     name: str
     over_floor: float
@@ -77,7 +77,7 @@ def _row(n: Named, name: str) -> ParameterRow:
 
 
 def left_for(d: Diagnosis) -> tuple[Named, float] | None:
-    """The effect that takes most of what the findings leave, and its share of that [%]; None where not asked."""
+    """The effect that takes most of what the findings leave, and its share [%]; None where not asked."""
     asked = [(n.beside_percent, n) for n in d.ranking if n.beside_percent is not None]
     if not asked or d.remaining <= 1:
         return None

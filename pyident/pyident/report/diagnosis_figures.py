@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 import plotly.graph_objects as go
@@ -74,7 +75,7 @@ def waterfall(diagnosis: Diagnosis) -> Markup:
     """From the model as it is, effect by effect, down to the floor."""
     stages = diagnosis.stages
     levels = [stage.over_floor for stage in stages]
-    falls = [after - before for before, after in zip(levels, levels[1:], strict=False)]
+    falls = [after - before for before, after in pairwise(levels)]
     names = ["the model as it is", *(f"+ {_effect(s.added)}" for s in stages[1:] if s.added), "what is left"]
     figures = [times(levels[0]), *(f"{MINUS}{times(-fall)}" for fall in falls), times(levels[-1])]
     figure = go.Figure(

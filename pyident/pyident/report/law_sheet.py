@@ -1,4 +1,4 @@
-"""What a reader of a page must know of a law: its formula, its source, what shows it and what separates it."""
+"""What a page's reader must know of a law: its formula, its source, what shows it and what separates it."""
 
 from dataclasses import dataclass
 

@@ -20,7 +20,7 @@ def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
 
 
 def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
-    """Each effect added to the model of the line before (a model holds an effect once per joint), and a new diagnosis."""
+    """Each effect added to the model of the line before (once per joint at most), and a new diagnosis."""
     lines, name, last = [], Path(model).stem, model
     for n in {(n.effect, n.joint): n for n in reversed(chosen)}.values():
         name = f"{name}_{n.effect}"
