@@ -61,7 +61,7 @@ def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
 def columns(
     robot: Robot, candidate: Candidate, logs: Sequence[Equations], levels: Sequence[np.ndarray]
 ) -> list[dict[int, np.ndarray]]:
-    """Per log: row -> (E, K) columns of the candidate's linear parameters over the floor. `robot` is fitted."""
+    """Per log: row -> (E, K) columns of the linear parameters over the floor. `robot` is fitted."""
     out = []
     for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
         if candidate.log in (None, i):
@@ -85,7 +85,7 @@ def _columns(robot: Robot, candidate: Candidate, log: Equations, level: np.ndarr
 def nonlinear_range(
     robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
 ) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
-    """Names of the nonlinear parameters, their values, and lower and upper ends: the neighbours on the grid."""
+    """Names, values, lower and upper ends of the nonlinear parameters: the ends are the grid's neighbours."""
     joint = robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1]
     grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
     start, low, high = [], [], []

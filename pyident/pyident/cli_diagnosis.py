@@ -64,10 +64,11 @@ def compare_command(models_and_logs: tuple[str, ...], output: str | None, json_f
 def diagnose_command(
     model: str, logs: tuple[str, ...], holdout: tuple[str, ...], output: str | None, json_file: str | None
 ) -> None:
-    """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or nothing.
+    """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or
+    nothing.
 
-    The model is fitted to the logs; its own masses, frictions and stiffnesses are not used. The exit code is 1
-    when something is missing.
+    The model is fitted to the logs; its own masses, frictions and stiffnesses are not used. The exit code is
+    1 when something is missing.
 
     Example: pyident diagnose my_arm.toml a.parquet b.parquet c.parquet -o diagnosis.html
     """

@@ -1,4 +1,4 @@
-"""What the data could have shown: the smallest detectable amplitude of every effect; and where they stand out."""
+"""What the data could have shown: every effect's smallest detectable amplitude; and where they stand out."""
 
 from collections.abc import Iterator
 

@@ -1,9 +1,9 @@
 """Which physical effect a model lacks, judged by its logs: a name, several names, none we know, or nothing.
 
 The model is fitted; replicas of it show what the method itself leaves. What the data leave beyond that is put
-to every effect of the catalogue at every joint. An effect is named only if nothing in the replicas comes near its
-gain, if the gain matters, if it holds on logs that were not used, and if, all named together, most of what
-exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
+to every effect of the catalogue at every joint. An effect is named only if nothing in the replicas comes near
+its gain, if the gain matters, if it holds on logs that were not used, and if, all named together, most of
+what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -83,7 +83,7 @@ def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
 
 
 def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
-    """Share of the residual's energy in held-out logs that falls with these candidates fitted to the others."""
+    """Share of the residual's energy in held-out logs that these candidates, fitted to the others, take."""
     return 1 - _left(search, chosen, held) / _left(search, (), held)
 
 

@@ -67,7 +67,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Row:
-    """Where it fails: one equation, rms of its residual in N m per band of frequency [Hz], and over the floor."""
+    """Where it fails: one equation, rms of its residual [N m] per frequency band [Hz], and over the floor."""
 
     coordinate: str
     joint: str
@@ -92,7 +92,8 @@ class Stage:
 class Diagnosis:
     """What is missing in a model of these logs.
 
-    excess       energy of the residual over that of replicas, 1: at the floor;  remaining: the same with the findings
+    excess       energy of the residual over that of replicas, 1: at the floor
+    remaining    the same with the findings
     ranking      every effect with its gain by itself, best first
     depends_on   where the verdict is `unexplained`: sentences on what the residual depends on
     stages       the residual from the model as it is to the model with all findings

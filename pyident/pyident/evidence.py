@@ -44,7 +44,7 @@ class Base:
 
 @dataclass(frozen=True)
 class Gain:
-    """What K columns explain. energy; coefficients and std (K,); left: least share that the base cannot imitate."""
+    """What K columns explain. coefficients, std (K,); left: least share that the base cannot imitate."""
 
     energy: float
     coefficients: np.ndarray

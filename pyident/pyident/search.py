@@ -22,7 +22,7 @@ _OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's o
 
 @dataclass(frozen=True)
 class Found:
-    """A candidate at its best nonlinear values. `pretended`: the mean gain of its family in replicas; z: score."""
+    """A candidate at its best nonlinear values. `pretended`: its family's mean gain in replicas; z: score."""
 
     candidate: Candidate
     gain: Gain
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Step:
-    """One ranking of all families. tie: the best, and what cannot be told from it; `ranked` begins with the tie."""
+    """One ranking of all families. tie: the best, and what cannot be told from it; begins `ranked`."""
 
     tie: tuple[Found, ...]
     p_value: float
@@ -117,7 +117,7 @@ class Search:
         return max(found, key=lambda f: f.excess, default=None)
 
     def _misfit(self, found: Found) -> float:
-        """What a candidate leaves on its own equations: a rival that explains less by no more is not excluded."""
+        """What a candidate leaves on its own equations: a rival that is behind by no more stays in."""
         left = self.remaining_on(self.rows(found.candidate)) - found.excess
         return max(left, _CHANCE**2)
 
@@ -169,7 +169,7 @@ class Search:
         return max(self.excess, float(of_band.max())) > _STANDS_OUT * self.floor_energy
 
     def needed(self, family: int, material: float) -> float:
-        """Gain that a family (by its number) would need to be named; material: least gain over the floor's energy."""
+        """Gain a family (by number) would need to be named; material: least gain over the floor's energy."""
         peak = float(np.quantile(self.peaks, 1 - ALPHA))
         return float(self.mean[family] + max(peak * self.spread[family], material * self.floor_energy))
 
@@ -213,7 +213,7 @@ class Search:
 
 
 def _spread(best: np.ndarray) -> np.ndarray:
-    """(F,) by how much a family's gain varies without cause: by its noise, and by how the method's trace varies."""
+    """(F,) how much a family's gain varies without cause: its noise, and how the method's trace varies."""
     return best.std(axis=0) + 1.0 + _OWN_TRACE * best.mean(axis=0)
 
 

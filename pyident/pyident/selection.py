@@ -1,8 +1,8 @@
-"""How many effects are named: as few as explain most of what exceeds the floor, then those that stand by themselves.
+"""How many effects are named: the fewest that explain most of the excess, then those that stand alone.
 
-A set is looked for first, one effect, then two ... that takes away most of the excess. Once there is one, a further
-effect must take away most of what still exceeds the floor on its own equations: what an inexact law leaves behind is
-shared among many candidates, a true effect is taken by one.
+A set is looked for first, one effect, then two ... that takes away most of the excess. Once there is one, a
+further effect must take away most of what still exceeds the floor on its own equations: what an inexact law
+leaves behind is shared among many candidates, a true effect is taken by one.
 """
 
 from collections.abc import Sequence

@@ -2,8 +2,9 @@
 
 A sum of equations is an equation, and so is a Fourier coefficient of them: the masked rows of A p = y are
 transformed over time, bin by bin up to a highest frequency. There they are divided by the level that the
-method itself leaves at that frequency (differences amplify noise as f squared, held torques and reversals leave
-their own pattern), so that all of them weigh alike and low frequencies, where physics is, are not drowned.
+method itself leaves at that frequency (differences amplify noise as f squared, held torques and reversals
+leave their own pattern), so that all of them weigh alike and low frequencies, where physics is, are not
+drowned.
 """
 
 from collections.abc import Sequence
@@ -56,7 +57,7 @@ class Floor:
 
 @dataclass(frozen=True)
 class Equations:
-    """One log's equations. A (n, E, P), y (n, E), E = 2 bins; `part` is where the columns of a law come from."""
+    """One log's equations. A (n, E, P), y (n, E), E = 2 bins; a law's columns come from `part`."""
 
     part: Conditioned
     band: Band

@@ -47,8 +47,8 @@ _inertia = Parameter("inertia", "kg.m2")
 _viscous = Parameter("viscous", "N.m.s/rad")
 _coulomb = Parameter("coulomb", "N.m")
 _ratio = Parameter("ratio", "1", start=1.0, lower=-10.0, upper=10.0, grid=(1.0, -1.0))
-# A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only the
-# mixed terms stand here: the others are part of each motor's own.
+# A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only
+# the mixed terms stand here: the others are part of each motor's own.
 _rub = _coulomb.symbol * sign(de + _ratio.symbol * beyond.de)
 
 joint_coupling = Effect(
