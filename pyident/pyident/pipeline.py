@@ -85,6 +85,7 @@ class FmuRuns:
         """Call `work(fmu, *arguments)` in one of the processes; `work` is a function of a module."""
         return self._workers.submit(work, *arguments, **named)
 
+
 class RivalRuns:
     """Simulations of several robots over the same experiments; use as a context manager.
 
