@@ -97,7 +97,8 @@ def whitened_columns(
 def curve(variable: Variable, coefficients: np.ndarray, points: int = 101) -> tuple[np.ndarray, np.ndarray]:
     """x and f(x), (points,): the force between its 1st and 99th percentile, zero on average."""
     data = np.concatenate(variable.values)
-    x = np.linspace(*np.quantile(data, [0.01, 0.99]), points)
+    low, high = np.quantile(data, [0.01, 0.99]).tolist()
+    x = np.linspace(low, high, points)
     mean = variable.splines(data).mean(axis=0)
     return x, (variable.splines(x) - mean) @ coefficients
 

@@ -59,10 +59,8 @@ def solve_base(whitened: Sequence[Equations]) -> Base:
     y = [e.y.ravel() for e in whitened]
     scale = np.sqrt(sum(np.square(a).sum(axis=0) for a in A))
     scale[scale == 0] = 1.0
-    R = np.linalg.qr(
-        np.vstack([np.linalg.qr(np.column_stack([a / scale, b]), "r") for a, b in zip(A, y, strict=True)]),
-        "r",
-    )
+    each = [np.linalg.qr(np.column_stack([a / scale, b]), mode="r") for a, b in zip(A, y, strict=True)]
+    R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
     U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]

@@ -88,7 +88,7 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
 
 def _band(samples: int, processing: Processing, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
-    length = next_fast_len(samples, real=True)
+    length = int(next_fast_len(samples, real=True) or samples)
     top = min(_TOP, _THINNED_TOP / processing.decimate) * 0.5 / period
     return Band(length, max(2, int(top * length * period)), period)
 

@@ -117,7 +117,7 @@ def _regressed(target: np.ndarray, ratios: Mapping[str, np.ndarray], seed: int) 
     names = [f"z{i}" for i in range(len(ratios))]
     text = search.get_model_string(search.model_, 12, names=names)
     known: dict[str, Any] = {name: _symbol(signal) for name, signal in zip(names, ratios, strict=True)}
-    return size * sympy.sympify(text, locals={"abs": sympy.Abs, **known})
+    return size * sympy.sympify(text, locals={"abs": sympy.Abs, **known})  # pyright: ignore
 
 
 def _tidy(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> list[sympy.Expr]:
@@ -126,7 +126,7 @@ def _tidy(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> list[symp
     rms = [float(np.sqrt(np.mean(_evaluated(t, ratios) ** 2))) for t in terms]
     whole = float(np.sqrt(np.mean(_evaluated(sympy.Add(*terms), ratios) ** 2)))
     kept = [t for t, r in zip(terms, rms, strict=True) if r > _SMALL * whole]
-    return [t.xreplace({n: sympy.Float(n, 4) for n in t.atoms(sympy.Float)}) for t in kept]
+    return [t.xreplace({n: sympy.Float(n, 4) for n in t.atoms(sympy.Float)}) for t in kept]  # pyright: ignore
 
 
 def _evaluated(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -26,7 +26,7 @@ class Triangle:
         np.take(A.T, self.columns[:-1], axis=0, out=block[:-1], mode="clip")
         block[-1] = y
         inner = min(_INNER, len(block))
-        self.R = _tpqrt(0, inner, self.R, block.T, overwrite_a=True, overwrite_b=True)[0]
+        self.R = _tpqrt(0, inner, self.R, block.T, overwrite_a=True, overwrite_b=True)[0]  # pyright: ignore
 
     @property
     def full(self) -> np.ndarray:
