@@ -55,6 +55,8 @@ def bump(e):
 def recorded(fmu, hidden, position_error=lambda e: 0 * e) -> Log:
     """The arm under a torque that the log does not tell of: hidden(e, de, t), at the samples."""
     plan = identification(arm())
+    wander = 1.2 * (1 - np.cos(2 * np.pi * plan.time / 2.9)) + 0.8 * np.sin(2 * np.pi * plan.time / 7.3)
+    plan = replace(plan, reference=0.5 * plan.reference + wander[:, None])
     first = fmu.simulate(plan)
     e = first["joint1.e"].to_numpy(float)
     force = hidden(e, np.gradient(e, plan.time), plan.time)

@@ -91,6 +91,11 @@ def spline_columns(
     return whitened_columns(shaped, logs, levels, row)
 
 
+def constant_columns(logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int) -> Columns:
+    """Per log: row -> (E, 1) of a constant force."""
+    return whitened_columns([np.ones((len(log.part.target), 1)) for log in logs], logs, levels, row)
+
+
 def whitened_columns(
     raw: Sequence[np.ndarray], logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
 ) -> Columns:
