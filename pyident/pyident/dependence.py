@@ -17,7 +17,7 @@ from pyident.evidence import Columns
 from pyident.laws import Signals
 from pyident.spectra import Equations
 
-SPLINES = 9  # per signal; one is lost to the constant
+SPLINES = 15  # per signal; one is lost to the constant
 _DEGREE = 3
 _REST = 1e-9  # of a signal's largest value: what changes less is constant
 
@@ -53,10 +53,17 @@ class Variable:
 
 
 def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variable]:
-    """Every signal of every joint, time, and the travel since the last reversal, for one equation."""
+    """Every signal of every joint, time, and the travel since the last reversal, for one equation.
+
+    But for the joint's own motor torque, which the equation has on its other side and which explains any residual,
+    and for accelerations, which a missing torque makes itself.
+    """
     found = []
     signals = [Signals(robot, log.part.motion).after for log in logs]
+    own_torque = f"{robot.coordinates[row].split('.')[0]}.tau"
     for name in signals[0]:
+        if name == own_torque or ".dd" in name:
+            continue
         found.append((name, words_of(name), tuple(np.asarray(s[name], float) for s in signals)))
     speeds = [log.part.motion.dq[:, row] for log in logs]
     travel = tuple(_travel(log.part.motion.q[:, row], v) for log, v in zip(logs, speeds, strict=True))
@@ -84,6 +91,11 @@ def spline_columns(
     return whitened_columns(shaped, logs, levels, row)
 
 
+def constant_columns(logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int) -> Columns:
+    """Per log: row -> (E, 1) of a constant force."""
+    return whitened_columns([np.ones((len(log.part.target), 1)) for log in logs], logs, levels, row)
+
+
 def whitened_columns(
     raw: Sequence[np.ndarray], logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
 ) -> Columns:
@@ -108,8 +120,8 @@ def words_of(name: str) -> str:
     if name == "time":
         return "time"
     joint, signal = name.split(".")
-    said = {"e": "position", "de": "speed", "dde": "acceleration", "tau": "torque", "load": "load"}
-    rates = {"eps": "deformation", "deps": "deformation rate", "ddeps": "deformation acceleration"}
+    said = {"e": "position", "de": "speed", "tau": "torque", "load": "load"}
+    rates = {"eps": "deformation", "deps": "deformation rate"}
     kind = signal.rstrip("123")
     number = signal.removeprefix(kind)
     what = said[signal] if signal in said else f"{rates[kind]} {number}"

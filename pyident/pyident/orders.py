@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import percentile_filter
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
@@ -24,7 +24,9 @@ from pyident.regressor import regressor
 from pyident.spectra import Equations
 
 HIGHEST_ORDER = 200
-_NEIGHBOURS = 41
+_NEIGHBOURS = 101
+_QUIET = 20.0  # percent of the neighbours: the others may be skirts of the peak itself
+_LEFT = 0.05  # of a wave that the base must leave: what it imitates is the motion itself
 _PERIODS = 2.0  # that an angle must have passed for its force to be called periodic
 _STEP = 1e-6  # rad, of the differences
 _PER_BIN = 2  # frequencies tried per resolved one
@@ -70,17 +72,18 @@ def spectrum(base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray]
     """A residual's amplitudes over a grid of frequencies or orders."""
     at = _grid(logs, over)
     energy, amplitude = np.array([_held(base, logs, levels, over, x) for x in at]).T
-    typical = median_filter(energy, _NEIGHBOURS, mode="reflect") / chi2.median(_freedom(logs, over))
+    quiet = percentile_filter(energy, _QUIET, _NEIGHBOURS, mode="reflect")
+    typical = quiet / chi2.ppf(_QUIET / 100, _freedom(logs, over))
     return Spectrum(over, at, amplitude, energy, np.maximum(typical, 1.0))
 
 
 def highest(
     base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], found: Spectrum
 ) -> Peak | None:
-    """The peak that sticks out most, between the grid's values; None where there is no spectrum."""
+    """The largest peak, between the grid's values; None where there is no spectrum."""
     if not len(found.at):
         return None
-    best = int(np.argmax(found.energy / found.background))
+    best = int(np.argmax(found.energy))
     step = float(np.diff(found.at).max()) if len(found.at) > 1 else 0.0
     middle = float(found.at[best])
 
@@ -168,6 +171,8 @@ def _held(
     """Energy and amplitude at one frequency or order."""
     free = np.full(_freedom(logs, over), np.inf)
     found = gain(base, periodic_columns(logs, levels, over, at), -free, free)
+    if found.left < _LEFT:
+        return 0.0, 0.0
     return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(len(free) / 2))
 
 

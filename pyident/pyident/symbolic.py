@@ -16,7 +16,7 @@ import sympy
 from scipy.fft import irfft
 
 from flexmodels.robot import Robot
-from pyident.dependence import Variable, spline_columns, variables
+from pyident.dependence import Variable, constant_columns, spline_columns, variables
 from pyident.evidence import gain, joined
 from pyident.examination import Examination
 from pyident.unexplained import Dependence
@@ -69,7 +69,8 @@ def symbolic_law(examination: Examination, found: Sequence[Dependence], seed: in
 def partial_residual(examination: Examination, row: int, chosen: Sequence[Variable]) -> list[np.ndarray]:
     """Per log (N,): the splines of `chosen` plus the residual that they leave on the equation [N m]."""
     logs, levels, base = examination.logs, examination.levels, examination.base
-    X = joined([spline_columns(v, logs, levels, row) for v in chosen])
+    constant = constant_columns(logs, levels, row)
+    X = joined([constant, *(spline_columns(v, logs, levels, row) for v in chosen)])
     free = np.full(X[0][row].shape[1], np.inf)
     x = gain(base, X, -free, free).coefficients
     imitated = sum(basis[row].T @ c[row] for basis, c in zip(base.basis, X, strict=True)) @ x

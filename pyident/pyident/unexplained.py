@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.dependence import Form, Variable, curve, spline_columns, variables
+from pyident.dependence import Form, Variable, constant_columns, curve, spline_columns, variables
 from pyident.evidence import Base, Columns, extended, gain, solve_base
 from pyident.examination import Examination, Setting, whitened
 from pyident.orders import Over, Peak, Spectrum, highest, misread_columns, periodic_columns, spectrum
@@ -36,7 +36,8 @@ class Dependence:
 
     coordinate      equation, as in `robot.coordinates`
     on, words       signal or `time`, `joint2.e`; in words
-    form            `force` f(x), `friction` sign(v) f(x), `frequency`, `order`, `misread`
+    form            `force` f(x), `friction` sign(v) f(x), `frequency`, `order`, `misread`,
+                    `constant`
     share_percent   of all that exceeds the floor
     pretended       gain of the same term in replicas, in energy;  gain: in the data
     x, force        the curve [SI; N m], or the spectrum: frequencies or orders and amplitudes
@@ -112,6 +113,7 @@ class _RowSearch:
     def run(self, total: float, floor: float) -> list[Dependence]:
         """total: energy of the excess; floor: of what replicas leave."""
         self.total = total
+        level, share = self._constant()
         found: list[Dependence] = []
         while len(found) < MOST and self.base.energy - floor > _MATERIAL * total:
             better = [d for d in (self._smooth(), self._periodic()) if d is not None]
@@ -120,7 +122,23 @@ class _RowSearch:
             dependence, columns = max(better, key=lambda d: d[0].gain - d[0].pretended)
             self.base = extended(self.base, columns)
             found.append(dependence)
+        if found and found[0].form == "force":  # its mean is part of it
+            first = found[0]
+            found[0] = replace(first, share_percent=first.share_percent + share, gain=first.gain + level.gain)
+        elif share > 100 * _MATERIAL:
+            found.append(level)
         return found
+
+    def _constant(self) -> tuple[Dependence, float]:
+        """Join a constant force, which no spline may claim for itself, to the base; its share [%]."""
+        columns, free = constant_columns(self.logs, self.levels, self.row), np.full(1, np.inf)
+        explained = gain(self.base, columns, -free, free)
+        self.base = extended(self.base, columns)
+        share, size = 100 * explained.energy / self.total, float(explained.coefficients[0])
+        coordinate = self.robot.coordinates[self.row]
+        words = f"a constant of {size:.3g} N m"
+        x, force = np.zeros(1), np.full(1, size)
+        return Dependence(coordinate, "", words, "constant", share, explained.energy, 1.0, x, force), share
 
     def _smooth(self) -> tuple[Dependence, Columns] | None:
         gains = _spline_gains(self.base, self.variables, self.logs, self.levels, self.row)
@@ -247,7 +265,9 @@ def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) ->
     ]
     data = whitened(setting.robot, made, level)
     listed = variables(setting.robot, data, row)
-    return _spline_gains(solve_base(data), listed, data, [level.at(e.band) for e in data], row)
+    levels = [level.at(e.band) for e in data]
+    base = extended(solve_base(data), constant_columns(data, levels, row))
+    return _spline_gains(base, listed, data, levels, row)
 
 
 def _sentence(robot: Robot, row: int, found: Sequence[Dependence]) -> str:
