@@ -39,7 +39,7 @@ pytestmark = pytest.mark.importers
 HERE = Path(__file__).parent / "importers"
 SCHEMAS = Path(fmpy.__file__).parent / "schema"
 TIP = ["tip.x", "tip.y", "tip.z"]
-EXACT = 1e-12  # [m] the same arithmetic, called by somebody else
+EXACT = 1e-11  # [m] the same arithmetic, called by somebody else; friction events are located to rounding
 SOLVED = 1e-6  # [m] another solver and another event location; the project's accuracy of the tip
 
 

@@ -55,7 +55,7 @@ class Variable:
 def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variable]:
     """Every signal of every joint, time, and the travel since the last reversal, for one equation.
 
-    But for the joint's own motor torque, which the equation has on its other side and which explains any residual,
+    But for the motor's own torque, which the equation has on its other side and which explains any residual,
     and for accelerations, which a missing torque makes itself.
     """
     found = []
