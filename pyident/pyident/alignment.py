@@ -39,8 +39,8 @@ def timing(robot: Robot, log: Log) -> list[str]:
         time = 1e3 * abs(shift) * log.period
         found.append(
             f"{log.source}: joint{k}.tau is {abs(shift):g} samples ({time:.3g} ms) {late}: moved back it "
-            f"leaves {100 * left[best]:.0f} % of the residual; shift the column, or look for a slow current loop "
-            f"(effect torque_delay)"
+            f"leaves {100 * left[best]:.0f} % of the residual; shift the column, or look for a slow current "
+            f"loop (effect torque_delay)"
         )
     return found
 

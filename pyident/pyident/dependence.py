@@ -109,7 +109,8 @@ def whitened_columns(
 def curve(variable: Variable, coefficients: np.ndarray, points: int = 101) -> tuple[np.ndarray, np.ndarray]:
     """x from its 1st to its 99th percentile and the force f(x), zero on average; both (points,)."""
     data = np.concatenate(variable.values)
-    x = np.linspace(*np.quantile(data, [0.01, 0.99]), points)
+    low, high = np.quantile(data, [0.01, 0.99])
+    x = np.linspace(low, high, points)
     mean = variable.splines(data).mean(axis=0)
     return x, (variable.splines(x) - mean) @ coefficients
 
