@@ -1,13 +1,17 @@
-# Two commands: `make study` and `make test`. Both set up their own environment in .venv.
+# Three commands: `make study`, `make test` and `make bench`. They set up their own environment in .venv.
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: study test lint clean
+.PHONY: study test bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
 test: lint
 	$(BIN)/pytest
+
+bench: .venv/ready
+	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[bench]"
+	$(BIN)/python -m benchmarks -o out/bench
 
 lint: .venv/ready
 	$(BIN)/ruff check .

@@ -28,6 +28,7 @@ class EventExact:
         return np.array(self.eq.tip(self.x)).ravel()
 
     def advance(self, torque: np.ndarray) -> None:
+        assert self.eq.controller is not None
         t, period = 0.0, self.eq.controller.period
         self._release(torque)
         while t < period:

@@ -8,11 +8,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": ROOT / "pyident"}
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
+# where robot, FMU and identification are put together
 COMPOSERS = {
     "pyident/cli.py",
-    "pyident/pipeline.py",
+    "pyident/command.py",
     "pyident/parameter_study.py",
-}  # where robot, FMU and identification are put together
+    "pyident/pipeline.py",
+}
 
 
 def imports(file: Path) -> set[str]:

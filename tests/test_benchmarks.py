@@ -35,3 +35,26 @@ def _plant(peer, robot):
     from benchmarks.pinocchio_plant import PinocchioPlant
 
     return PinocchioPlant(robot, 0.5e-3)
+
+
+def test_phi_is_measured_and_is_pinocchios(monkeypatch):
+    pytest.importorskip("pinocchio", reason="the peer is not installed")
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    from benchmarks import regressor
+
+    monkeypatch.setattr("benchmarks.pinocchio_loop.cpp_speed", lambda *_: "not in a test")
+    found = regressor.rows([1, 4], samples=400)
+    tools = ["pyident, compiled", "Pinocchio, loop in Python"]
+    assert [row["tool"] for row in found if row["joints"] == 1] == tools
+    assert all(row["samples per second"] > 0 for row in found)
+    assert len(regressor.with_joints(regressor.load_robot("four_link"), 12).coordinates) == 48
+
+
+def test_the_solutions_that_are_compared_are_one(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    from benchmarks import solve
+
+    found = solve.rows(2000, [3000], tools=("ours", "numpy lstsq"))
+    assert [row["tool"] for row in found] == ["ours", "numpy lstsq", "ours, from disk"]
+    assert found[1]["differs from ours"] < 1e-8
+    assert all(row["seconds"] > 0 for row in found)

@@ -37,7 +37,7 @@ STRONG: dict[str, dict[str, float]] = {
     "torque_delay": {"share": 1.0, "delay": 0.002},
     "torque_saturation": {"share": 0.5, "limit": 40.0},
     "gravity_spring": {"stiffness": 150.0, "preload": 90.0, "ratio": 0.5, "phase": 0.8},
-    "joint_spring": {"stiffness": 40.0},
+    "joint_spring": {"stiffness": 40.0, "preload": 3.0},
     "joint_coupling": {"inertia": 0.4, "viscous": 2.0, "coulomb": 6.0, "ratio": 1.0},
     "payload": {"mass": 4.0},
 }

@@ -1,16 +1,21 @@
 """The FMU as a citizen: both standards, both kinds, states, derivatives, refusals, energy."""
 
 import ctypes
+import io
 import zipfile
+from typing import Any
 
+import matplotlib.image
 import numpy as np
+import pandas as pd
 import pytest
-from fmpy import extract, read_model_description
+from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2EventInfo
+from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
 from fmpy.validation import validate_fmu
 
 from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu
+from flexfmu.simulate import LoadedFmu, _callbacks
 from flexfmu.variables import arrays, base_units, states, variables
 from flexmodels.experiment import Experiment, identification
 from flexmodels.plant import equations
@@ -83,7 +88,7 @@ def test_both_standards_agree_to_rounding(fmus, plan):
             logs[fmi] = fmu.simulate(plan)
     assert list(logs[2]) == list(logs[3])
     difference = (logs[2] - logs[3]).abs().max()
-    assert difference.drop([c for c in difference.index if c.endswith("tau")]).max() < 1e-12
+    assert difference.drop([c for c in difference.index if c.endswith("tau")]).max() < 1e-11
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -160,14 +165,132 @@ def test_steps_of_any_length_are_accepted(fmus):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("joint1.k[1]", -1.0), ("link2.m", -0.1), ("joint3.coulomb", float("nan")), ("joint1.e", 0.3)],
+    [
+        ("joint1.k[1]", -1.0),
+        ("joint2.J_m", 0.0),
+        ("link2.m", -0.1),
+        ("joint3.coulomb", float("nan")),
+        ("joint1.e", 0.3),
+    ],
 )
-def test_wrong_values_are_refused(fmus, name, value):
-    opened = Opened(fmus[2], FMU2Slave, [0.0] * 4)
-    before = opened.get([name])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_wrong_values_are_refused_with_a_sentence(fmus, fmi, name, value):
+    said = []
+    opened = OPENED[fmi](fmus[fmi], said)
+    vr = opened.vr[name]
+    before = opened.read(vr)
     with pytest.raises(Exception, match="status"):
-        opened.set({name: value})
-    assert opened.get([name]) == before
+        opened.write(vr, value)
+    assert opened.read(vr) == before
+    assert len(said) == 1
+    assert name in said[0]
+    assert said[0].endswith(".")
+
+
+class Listening2:
+    """FMI 2.0 co-simulation in initialisation mode, with what the FMU logs."""
+
+    def __init__(self, path, said):
+        description = read_model_description(str(path))
+        assert description.coSimulation is not None
+        self.vr = {v.name: v.valueReference for v in description.modelVariables}
+        self.fmu = self.kind(
+            guid=description.guid,
+            unzipDirectory=str(extract(str(path))),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName="arm",
+        )
+        self.begin(said)
+
+    kind: Any = FMU2Slave
+
+    def begin(self, said):
+        self.fmu.instantiate(callbacks=_callbacks(said))
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+
+    def read(self, vr):
+        return self.fmu.getReal([vr])[0]
+
+    def write(self, vr, value):
+        self.fmu.setReal([vr], [value])
+
+
+class Listening3(Listening2):
+    """The same in FMI 3.0."""
+
+    kind: Any = FMU3Slave
+
+    def begin(self, said):
+        self.keep = fmi3LogMessageCallback(lambda *words: said.append(words[-1].decode()))
+        self.fmu.instantiate(logMessage=self.keep)
+        self.fmu.enterInitializationMode()
+
+    def read(self, vr):
+        return self.fmu.getFloat64([vr])[0]
+
+    def write(self, vr, value):
+        self.fmu.setFloat64([vr], [value])
+
+
+OPENED = {2: Listening2, 3: Listening3}
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_stuck_arm_under_gravity_stays(fmus, four_link, fmi, interface):
+    """60 s, controller gains off, gravity carried by the integral less what dry friction holds."""
+    off = {f"joint{k}.{gain}": 0.0 for k in range(1, 5) for gain in ("Kp", "Kd", "Ki")}
+    names = [f"joint{k}.e" for k in range(1, 5)]
+    pose = {f"joint{k}.r": r for k, r in zip(range(1, 5), (0.0, 1.2, -0.5, 0.0), strict=True)}
+    push = {f"joint{k}.tau_ff": t for k, t in zip(range(1, 5), (29.9, -44.9, 17.9, -7.9), strict=True)}
+    result = simulate_fmu(
+        str(fmus[fmi]),
+        fmi_type=interface,
+        stop_time=60.0,
+        output_interval=0.1,
+        start_values=off | pose | push,
+        relative_tolerance=1e-8,
+        output=names,
+    )
+    drift = np.column_stack([result[n] for n in names]) - list(pose.values())
+    assert np.abs(drift).max() < 1e-9
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_recorded_run_is_reproduced(fmus, fmi):
+    """documentation/*_ref.csv by the inputs and options beside it, co-simulation and CVode."""
+    with zipfile.ZipFile(fmus[fmi]) as archive:
+        table, options, inputs = (
+            io.StringIO(archive.read(f"documentation/four_link_{end}").decode())
+            for end in ("ref.csv", "ref.opt", "in.csv")
+        )
+    reference = pd.read_csv(table)
+    option = dict(line.split(",") for line in options.read().split())
+    signals = pd.read_csv(inputs)
+    assert np.ptp(reference["tip.x"]) > 1e-5
+    for interface, tolerance in (("CoSimulation", 1e-12), ("ModelExchange", 1e-6)):
+        result = simulate_fmu(
+            str(fmus[fmi]),
+            fmi_type=interface,
+            stop_time=float(option["StopTime"]),
+            output_interval=float(option["StepSize"]),
+            relative_tolerance=float(option["RelTol"]) * 1e-2,
+            input=np.array(list(map(tuple, signals.to_numpy())), dtype=[(n, float) for n in signals]),
+            output=TIP,
+        )
+        last = np.searchsorted(result["time"], reference["time"] + 1e-9) - 1
+        np.testing.assert_allclose(
+            np.column_stack([result[n][last] for n in TIP]), reference[TIP], rtol=0, atol=tolerance
+        )
+
+
+def test_the_icon_is_a_picture(fmus):
+    with zipfile.ZipFile(fmus[2]) as two, zipfile.ZipFile(fmus[3]) as three:
+        png = two.read("model.png")
+        assert png == three.read("terminalsAndIcons/icon.png")
+        assert b"<svg" in three.read("terminalsAndIcons/icon.svg")
+    assert matplotlib.image.imread(io.BytesIO(png)).shape == (256, 256, 4)
 
 
 class Exchange(Opened):
@@ -302,6 +425,6 @@ def test_names_units_and_order(four_link):
     assert [v.name for v in listed if v.derivative_of] == [f"der({n})" for n in states(eq)]
     assert base_units("N.m/(rad.s)") == {"kg": 1, "m": 2, "s": -3, "rad": -1}
     names = [v.name for v in listed]
-    for array in arrays(eq):
+    for array in arrays(eq.joints):
         at = names.index(array.first)
         assert len({v.unit for v in listed[at : at + array.size]}) == 1

@@ -133,6 +133,21 @@ def test_potential_laws_give_back_their_energy():
     assert np.array(force(q, list(arm.numbers.values()))).ravel() == pytest.approx(slope, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", ["gravity_spring", "joint_spring"])
+def test_springs_span_the_joint(name):
+    """They load motor and transmission alike, and by the sum of both angles only."""
+    arm = build(ROBOT, [draw(name, ROBOT, basis().levels, np.random.default_rng(2), joint=2)])
+    force = ca.Function("f", [arm.q, arm.p], [arm.hidden])
+    e, eps = arm.at("joint2.e"), arm.at("joint2.eps[1]")
+    q = np.random.default_rng(3).uniform(-0.2, 0.2, len(arm.names))
+    taken = np.array(force(q, list(arm.numbers.values()))).ravel()
+    assert abs(taken[e]) > 1
+    assert taken[eps] == pytest.approx(taken[e], rel=1e-12)
+    assert not np.delete(taken, [e, eps]).any()
+    q[e], q[eps] = q[e] + 0.1, q[eps] - 0.1
+    assert np.array(force(q, list(arm.numbers.values()))).ravel() == pytest.approx(taken, rel=1e-12)
+
+
 def test_a_delay_is_a_delay_and_a_limit_limits():
     plan = standard(ROBOT, duration=1.5)
     free = float(np.abs(plain_log()["joint1.tau"].to_numpy()).max())

@@ -5,7 +5,7 @@ from flexmodels.robot_file import load_robot
 from pyident.conditioning import central_differences, hat_means, thin
 from pyident.identify import identify
 from pyident.log import Log
-from pyident.solve import reduce, solve
+from pyident.solve import reduce, solve, solve_weighted
 
 
 def test_central_differences_are_of_eighth_order():
@@ -118,3 +118,29 @@ def test_the_paper_study_meets_its_goals(tmp_path):
     assert [row["what"] for row in result.rows if row["met"] == "no"] == []
     assert all(figure.stat().st_size > 10_000 for figure in result.figures)
     assert load_robot(tmp_path / "identified.toml").name == "four_link_identified"
+
+
+def test_a_stiffness_is_not_weighted_away():
+    """Twists of which a fifth is noise, under loads of 1000 N m and friction of which 800 N m is unknown."""
+    samples, k = 5000, 2e6
+    x, v, noise, unknown = np.random.default_rng(8).normal(size=(4, samples))
+    A, y = np.zeros((samples, 2, 3)), np.zeros((samples, 2))
+    A[:, 0, 0], A[:, 0, 1], A[:, 1, 0] = x, v, x
+    A[:, 1, 2] = (-1000 * x + 500 * noise) / k
+    y[:, 0] = 1000 * x + 200 * v + 800 * unknown
+    found = solve_weighted(reduce([(A, y)], ("e", "eps"), ("load", "viscous", "k")))
+    load, viscous, stiffness = found.p
+    assert load > 400
+    assert viscous == pytest.approx(200, rel=0.1)
+    assert stiffness / load == pytest.approx(k / 1000 * 0.8, rel=0.03)  # 0.8: what the noise takes
+
+
+def test_a_column_that_is_zero_is_in_no_direction_that_the_data_see():
+    rng = np.random.default_rng(7)
+    A = rng.normal(size=(300, 3, 6))
+    A[:, :, [1, 4]] = 0.0
+    A[:, 0, 2] = 0.0
+    solution = solve(reduce([(A, rng.normal(size=(300, 3)))], ("a", "b", "c"), tuple("uvwxyz")))
+    assert solution.rank == 4
+    assert (solution.seen[[1, 4]] == 0).all()
+    assert (solution.p[[1, 4]] == 0).all()

@@ -1,94 +1,77 @@
-"""Equations -> FMU file: generate, compile, zip."""
+"""Equations -> FMU file: the arm with its controller, the plant alone or the controller alone."""
 
-import shutil
-import tempfile
-import zipfile
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
-from flexfmu import fmi2_description, fmi3_description
-from flexfmu.compilation import HOST, PLATFORMS, BuildError, compile_for
-from flexfmu.documentation import documentation
-from flexfmu.source import RUNTIME, model_sources, token_of
-from flexfmu.variables import identifier
-from flexmodels.atomic import replacing
+from flexfmu.documentation import controller_page, plant_page
+from flexfmu.icon import icons
+from flexfmu.interface import controller_interface, plant_interface
+from flexfmu.package import Package, Platforms, Version, write_fmu
+from flexfmu.source import controller_sources, model_sources
+from flexfmu.variables import states
+from flexmodels.compiler import BuildError
 from flexmodels.plant import Equations
 
-__all__ = ["BuildError", "export_fmu"]
-_BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiBuildDescription fmiVersion="3.0">
-  <BuildConfiguration modelIdentifier="{identifier}">
-    <SourceFileSet language="C99">
-{files}
-      <PreprocessorDefinition name="FMI3_OVERRIDE_FUNCTION_PREFIX"/>
-    </SourceFileSet>
-    <Library name="m"/>
-  </BuildConfiguration>
-</fmiBuildDescription>
-"""
+__all__ = ["BuildError", "export_controller", "export_fmu"]
 
 
 def export_fmu(
     equations: Equations,
     path: str | Path,
-    fmi: Literal[2, 3] = 2,
-    platforms: Literal["host", "all"] = "host",
+    fmi: Version = 2,
+    platforms: Platforms = "host",
     derivatives: bool = True,
 ) -> Path:
     """Write an FMU for model exchange and co-simulation, with its C sources. Raises BuildError.
 
+    equations    with its controller inside, or with controller None: its inputs are then the torques
     fmi          version of the standard
     platforms    this machine's, or Linux, Windows and macOS in one file (needs the package ziglang)
     derivatives  whether the binary provides directional (and, in FMI 3, adjoint) derivatives
     """
-    path = Path(path)
-    generated = model_sources(equations, derivatives)
-    face = f"fmi{fmi}"
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        sources = root / "sources"
-        names = _write_sources(sources, generated, face)
-        for platform in PLATFORMS if platforms == "all" else [HOST]:
-            binary = root / "binaries" / platform.folder(fmi) / f"{identifier(equations)}{platform.suffix}"
-            binary.parent.mkdir(parents=True)
-            compile_for(platform, sources, names, binary, native=platforms == "host")
-        _describe(root, equations, token_of(generated), names, fmi, derivatives)
-        with replacing(path) as file:
-            _zip(root, file)
-    return path
+    interface = plant_interface(equations)
+    package = Package(
+        interface=interface,
+        runtime=("plant", "equilibrium", *(["pid"] if equations.controller else [])),
+        sources=model_sources(equations, derivatives),
+        derivatives=derivatives,
+        page=plant_page(equations, interface),
+        icons=icons(equations),
+        push=_push(equations),
+    )
+    return write_fmu(package, path, fmi, platforms)
 
 
-def _write_sources(folder: Path, generated: dict[str, str], face: str) -> list[str]:
-    """The generated files and those of the runtime that this face needs; names of the C files."""
-    folder.mkdir()
-    for file in sorted(RUNTIME.iterdir()):
-        if file.suffix in (".c", ".h") and (file.name.startswith(face) or not file.name.startswith("fmi")):
-            shutil.copy(file, folder)
-    for name, text in generated.items():
-        (folder / name).write_text(text)
-    return sorted(file.name for file in folder.glob("*.c"))
+def export_controller(
+    equations: Equations, integral: Mapping[str, float], path: str | Path, platforms: Platforms = "host"
+) -> Path:
+    """Write the digital controller alone as an FMU 2.0 for co-simulation. Raises BuildError.
+
+    integral     start of every `joint{k}.I_0`: the torque that holds the plant at its start [N m or N]
+    """
+    interface = controller_interface(equations, integral)
+    package = Package(
+        interface=interface,
+        runtime=("controller", "pid"),
+        sources=controller_sources(interface),
+        derivatives=False,
+        page=controller_page(equations, interface),
+        icons=icons(equations),
+        push={f"joint{k}.r": 0.01 for k in range(1, equations.joints + 1)},
+    )
+    return write_fmu(package, path, 2, platforms)
 
 
-def _describe(
-    root: Path, equations: Equations, token: str, names: list[str], fmi: int, derivatives: bool
-) -> None:
-    if fmi == 2:
-        xml = fmi2_description.model_description(equations, token, names, derivatives)
-    else:
-        xml = fmi3_description.model_description(equations, token, derivatives)
-        files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
-        build = _BUILD_DESCRIPTION.format(identifier=identifier(equations), files=files)
-        (root / "sources" / "buildDescription.xml").write_text(build)
-        icons = root / "terminalsAndIcons"
-        icons.mkdir()
-        (icons / "terminalsAndIcons.xml").write_bytes(fmi3_description.terminals(equations))
-    (root / "modelDescription.xml").write_bytes(xml)
-    (root / "documentation").mkdir()
-    (root / "documentation" / "index.html").write_text(documentation(equations), encoding="utf-8")
+def without_controller(equations: Equations) -> Equations:
+    """The plant alone, whose inputs are the motor torques."""
+    return replace(equations, name=f"{equations.name}_plant", controller=None)
 
 
-def _zip(folder: Path, path: Path) -> None:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for member in sorted(folder.rglob("*")):
-            if member.is_file():
-                archive.write(member, member.relative_to(folder).as_posix())
+def _push(equations: Equations) -> dict[str, float]:
+    """Constant inputs that move every joint: 1.5 times its dry friction at rest and a little more."""
+    x, u = [0.0] * len(states(equations)), [0.0] * equations.joints
+    upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
+    signal = "tau_ff" if equations.controller else "tau"
+    levels = upper.full().ravel()
+    return {f"joint{k}.{signal}": 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

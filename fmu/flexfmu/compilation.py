@@ -1,17 +1,12 @@
 """C sources -> shared libraries, for this machine or for every platform."""
 
-import os
 import platform
-import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
-
-class BuildError(RuntimeError):
-    """The FMU could not be compiled; the message says why and how to mend it."""
+from flexmodels.compiler import BuildError, compiler, zig
 
 
 @dataclass(frozen=True)
@@ -54,7 +49,7 @@ _FLAGS = ["-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=of
 
 def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path, native: bool) -> None:
     """Compile the C files of `folder` into `binary`; `native` takes this machine's own compiler."""
-    command = [*compiler()] if native else [*_zig(), "-target", target.zig]
+    command = [*compiler()] if native else [*zig(), "-target", target.zig]
     flags = _FLAGS if target.system == "windows" else [*_FLAGS, "-fPIC"]
     objects = [*command, *flags, *sources, "-o", str(binary), "-lm"]
     done = subprocess.run(objects, cwd=folder, capture_output=True, text=True)
@@ -63,19 +58,3 @@ def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path
     for leftover in binary.parent.iterdir():  # debug and import files of the Windows linker
         if leftover != binary:
             leftover.unlink()
-
-
-def compiler() -> list[str]:
-    """The C compiler: $CC, else cc, gcc or clang, else zig from the package ziglang."""
-    if os.environ.get("CC"):
-        return os.environ["CC"].split()
-    for name in ("cc", "gcc", "clang"):
-        if shutil.which(name):
-            return [name]
-    return _zig()
-
-
-def _zig() -> list[str]:
-    if find_spec("ziglang") is None:
-        raise BuildError("the compiler of the package ziglang is needed: pip install 'flexident[compiler]'")
-    return [sys.executable, "-m", "ziglang", "cc"]

@@ -1,13 +1,23 @@
 """documentation/index.html: the equations and parameters of this very model."""
 
+from typing import Any
+
 from jinja2 import Environment, PackageLoader
 
-from flexfmu.variables import Variable, variables
+from flexfmu.interface import Interface
 from flexmodels.plant import Equations
 
 
-def documentation(equations: Equations) -> str:
-    """The page as text."""
-    listed: list[Variable] = variables(equations)
+def plant_page(equations: Equations, interface: Interface) -> str:
+    """The page of a plant, with or without its controller."""
+    return _page("index.html", eq=equations, interface=interface, controller=equations.controller)
+
+
+def controller_page(equations: Equations, interface: Interface) -> str:
+    """The page of a controller alone."""
+    return _page("controller.html", interface=interface, controller=equations.controller)
+
+
+def _page(template: str, **words: Any) -> str:
     environment = Environment(loader=PackageLoader("flexfmu"), autoescape=True)
-    return environment.get_template("index.html").render(eq=equations, listed=listed)
+    return environment.get_template(template).render(**words)

@@ -3,46 +3,44 @@
 from datetime import UTC, datetime
 from xml.etree import ElementTree as ET
 
-from flexfmu.variables import TYPES, Variable, base_units, identifier, states, variables
-from flexmodels.plant import Equations
+from flexfmu.interface import Interface
+from flexfmu.variables import TYPES, Variable, base_units
 
 
-def model_description(equations: Equations, token: str, sources: list[str], derivatives: bool) -> bytes:
+def model_description(interface: Interface, token: str, sources: list[str], derivatives: bool) -> bytes:
     """The XML file; `derivatives`: whether the binary provides directional derivatives."""
-    listed = variables(equations)
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
-        modelName=equations.name,
+        modelName=interface.name,
         guid=token,
-        description=equations.description or f"Robot {equations.name} with its controller",
+        description=interface.description,
         generationTool="flexident",
         generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         variableNamingConvention="structured",
-        numberOfEventIndicators=str(equations.joints),
+        numberOfEventIndicators=str(interface.indicators),
     )
     common = {
-        "modelIdentifier": identifier(equations),
+        "modelIdentifier": interface.identifier,
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": str(derivatives).lower(),
     }
-    exchange = ET.SubElement(root, "ModelExchange", common | {"completedIntegratorStepNotNeeded": "true"})
-    simulation = ET.SubElement(
-        root,
-        "CoSimulation",
-        common
-        | {
-            "canHandleVariableCommunicationStepSize": "true",
-            "canInterpolateInputs": "true",
-            "maxOutputDerivativeOrder": "1",
-        },
-    )
-    for element in (exchange, simulation):
+    elements = []
+    if interface.states:
+        exchange = common | {"completedIntegratorStepNotNeeded": "true"}
+        elements.append(ET.SubElement(root, "ModelExchange", exchange))
+    simulation = common | {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": str(interface.sampled).lower(),
+        "maxOutputDerivativeOrder": "1" if interface.states else "0",
+    }
+    elements.append(ET.SubElement(root, "CoSimulation", simulation))
+    for element in elements:
         files = ET.SubElement(element, "SourceFiles")
         for name in sources:
             ET.SubElement(files, "File", name=name)
-    units = sorted({v.unit for v in listed})
+    units = sorted({v.unit for v in interface.listed})
     unit_definitions(root, units)
     types = ET.SubElement(root, "TypeDefinitions")
     for unit in units:
@@ -51,10 +49,9 @@ def model_description(equations: Equations, token: str, sources: list[str], deri
             ET.SubElement(simple, "Real", quantity=TYPES[unit], unit=unit)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
-    period = repr(equations.controller.period)
-    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=period)
-    _model_variables(root, listed)
-    _model_structure(root, listed, states(equations))
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(interface.step))
+    _model_variables(root, interface.listed)
+    _model_structure(root, interface)
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
 
@@ -103,18 +100,20 @@ def numbers(v: Variable) -> dict[str, str]:
     return out
 
 
-def _model_structure(root: ET.Element, listed: list[Variable], state_names: tuple[str, ...]) -> None:
+def _model_structure(root: ET.Element, interface: Interface) -> None:
     structure = ET.SubElement(root, "ModelStructure")
-    index = {v.name: i + 1 for i, v in enumerate(listed)}
-    outputs = [v for v in listed if v.causality == "output"]
-    rates = [v for v in listed if v.derivative_of]
-    for section, members in (("Outputs", outputs), ("Derivatives", rates)):
-        element = ET.SubElement(structure, section)
+    index = {v.name: i + 1 for i, v in enumerate(interface.listed)}
+    sections = {
+        "Outputs": [v for v in interface.unknowns if not v.derivative_of],
+        "Derivatives": [v for v in interface.unknowns if v.derivative_of],
+    }
+    for section, members in sections.items():
+        element = ET.SubElement(structure, section) if members else None
         for v in members:
+            assert element is not None
             unknown = ET.SubElement(element, "Unknown", index=str(index[v.name]))
-            depends = state_names if v.depends_on is None else v.depends_on
-            unknown.set("dependencies", " ".join(str(i) for i in sorted(index[name] for name in depends)))
+            places = sorted(index[name] for name in interface.dependencies(v))
+            unknown.set("dependencies", " ".join(map(str, places)))
     initial = ET.SubElement(structure, "InitialUnknowns")
-    names = {v.name for v in outputs} | {v.name for v in rates} | set(state_names)
-    for i in sorted(index[name] for name in names):
-        ET.SubElement(initial, "Unknown", index=str(i))
+    for i in interface.initial_unknowns:
+        ET.SubElement(initial, "Unknown", index=str(i + 1))

@@ -4,25 +4,25 @@ from datetime import UTC, datetime
 from xml.etree import ElementTree as ET
 
 from flexfmu.fmi2_description import numbers, unit_definitions
-from flexfmu.variables import TYPES, Array, Variable, arrays, identifier, states, variables
-from flexmodels.plant import Equations
+from flexfmu.interface import Interface
+from flexfmu.variables import TYPES, Array, Variable, arrays
 
 
-def model_description(equations: Equations, token: str, derivatives: bool) -> bytes:
+def model_description(interface: Interface, token: str, derivatives: bool) -> bytes:
     """The XML file; `derivatives`: whether the binary provides directional and adjoint derivatives."""
-    listed, views = variables(equations), arrays(equations)
+    listed, views = interface.listed, arrays(interface.joints)
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="3.0",
-        modelName=equations.name,
+        modelName=interface.name,
         instantiationToken=token,
-        description=equations.description or f"Robot {equations.name} with its controller",
+        description=interface.description,
         generationTool="flexident",
         generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         variableNamingConvention="structured",
     )
     common = {
-        "modelIdentifier": identifier(equations),
+        "modelIdentifier": interface.identifier,
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
         "providesDirectionalDerivatives": str(derivatives).lower(),
@@ -50,30 +50,31 @@ def model_description(equations: Equations, token: str, derivatives: bool) -> by
             ET.SubElement(types, "Float64Type", name=TYPES[unit], quantity=TYPES[unit], unit=unit)
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
-    period = repr(equations.controller.period)
-    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=period)
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(interface.step))
     _model_variables(root, listed, views)
-    _model_structure(root, equations, listed)
+    _model_structure(root, interface)
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
 
 
-def terminals(equations: Equations) -> bytes:
+def terminals(interface: Interface) -> bytes:
     """terminalsAndIcons.xml: per joint a terminal with its signals."""
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     group = ET.SubElement(root, "Terminals")
-    for k in range(1, equations.joints + 1):
+    names = {v.name for v in interface.listed}
+    for k in range(1, interface.joints + 1):
         terminal = ET.SubElement(
             group, "Terminal", name=f"joint{k}", matchingRule="bus", description=f"Signals of joint {k}"
         )
         for signal in ("r", "tau_ff", "e", "tau"):
-            ET.SubElement(
-                terminal,
-                "TerminalMemberVariable",
-                variableName=f"joint{k}.{signal}",
-                memberName=signal,
-                variableKind="signal",
-            )
+            if f"joint{k}.{signal}" in names:
+                ET.SubElement(
+                    terminal,
+                    "TerminalMemberVariable",
+                    variableName=f"joint{k}.{signal}",
+                    memberName=signal,
+                    variableKind="signal",
+                )
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
 
@@ -124,26 +125,18 @@ def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array
         ET.SubElement(variable, "Dimension", start=str(array.size))
 
 
-def _model_structure(root: ET.Element, equations: Equations, listed: list[Variable]) -> None:
+def _model_structure(root: ET.Element, interface: Interface) -> None:
     structure = ET.SubElement(root, "ModelStructure")
+    listed = interface.listed
     reference = {v.name: i for i, v in enumerate(listed)}
-    state_names = states(equations)
-    outputs = [v for v in listed if v.causality == "output"]
-    rates = [v for v in listed if v.derivative_of]
-
-    def unknown(kind: str, v: Variable) -> None:
+    for v in interface.unknowns:
+        kind = "ContinuousStateDerivative" if v.derivative_of else "Output"
         element = ET.SubElement(structure, kind, valueReference=str(reference[v.name]))
-        depends = state_names if v.depends_on is None else v.depends_on
-        element.set("dependencies", " ".join(str(reference[name]) for name in depends))
-
-    for v in outputs:
-        unknown("Output", v)
-    for v in rates:
-        unknown("ContinuousStateDerivative", v)
-    initial = [reference[v.name] for v in (*outputs, *rates)] + [reference[name] for name in state_names]
-    at_start = [v.name for v in listed if v.causality == "input" or v.variability == "tunable"]
+        depends = (str(reference[name]) for name in interface.dependencies(v))
+        element.set("dependencies", " ".join(depends))
+    at_start = [v.name for v in listed if v.causality in ("input", "parameter") and v.name != "solver.step"]
     depends = " ".join(str(reference[name]) for name in at_start)
-    for vr in sorted(set(initial)):
+    for vr in interface.initial_unknowns:
         ET.SubElement(structure, "InitialUnknown", valueReference=str(vr), dependencies=depends)
-    for k in range(1, equations.joints + 1):
+    for k in range(1, interface.indicators + 1):
         ET.SubElement(structure, "EventIndicator", valueReference=str(reference[f"joint{k}.friction_margin"]))

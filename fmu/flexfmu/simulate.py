@@ -181,14 +181,18 @@ class LoadedFmu:
         fmu.exitInitializationMode()
         fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[0]))
         interpolates = self.description.coSimulation.canInterpolateInputs  # pyright: ignore
-        for i in range(len(time) - 1):
-            fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[i]))
+        value, slope, result = (np.empty(n) for n in (len(written), len(written), len(read)))
+        to_value, to_slope, to_result = map(_pointer, (value, slope, result))  # made once: they take time
+        component, now, steps = fmu.component, time.tolist(), np.diff(time).tolist()
+        for i, step in enumerate(steps):
+            value[:] = inputs[i]
+            fmu.fmi2SetReal(component, written, len(written), to_value)
             if interpolates:
-                fmu.fmi2SetRealInputDerivatives(
-                    fmu.component, written, len(written), order, _pointer(slopes[i])
-                )
-            fmu.doStep(time[i], time[i + 1] - time[i])
-            fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[i + 1]))
+                slope[:] = slopes[i]
+                fmu.fmi2SetRealInputDerivatives(component, written, len(written), order, to_slope)
+            fmu.fmi2DoStep(component, now[i], step, 0)
+            fmu.fmi2GetReal(component, read, len(read), to_result)
+            rows[i + 1] = result
             if progress and i % 64 == 0:
                 progress(i / len(time))
         fmu.terminate()
@@ -204,6 +208,28 @@ class LoadedFmu:
 
     def _inputs(self, experiment: Experiment) -> np.ndarray:
         return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
+
+
+def constant_run(
+    fmu: str | Path, inputs: Mapping[str, float], step: float, stop: float, outputs: tuple[str, ...] = ()
+) -> pd.DataFrame:
+    """Co-simulation of an FMU (file or unpacked) under constant inputs; a row per step, the start first.
+
+    outputs     variables to record, none: all outputs
+    Raises SimulationError.
+    """
+    try:
+        result = simulate_fmu(
+            str(fmu),
+            fmi_type="CoSimulation",
+            stop_time=stop,
+            output_interval=step,
+            start_values=dict(inputs),
+            output=list(outputs) or None,  # pyright: ignore[reportArgumentType]
+        )
+    except Exception as error:
+        raise SimulationError(f"{fmu}: the FMU failed ({error})") from None
+    return pd.DataFrame(result)
 
 
 def _callbacks(messages: list[str]) -> fmi2CallbackFunctions:

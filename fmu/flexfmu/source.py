@@ -9,7 +9,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from flexfmu.variables import STEP, identifier, nominals, variables
+from flexfmu.interface import Interface, plant_interface
+from flexfmu.variables import nominals
 from flexmodels.plant import Equations
 
 _FUNCTIONS = ("rates", "breakaway", "laws", "balance", "start", "tip")
@@ -18,13 +19,29 @@ RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 
 def model_sources(equations: Equations, derivatives: bool) -> dict[str, str]:
     """File name -> text of the generated files: model.h, model.c and, on demand, model_derivatives.c."""
+    interface = plant_interface(equations)
     functions = [_renamed(getattr(equations, name)) for name in _FUNCTIONS]
     extra = _derivatives(equations) if derivatives else []
-    files = {"model.c": _tables(equations) + _generated(functions, "model")}
+    files = {
+        "model.c": _shared_tables(interface, _positive(equations))
+        + _tables(equations)
+        + _generated(functions, "model")
+    }
     if derivatives:
         files["model_derivatives.c"] = '#include "model.h"\n' + _generated(extra, "derivatives")
-    token = hashlib.sha256("".join([*files.values(), repr(variables(equations))]).encode()).hexdigest()[:32]
-    return {"model.h": _header(equations, [*functions, *extra], token, derivatives)} | files
+    period = equations.controller.period if equations.controller else None
+    plant = _plant_header(equations, [*functions, *extra], derivatives)
+    return {"model.h": _header(interface, period, plant, _token(interface, files))} | files
+
+
+def controller_sources(interface: Interface) -> dict[str, str]:
+    """File name -> text of the generated files of a controller alone: model.h and model.c."""
+    files = {"model.c": _shared_tables(interface, frozenset())}
+    return {"model.h": _header(interface, interface.step, "", _token(interface, files))} | files
+
+
+def _token(interface: Interface, files: dict[str, str]) -> str:
+    return hashlib.sha256("".join([*files.values(), repr(interface)]).encode()).hexdigest()[:32]
 
 
 def token_of(sources: dict[str, str]) -> str:
@@ -76,56 +93,83 @@ def _renamed(function: ca.Function) -> ca.Function:
     return ca.Function(f"model_{function.name()}", symbols, function.call(symbols))
 
 
-def _header(equations: Equations, functions: list[ca.Function], token: str, derivatives: bool) -> str:
-    prototypes = "\n".join(
-        f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in functions
-    )
-    joints = equations.joints
-    return f"""/* Sizes, tables and functions of robot {equations.name}. */
+def _header(interface: Interface, period: float | None, plant: str, token: str) -> str:
+    controller = f"#define MODEL_CONTROLLER\n#define PERIOD {period!r}" if period else "/* no controller */"
+    return f"""/* Sizes, tables and functions of {interface.name}. */
 #ifndef MODEL_H
 #define MODEL_H
 
-#define MODEL_IDENTIFIER "{identifier(equations)}"
+#define MODEL_IDENTIFIER "{interface.identifier}"
 #define MODEL_TOKEN "{token}"
-#define N_JOINTS {joints}
+#define N_JOINTS {interface.joints}
+{controller}
+
+/* By value reference: name, kind, lower bound, start. */
+enum {{ KIND_INPUT = 'i', KIND_STATE = 's', KIND_CALCULATED = 'c', KIND_FIXED = 'f', KIND_TUNABLE = 't' }};
+enum {{ BOUND_NONE = '-', BOUND_NOT_NEGATIVE = '0', BOUND_POSITIVE = '+' }};
+extern const char *const model_names[];
+extern const char model_kinds[];
+extern const char model_bounds[];
+extern const double model_starts[];
+{plant}
+#endif
+"""
+
+
+def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
+    kinds = {("parameter", "fixed"): "f", ("parameter", "tunable"): "t", ("input", "continuous"): "i"}
+    listed = interface.listed
+    letters = [
+        "s" if v.name in interface.states else kinds.get((v.causality, v.variability), "c") for v in listed
+    ]
+    bounds = ["+" if v.name in positive else "-" if v.minimum is None else "0" for v in listed]
+    return "\n".join(
+        [
+            '#include "model.h"',
+            _array("char *const", "model_names", [f'"{v.name}"' for v in listed]),
+            f'const char model_kinds[] = "{"".join(letters)}";',
+            f'const char model_bounds[] = "{"".join(bounds)}";',
+            _array("double", "model_starts", [repr(float(v.start or 0.0)) for v in listed]),
+            "",
+        ]
+    )
+
+
+def _positive(equations: Equations) -> frozenset[str]:
+    """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
+    deformations = equations.coordinates[equations.joints :]
+    stiffness = {name.replace("eps", "k") for name in deformations}
+    return frozenset(stiffness | {f"{name.split('.')[0]}.J_m" for name in deformations} | {"solver.step"})
+
+
+def _plant_header(equations: Equations, functions: list[ca.Function], derivatives: bool) -> str:
+    prototypes = "\n".join(
+        f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in functions
+    )
+    return f"""
+#define MODEL_PLANT
 #define N_COORDINATES {len(equations.coordinates)}
 #define N_MEMORIES {len(equations.memories)}
 #define N_STATES (2 * N_COORDINATES + N_MEMORIES)
 #define N_PARAMETERS {len(equations.parameters)}
-#define PERIOD {equations.controller.period!r}
-#define MODEL_STEP {STEP!r}
 {"#define MODEL_DERIVATIVES" if derivatives else "/* without derivatives */"}
 #define MODEL_SZ_ARG {max(f.sz_arg() for f in functions)}
 #define MODEL_SZ_RES {max(f.sz_res() for f in functions)}
 #define MODEL_SZ_W {max(1, *(f.sz_w() for f in functions))}
 
-extern const double model_parameters[N_PARAMETERS];
-extern const char *const model_parameter_names[N_PARAMETERS];
-extern const unsigned char model_nonnegative[N_PARAMETERS];
-extern const double model_gains[3 * N_JOINTS]; /* Kp, Kd, Ki */
 extern const double model_nominals[N_STATES];
 extern const unsigned char model_sticking[N_JOINTS];
 extern const int model_stiffness[N_COORDINATES - N_JOINTS + 1]; /* parameter of each deformation */
 
 {prototypes}
-
-#endif
 """
 
 
 def _tables(equations: Equations) -> str:
     names = list(equations.parameters)
-    c = equations.controller
     stiffness = [names.index(q.replace("eps", "k")) for q in equations.coordinates[equations.joints :]]
     return "\n".join(
         [
-            '#include "model.h"',
-            _array("double", "model_parameters", [repr(float(v)) for v in equations.parameters.values()]),
-            _array("char *const", "model_parameter_names", [f'"{n}"' for n in names]),
-            _array(
-                "unsigned char", "model_nonnegative", [str(int(n in equations.nonnegative)) for n in names]
-            ),
-            _array("double", "model_gains", [repr(float(v)) for v in (*c.Kp, *c.Kd, *c.Ki)]),
             _array("double", "model_nominals", [repr(v) for v in nominals(equations)]),
             _array("unsigned char", "model_sticking", [str(int(s)) for s in equations.sticking]),
             _array("int", "model_stiffness", [*map(str, stiffness), "0"]),

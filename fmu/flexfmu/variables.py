@@ -1,7 +1,7 @@
 """The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from flexmodels.plant import Equations
@@ -47,9 +47,7 @@ class Variable:
 
     @property
     def initial(self) -> str | None:
-        return (
-            "exact" if self.causality == "parameter" else None if self.causality == "input" else "calculated"
-        )
+        return {"parameter": "exact", "input": None}.get(self.causality, "calculated")
 
 
 @dataclass(frozen=True)
@@ -63,13 +61,29 @@ class Array:
 
 
 def variables(equations: Equations) -> list[Variable]:
-    """Every scalar variable by value reference."""
-    return [*_inputs(equations), *_states(equations), *_results(equations), *_parameters(equations)]
+    """Every scalar variable of a plant by value reference (runtime/plant.h)."""
+    eq = equations
+    begin = [*_references(eq), *_feedforward(eq)] if eq.controller else [*_start_positions(eq), *_holding(eq)]
+    step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
+    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *_gains(eq), step]
 
 
-def arrays(equations: Equations) -> list[Array]:
+def controller_variables(equations: Equations, integral: Mapping[str, float]) -> list[Variable]:
+    """Every variable of the controller alone by value reference (runtime/controller.h)."""
+    eq = equations
+    return [
+        *_references(eq),
+        *_feedforward(eq),
+        *_measured(eq),
+        *_torques(eq),
+        *_integrals(eq, integral),
+        *_gains(eq),
+    ]
+
+
+def arrays(joints: int) -> list[Array]:
     """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3.c; inputs are scalars only."""
-    n = equations.joints
+    n = joints
     return [
         Array("joint.e", "joint1.e", n, "Positions of all motor hinges"),
         Array("joint.tau", "joint1.tau", n, "Motor torques of all joints"),
@@ -104,11 +118,6 @@ def base_units(unit: str) -> dict[str, int]:
     return {base: power for base, power in powers.items() if power}
 
 
-def identifier(equations: Equations) -> str:
-    """The C identifier that names the binary."""
-    return re.sub(r"\W", "_", equations.name)
-
-
 def _speed(coordinate: str) -> str:
     return coordinate.replace(".e", ".de", 1)
 
@@ -126,14 +135,44 @@ def _force_unit(eq: Equations, joint: int) -> str:
     return "N" if eq.prismatic[joint] else "N.m"
 
 
-def _inputs(eq: Equations) -> Iterator[Variable]:
+def _references(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Reference of joint {k + 1}, read at every sample of the controller"
         name = f"joint{k + 1}.r"
         yield Variable(name, "input", "continuous", _motion_unit(eq, name), text, 0.0)
+
+
+def _feedforward(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Feed-forward torque added to the controller's output at joint {k + 1}"
         yield Variable(f"joint{k + 1}.tau_ff", "input", "continuous", _force_unit(eq, k), text, 0.0)
+
+
+def _measured(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Position of motor hinge {k + 1}, read at every sample of the controller"
+        name = f"joint{k + 1}.e"
+        yield Variable(name, "input", "continuous", _motion_unit(eq, name), text, 0.0)
+
+
+def _start_positions(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Position of motor hinge {k + 1} at the start, in static equilibrium"
+        name = f"joint{k + 1}.e_0"
+        yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
+
+
+def _holding(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Torque that holds joint {k + 1} at the start: the controller's joint{k + 1}.I_0"
+        yield Variable(f"joint{k + 1}.tau_0", "calculatedParameter", "fixed", _force_unit(eq, k), text)
+
+
+def _integrals(eq: Equations, start: Mapping[str, float]) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Integral of the controller at the start: the torque that holds joint {k + 1} there"
+        name = f"joint{k + 1}.I_0"
+        yield Variable(name, "parameter", "fixed", _force_unit(eq, k), text, start[name])
 
 
 def _states(eq: Equations) -> Iterator[Variable]:
@@ -169,13 +208,18 @@ def _states(eq: Equations) -> Iterator[Variable]:
         yield Variable(f"der({name})", "local", "continuous", rate, f"Rate of {name}", derivative_of=name)
 
 
-def _results(eq: Equations) -> Iterator[Variable]:
+def _torques(eq: Equations) -> Iterator[Variable]:
     for k in range(1, eq.joints + 1):
+        name, unit = f"joint{k}.tau", _force_unit(eq, k - 1)
+        if eq.controller is None:
+            yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
+            continue
         text = f"Motor torque of joint {k}, held until the next sample"
         depends = (f"joint{k}.r", f"joint{k}.tau_ff", f"joint{k}.e")
-        yield Variable(
-            f"joint{k}.tau", "output", "discrete", _force_unit(eq, k - 1), text, depends_on=depends
-        )
+        yield Variable(name, "output", "discrete", unit, text, depends_on=depends)
+
+
+def _results(eq: Equations) -> Iterator[Variable]:
     for axis in "xyz":
         text = f"Tip position, base axis {axis}"
         yield Variable(f"tip.{axis}", "output", "continuous", "m", text, depends_on=eq.coordinates)
@@ -201,6 +245,11 @@ def _parameters(eq: Equations) -> Iterator[Variable]:
         minimum = 0.0 if name in eq.nonnegative else None
         text = eq.descriptions.get(name, name)
         yield Variable(fmi_name(name), "parameter", "tunable", eq.units[name], text, value, minimum)
+
+
+def _gains(eq: Equations) -> Iterator[Variable]:
+    if eq.controller is None:
+        return
     gains = {
         "Kp": ("Proportional", eq.controller.Kp, "N.m/rad", "N/m"),
         "Kd": ("Derivative", eq.controller.Kd, "N.m.s/rad", "N.s/m"),
@@ -211,4 +260,3 @@ def _parameters(eq: Equations) -> Iterator[Variable]:
             unit = slider if eq.prismatic[k] else hinge
             text = f"{word} gain of the controller at joint {k + 1}"
             yield Variable(f"joint{k + 1}.{gain}", "parameter", "tunable", unit, text, value)
-    yield Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)

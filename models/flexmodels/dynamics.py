@@ -152,6 +152,18 @@ def tip_position(m: Mechanism) -> SX:
     return position
 
 
+def skeleton(m: Mechanism) -> SX:
+    """Lines from hinge to hinge and to the tip in base axes, 3 x 2 lines: start, end, start, ... [m]."""
+    frames: list[tuple[SX, SX]] = []  # origin, axes
+    columns = []
+    for hinge in m.hinges:
+        origin, axes = (ca.SX.zeros(3), ca.SX.eye(3)) if hinge.parent is None else frames[hinge.parent]
+        frames.append((origin + axes @ hinge.r, axes @ hinge.E))
+        columns += [origin, frames[-1][0]]
+    origin = frames[m.tip_hinge][0] if m.tip_hinge is not None else ca.SX.zeros(3)
+    return ca.horzcat(*columns, origin, tip_position(m))
+
+
 def _motions(m: Mechanism) -> list[tuple[SX, SX, SX]]:
     """Per hinge: motion transform from the parent, velocity, velocity-product acceleration."""
     v, out = m.tree @ m.v, []

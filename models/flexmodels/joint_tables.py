@@ -7,7 +7,7 @@ import numpy as np
 from flexmodels.effects import BASE, CATALOGUE
 from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.restriction import objection
-from flexmodels.robot import Joint, RobotError
+from flexmodels.robot import Joint, Limits, RobotError
 from flexmodels.toml_table import Table
 
 _BASE_PARAMETERS = {p.name: effect for effect in BASE.values() for p in effect.parameters}
@@ -47,10 +47,24 @@ def _joint(table: Table, k: int, joints: int) -> Joint:
         values={},
         bends=len(hinge.get("stiffness", "bends")) != 1,
         parent=_parent(table, k),
+        name=str(table.get("name")) if "name" in table else "",
+        limits=_limits(table.table("limits")) if "limits" in table else None,
     )
     joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
     table.done()
     return joint
+
+
+def _limits(table: Table) -> Limits:
+    limits = Limits(
+        position=table.vector("position", 2) if "position" in table else None,
+        speed=table.number("speed", lower=0.0) if "speed" in table else None,
+        effort=table.number("effort", lower=0.0) if "effort" in table else None,
+    )
+    if limits.position and limits.position[0] > limits.position[1]:
+        raise RobotError(f"{table.place('position')} must be [lower, upper]")
+    table.done()
+    return limits
 
 
 def _hinge_values(table: Table) -> dict[str, dict[str, float]]:

@@ -25,6 +25,8 @@ class Equations:
     balance(x, p) -> force                    generalised forces at rest that the motors must supply
     start(x, u, p) -> z                       the laws' states at rest
     tip(x) -> position                        [m]
+    skeleton(x) -> lines                      3 x 2 lines, from hinge to hinge and to the tip [m]
+    Without a controller the torques u are inputs.
     """
 
     name: str
@@ -37,7 +39,7 @@ class Equations:
     nonnegative: frozenset[str]
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
-    controller: Controller
+    controller: Controller | None
     descriptions: dict[str, str]
     listed: tuple[tuple[int, str, str], ...]
     rates: ca.Function
@@ -46,6 +48,7 @@ class Equations:
     balance: ca.Function
     start: ca.Function
     tip: ca.Function
+    skeleton: ca.Function
 
 
 def equations(robot: Robot) -> Equations:
@@ -102,6 +105,7 @@ def equations(robot: Robot) -> Equations:
         start=ca.Function("start", [x, u, p], [ca.cse(start)]),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
+        skeleton=ca.Function("skeleton", [x], [dynamics.skeleton(m)]),
     )
 
 

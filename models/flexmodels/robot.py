@@ -12,6 +12,7 @@ import numpy as np
 
 from flexmodels.effect import Effect
 from flexmodels.effects import BASE, CATALOGUE, load_effects
+from flexmodels.gearing import Transmission
 from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.restriction import objection, restricted
 
@@ -53,6 +54,15 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Limits:
+    """What a joint may do: position (lower, upper) [rad or m], speed [rad/s or m/s], effort [N m or N]."""
+
+    position: tuple[float, ...] | None = None
+    speed: float | None = None
+    effort: float | None = None
+
+
+@dataclass(frozen=True)
 class Joint:
     """A motor hinge (or slider), with or without a flexible hinge behind it.
 
@@ -61,6 +71,8 @@ class Joint:
     values    effect name -> parameter name -> value, for every law that acts at this joint
     bends     whether the flexible hinge bends too; else it only twists (eps[1])
     parent    number of the link that it sits on, 0 for the base; None takes the link before
+    name      what others call it (in a URDF or a ROS message); may be empty
+    limits    None where nothing is known of them
     """
 
     kind: Literal["revolute", "prismatic"]
@@ -71,6 +83,8 @@ class Joint:
     values: Mapping[str, Mapping[str, float]]
     bends: bool = True
     parent: int | None = None
+    name: str = ""
+    limits: Limits | None = None
 
     @property
     def triad(self) -> np.ndarray:
@@ -121,12 +135,15 @@ class Processing:
     derivative   "central" or "hat"; None takes hat means for a held torque and central differences else
     cutoff       [Hz] of a zero-phase Butterworth of `order`, None for no filter
     decimate     factor by which the filtered equations are thinned out
+    dead_zone    speed [rad/s or m/s] below which a joint counts as at rest: there the sign of a measured
+                 speed is noise
     """
 
     derivative: Literal["central", "hat"] | None = None
     cutoff: float | None = None
     order: int = 4
     decimate: int = 1
+    dead_zone: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -171,6 +188,7 @@ class Robot:
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
     tip        from the joint of link `tip_link` (None: the last link) [m]
+    transmission  how logs of the motor side are referred to the joints; None where there are none
     effect_files   Python files whose effects join the catalogue, absolute
     """
 
@@ -188,6 +206,7 @@ class Robot:
     passive: tuple[PassiveJoint, ...] = ()
     closures: tuple[Closure, ...] = ()
     tip_link: int | None = None
+    transmission: Transmission | None = None
     effect_files: tuple[str, ...] = ()
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:

@@ -30,6 +30,13 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
             s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
             for s, c in robot.columns.items()
         }
+    if robot.transmission:
+        t = robot.transmission
+        rows, own = [list(row) for row in t.ratio], [row[i] for i, row in enumerate(t.ratio)]
+        coupled = any(v for i, row in enumerate(rows) for j, v in enumerate(row) if i != j)
+        document["transmission"] = {"ratio": rows if coupled else own, "offset": list(t.offset)}
+        if t.drive:
+            document["transmission"]["drive"] = list(t.drive)
     if robot.processing != Processing():
         p = robot.processing
         document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
@@ -75,7 +82,10 @@ def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
 
 
 def _joint_document(joint: Joint) -> dict[str, Any]:
-    table = {"kind": joint.kind} | _place(joint)
+    named = {"name": joint.name} if joint.name else {}
+    table: dict[str, Any] = named | {"kind": joint.kind} | _place(joint)
+    if joint.limits:
+        table["limits"] = {key: _plain(v) for key, v in asdict(joint.limits).items() if v is not None}
     others = {}
     for effect, values in joint.values.items():
         if effect in _PREFIXES:

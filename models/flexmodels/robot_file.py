@@ -12,6 +12,7 @@ import tomli_w
 from flexmodels.atomic import replacing
 from flexmodels.effect import EffectError
 from flexmodels.effects import load_effects
+from flexmodels.gearing import Transmission
 from flexmodels.joint_tables import read_closures, read_joints
 from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import (
@@ -26,7 +27,7 @@ from flexmodels.robot import (
     RobotError,
 )
 from flexmodels.robot_document import document
-from flexmodels.toml_table import Table
+from flexmodels.toml_table import Table, number
 
 
 def shipped() -> dict[str, Path]:
@@ -83,6 +84,9 @@ def _robot(data: Mapping[str, Any], path: Path) -> Robot:
         description=str(table.get("description", " ")).strip(),
         passive=passive,
         closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
+        transmission=_transmission(table.table("transmission"), len(joints))
+        if "transmission" in table
+        else None,
         tip_link=table.whole(table.get("tip_link"), "tip_link", 1, count) if "tip_link" in table else None,
         effect_files=effect_files,
     )
@@ -145,6 +149,27 @@ def _columns(table: Table) -> dict[str, Column]:
     return columns
 
 
+def _transmission(table: Table, n: int) -> Transmission:
+    """ratio: a number per joint, or the rows of a matrix."""
+    rows = table.get("ratio")
+    if isinstance(rows, list) and rows and isinstance(rows[0], list):
+        if len(rows) != n or any(not isinstance(row, list) or len(row) != n for row in rows):
+            raise RobotError(f"{table.place('ratio')} must be {n} rows of {n} numbers, or {n} numbers")
+        places = [f"{table.place('ratio')}[{i + 1}]" for i in range(n)]
+        ratio = [[number(v, place) for v in row] for row, place in zip(rows, places, strict=True)]
+    else:
+        ratio = np.diag(table.vector("ratio", n)).tolist()
+    if np.linalg.matrix_rank(ratio) < n:
+        raise RobotError(f"{table.place('ratio')} cannot be inverted; every joint needs its motor")
+    transmission = Transmission(
+        ratio=tuple(tuple(row) for row in ratio),
+        offset=table.vector("offset", n, (0.0,) * n),
+        drive=table.vector("drive", n) if "drive" in table else None,
+    )
+    table.done()
+    return transmission
+
+
 def _processing(table: Table) -> Processing:
     decimate = table.number("decimate", 1, lower=1)
     derivative = table.get("derivative") if "derivative" in table else None
@@ -155,6 +180,7 @@ def _processing(table: Table) -> Processing:
         cutoff=table.number("cutoff", lower=0.0, above=True) if "cutoff" in table else None,
         order=int(table.number("order", 4, lower=1)),
         decimate=int(decimate),
+        dead_zone=table.number("dead_zone", 0.0, lower=0.0),
     )
     table.done()
     return processing

@@ -15,7 +15,6 @@ from scipy.ndimage import uniform_filter1d
 from flexmodels.robot import Robot, parameter_name
 from pyident.conditioning import REACH, condition
 from pyident.log import Log
-from pyident.problem import Problem
 from pyident.spectra import Equations, equations
 
 SHIFTS = np.arange(-4, 5) / 2  # samples
@@ -102,7 +101,7 @@ def _friction_power(data: Equations, k: int, names: Sequence[str]) -> np.ndarray
 
 
 def _equations(robot: Robot, log: Log) -> Equations:
-    return equations(Problem(robot, (condition(log, robot),)), [log.period])[0]
+    return equations(robot, [condition(log, robot)], [log.period])[0]
 
 
 def _target(robot: Robot, log: Log, data: Equations, k: int, shift: float) -> np.ndarray:

@@ -52,14 +52,16 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
 
 def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper (K,) of the linear parameters."""
-    law = robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1].law(candidate.effect)
+    law = (
+        robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1].law(candidate.effect)
+    )
     return np.array([p.lower for p in law.linear]), np.array([p.upper for p in law.linear])
 
 
 def columns(
     robot: Robot, candidate: Candidate, logs: Sequence[Equations], levels: Sequence[np.ndarray]
 ) -> list[dict[int, np.ndarray]]:
-    """Per log: row -> (E, K) columns of the candidate's linear parameters over the floor. `robot` is fitted."""
+    """Per log: row -> (E, K) columns of the linear parameters over the floor. `robot` is fitted."""
     out = []
     for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
         if candidate.log in (None, i):
@@ -83,7 +85,7 @@ def _columns(robot: Robot, candidate: Candidate, log: Equations, level: np.ndarr
 def nonlinear_range(
     robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
 ) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
-    """Names of the nonlinear parameters, their values, and lower and upper ends: the neighbours on the grid."""
+    """Names, values, lower and upper ends of the nonlinear parameters: the ends are the grid's neighbours."""
     joint = robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1]
     grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
     start, low, high = [], [], []
@@ -92,8 +94,8 @@ def nonlinear_range(
         others = np.unique(np.append(grid[:, j], value))
         at = int(np.searchsorted(others, value))
         reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
-        below = others[at - 1] if at > 0 else (value / 2 if value > 0 else value - reach)
-        above = others[at + 1] if at + 1 < len(others) else (2 * value if value > 0 else value + reach)
+        below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
+        above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
         start.append(value)
         low.append(max(below, parameter.lower))
         high.append(min(above, parameter.upper))

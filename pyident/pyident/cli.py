@@ -1,81 +1,45 @@
 """The command line: where robot, FMU and identification are put together."""
 
-import json
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import wraps
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
-from flexfmu.simulate import LoadedFmu, SimulationError
-from flexmodels.atomic import replacing
+from flexfmu.simulate import LoadedFmu
+from flexfmu.ssp import export_ssp
 from flexmodels.effect import sheet
 from flexmodels.effects import CATALOGUE
 from flexmodels.plant import equations
 from flexmodels.robot import Robot, RobotError
-from flexmodels.robot_file import load_robot, save_robot, shipped
+from flexmodels.robot_file import load_robot, save_robot
 from pyident.base_parameters import weakest_directions
-from pyident.experiment_file import ExperimentError, load_experiment, read_experiment
+from pyident.cli_data import data, log
+from pyident.cli_diagnosis import add_command, compare_command, diagnose_command
+from pyident.cli_robots import robots
+from pyident.command import console
+from pyident.command import json_option as _json
+from pyident.command import output_option as _output
+from pyident.command import progress_bar as _progress
+from pyident.command import reported as _reported
+from pyident.command import write_json as _write_json
+from pyident.experiment_file import load_experiment, read_experiment
 from pyident.identify import Identified, identify
 from pyident.indirect import correct_by_replicas
-from pyident.log import Log, LogError, read_log, write_log
+from pyident.locked import locked
+from pyident.log import Log, Sampled, write_log
+from pyident.log_import import open_robot_log, robot_log
+from pyident.mapping import read_mapping
 from pyident.output_error import output_error
 from pyident.parameter_study import run_plan
 from pyident.pipeline import FmuRuns, simulate_robot
-from pyident.results_store import StudyError
 from pyident.studies import find_study, study_names
 from pyident.study_plan import load_study_plan
 from pyident.study_summary import failures, summary
-from pyident.workers import WorkersError, scheduler_configured
+from pyident.workers import scheduler_configured
 
-console = Console()
-_BAD_INPUT = (RobotError, LogError, ExperimentError, SimulationError, BuildError, StudyError, WorkersError)
-
-
-def _reported(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Bad input ends in one sentence and exit code 2; Ctrl-C in 130."""
-
-    @wraps(command)
-    def run(*args: Any, **kwargs: Any) -> Any:
-        try:
-            return command(*args, **kwargs)
-        except _BAD_INPUT as error:
-            click.echo(f"error: {error}", err=True)
-            sys.exit(2)
-        except OSError as error:
-            click.echo(f"error: {error.filename}: {error.strerror}", err=True)
-            sys.exit(2)
-        except KeyboardInterrupt:
-            click.echo("stopped", err=True)
-            sys.exit(130)
-
-    return run
-
-
-@contextmanager
-def _progress(text: str) -> Iterator[Callable[[float], None]]:
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(text, total=1.0)
-        yield lambda fraction: bar.update(task, completed=fraction)
-
-
-def _write_json(path: str | None, content: Any) -> None:
-    if path:
-        with replacing(path) as file:
-            file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-
-
-_json = click.option("--json", "json_file", metavar="FILE", help="Write the result for machines.")
-_output = click.option(
-    "-o", "--output", required=True, type=click.Path(dir_okay=False), help="File to write."
-)
 _scheduler = click.option(
     "--scheduler", metavar="ADDRESS", help="Run on this Dask cluster, as tcp://host:8786."
 )
@@ -90,17 +54,12 @@ def main() -> None:
     """
 
 
-@main.command()
-@_json
-@_reported
-def robots(json_file: str | None) -> None:
-    """List the robots that ship. Example: pyident robots"""
-    listed = {name: load_robot(file) for name, file in shipped().items()}
-    table = Table("robot", "joints", "parameters", "description")
-    for name, robot in listed.items():
-        table.add_row(name, str(len(robot.joints)), str(len(robot.parameters)), robot.description)
-    console.print(table)
-    _write_json(json_file, {name: robot.description for name, robot in listed.items()})
+main.add_command(robots)
+main.add_command(log)
+main.add_command(data)
+main.add_command(compare_command)
+main.add_command(diagnose_command)
+main.add_command(add_command)
 
 
 @main.command()
@@ -145,13 +104,21 @@ def effects(name: str | None, json_file: str | None) -> None:
 def export(model: str, output: str, fmi: str, platforms: str, json_file: str | None) -> None:
     """Write MODEL as an FMU for model exchange and co-simulation.
 
+    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
+
     Example: pyident export four_link -o arm.fmu --fmi 3
     """
     robot = _simulable(model)
+    split = output.endswith(".ssp")
+    if split and fmi != "2":
+        raise BuildError(f"{output}: SSP 1.0 holds FMUs of FMI 2.0; leave out --fmi {fmi}")
     with console.status("generating and compiling"):
-        path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
+        if split:
+            path = export_ssp(equations(robot), output, platforms=platforms)  # pyright: ignore
+        else:
+            path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
     click.echo(f"wrote {path}")
-    _write_json(json_file, {"fmu": str(path), "parameters": robot.parameters})
+    _write_json(json_file, {"ssp" if split else "fmu": str(path), "parameters": robot.parameters})
 
 
 @main.command()
@@ -192,23 +159,37 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
 @click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
+@click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
 @_json
 @_reported
 def identify_command(
-    model: str, logs: tuple[str, ...], output: str | None, robust: bool, refine: bool, json_file: str | None
+    model: str,
+    logs: tuple[str, ...],
+    output: str | None,
+    robust: bool,
+    refine: bool,
+    mapping: str | None,
+    json_file: str | None,
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
     Example: pyident identify four_link log.parquet -o identified.toml
     """
     robot = load_robot(model)
-    read = [read_log(log, robot.columns) for log in logs]
-    found = _refined(robot, read) if refine else identify(robot, read, robust=robust)
+    columns = read_mapping(mapping) if mapping else None
+    if refine:
+        in_memory = [robot_log(log, robot, columns) for log in logs]
+        robot, notes = _locked(robot, in_memory)
+        found = _refined(robot, in_memory)
+    else:
+        opened = [open_robot_log(log, robot, columns) for log in logs]
+        robot, notes = _locked(robot, opened)
+        found = identify(robot, opened, robust=robust)
     _print_identified(found)
     if output:
         save_robot(found.robot, output)
         click.echo(f"wrote {output}")
-    _write_json(json_file, found.json())
+    _write_json(json_file, found.json() | {"notes": notes})
 
 
 @main.command()
@@ -284,6 +265,15 @@ def _simulable(model: str) -> Robot:
 def _require_controller(robot: Robot) -> None:
     if robot.controller is None:
         raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
+
+
+def _locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
+    """The robot as far as the logs can tell of it; what was done to both is printed and returned."""
+    robot, notes = locked(robot, logs)
+    notes = [note for log in logs for note in log.notes] + notes
+    for note in notes:
+        click.echo(f"note: {note}")
+    return robot, notes
 
 
 def _refined(robot: Robot, logs: list[Log]) -> Identified:

@@ -12,14 +12,14 @@ and Φ, evaluated at the means, belongs to the mean torque. Without a held torqu
 central differences are taken at the samples themselves.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from scipy.signal import butter, cheby1, sosfiltfilt
 
 from flexmodels.robot import Processing, Robot
-from pyident.log import Log, LogError, require
+from pyident.log import Log, LogError, Sampled, require
 from pyident.motion import Motion
 
 REACH = 4  # samples that the widest difference needs on either side
@@ -29,6 +29,7 @@ _SECOND = np.array([-205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
 _HAT_MEAN = np.array([194 / 240, 24 / 240, -1 / 240])
 _HAT_SECOND = np.array([-2.0, 1.0])
 _SETTLING = 50  # samples that a zero-phase filter's ends may spoil
+_FORGOTTEN = 1e-15  # share of a filter's start
 _STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill, where friction is not known
 _AROUND = 2  # samples on either side of a reversal that are left out
 
@@ -48,35 +49,95 @@ class Conditioned:
     use: np.ndarray
     thinning: int
 
+    def pieces(self) -> "Iterator[Piece]":
+        """All of it: what is in memory is one piece."""
+        yield Piece(self, slice(0, len(self.target)))
+
+    def cut(self, samples: slice) -> "Conditioned":
+        """Some of the samples."""
+        motion: dict[str, Any] = {n: x if x is None else x[samples] for n, x in vars(self.motion).items()}
+        return Conditioned(Motion(**motion), self.target[samples], self.use[samples], self.thinning)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Conditioned samples of which `own` belong to no other piece; the others are a margin for `thin`."""
+
+    conditioned: Conditioned
+    own: slice
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How the signals of a robot's log with period [s] become equations."""
+
+    robot: Robot
+    period: float
+    low_pass: np.ndarray | None
+
+    @property
+    def names(self) -> list[str]:
+        """The signals that it needs, in their order: coordinates, torques, time."""
+        return [*self.robot.coordinates, *(f"joint{k}.tau" for k, _ in self.robot.numbered), "time"]
+
+    @property
+    def border(self) -> int:
+        """Samples that the filter spoils at either end of a log."""
+        return _SETTLING if self.low_pass is not None else 0
+
+    @property
+    def reach(self) -> int:
+        """Samples on either side on which an aligned sample depends."""
+        return REACH + (settling(self.low_pass) if self.low_pass is not None else 0)
+
+    @property
+    def mask_reach(self) -> int:
+        """Aligned samples on either side on which the mask of one depends."""
+        return _AROUND + 1
+
+    def aligned(self, signals: np.ndarray) -> Conditioned:
+        """Signals (N, names) -> N − 2 REACH samples, every equation in use."""
+        robot, n, joints = self.robot, len(self.robot.coordinates), len(self.robot.joints)
+        q, torque, time = signals[:, :n], signals[:, n : n + joints], signals[REACH:-REACH, -1]
+        if self.low_pass is not None:
+            q = _without_phase(self.low_pass, q)
+        before = torque
+        if robot.controller is not None:
+            before = np.concatenate([torque[:1], torque[:-1]])
+        scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
+        q, dq, ddq = scheme(q, self.period)
+        if robot.processing.dead_zone:
+            dq = np.where(np.abs(dq) < robot.processing.dead_zone, 0.0, dq)
+        torque, before, target = torque[REACH:-REACH], before[REACH:-REACH], np.zeros_like(q)
+        target[:, :joints] = (torque + before) / 2
+        motion = Motion(q, dq, ddq, torque, time, before if robot.controller is not None else None)
+        return Conditioned(motion, target, np.ones_like(target), robot.processing.decimate)
+
+    def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
+        """Without the equations in which friction is not known; mean square speeds of the log (joints,)."""
+        if part.thinning > 1:
+            return part
+        use = part.use.copy()
+        use[:, : len(self.robot.joints)] = _moving(self.robot, part.motion.dq, mean_square)
+        return replace(part, use=use)
+
+
+def recipe(log: Sampled, robot: Robot) -> Recipe:
+    """What the robot's [processing] asks of a log. Raises LogError."""
+    plan = robot.processing
+    require(log, robot, _needed(plan, len(robot.linear_parameters)))
+    return Recipe(robot, log.period, None if plan.cutoff is None else _low_pass(plan, log))
+
 
 def condition(log: Log, robot: Robot) -> Conditioned:
     """Differentiate the coordinates and align the torques, as the robot's [processing] says.
 
     Raises LogError.
     """
-    plan = robot.processing
-    require(log, robot, _needed(plan, len(robot.linear_parameters)))
-    q = log.signals(robot.coordinates)
-    torque = log.signals([f"joint{k}.tau" for k, _ in robot.numbered])
-    if plan.cutoff is not None:
-        q = _low_pass(q, plan, log)
-    before = torque
-    if robot.controller is not None:
-        before = np.concatenate([torque[:1], torque[:-1]])
-    scheme = DERIVATIVES[plan.derivative or ("hat" if robot.controller else "central")]
-    q, dq, ddq = scheme(q, log.period)
-    border = _SETTLING if plan.cutoff is not None else 0
-    keep = slice(border, len(q) - border)
-    torque, before = torque[REACH:-REACH][keep], before[REACH:-REACH][keep]
-    time = log.signals(["time"])[REACH:-REACH, 0][keep]
-    held = before if robot.controller is not None else None
-    motion = Motion(q[keep], dq[keep], ddq[keep], torque, time, held)
-    target = np.zeros_like(motion.q)
-    target[:, : len(robot.joints)] = (torque + before) / 2
-    use = np.ones_like(target)
-    if plan.decimate == 1:
-        use[:, : len(robot.joints)] = _moving(robot, motion.dq)
-    return Conditioned(motion, target, use, plan.decimate)
+    plan = recipe(log, robot)
+    whole = plan.aligned(log.signals(plan.names))
+    part = whole.cut(slice(plan.border, len(whole.target) - plan.border))
+    return plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
 
 
 def central_differences(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -96,8 +157,26 @@ def thin(columns: np.ndarray, factor: int) -> np.ndarray:
     """Low-pass and keep every `factor`-th sample, along the first axis and without phase shift."""
     if factor == 1:
         return columns
-    sections = np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
-    return sosfiltfilt(sections, columns, axis=0)[::factor]
+    return _without_phase(thinning_filter(factor), columns)[::factor]
+
+
+def thinning_filter(factor: int) -> np.ndarray:
+    """Second-order sections of the low-pass before thinning."""
+    from scipy.signal import cheby1  # here and below: half of the package's memory, for few robots
+
+    return np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
+
+
+def settling(sections: np.ndarray) -> int:
+    """Samples after which a filter has forgotten its start to rounding."""
+    slowest = max(np.abs(np.roots(section[3:])).max() for section in sections)
+    return int(np.ceil(np.log(_FORGOTTEN) / np.log(slowest)))
+
+
+def _without_phase(sections: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    from scipy.signal import sosfiltfilt
+
+    return sosfiltfilt(sections, columns, axis=0)
 
 
 def _even(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -118,13 +197,13 @@ def _odd(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return out
 
 
-def _moving(robot: Robot, dq: np.ndarray) -> np.ndarray:
+def _moving(robot: Robot, dq: np.ndarray, mean_square: np.ndarray) -> np.ndarray:
     """(N, joints): 0 near reversals and standstill of a joint with dry friction, 1 elsewhere."""
     moving = np.ones((len(dq), len(robot.joints)))
     for k, joint in enumerate(robot.joints):
         if any(effect.holds_still for effect in joint.effects):
             v = dq[:, k]
-            slow = np.abs(v) < _STANDSTILL * np.sqrt(np.mean(v**2))
+            slow = np.abs(v) < _STANDSTILL * np.sqrt(mean_square[k])
             turning = np.append(v[1:] * v[:-1] <= 0, False)
             near = slow | turning | np.roll(turning, 1)
             for _ in range(_AROUND - 1):
@@ -133,7 +212,9 @@ def _moving(robot: Robot, dq: np.ndarray) -> np.ndarray:
     return moving
 
 
-def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
+def _low_pass(plan: Processing, log: Sampled) -> np.ndarray:
+    from scipy.signal import butter
+
     nyquist = 0.5 / log.period
     assert plan.cutoff is not None
     if plan.cutoff >= nyquist:
@@ -141,11 +222,10 @@ def _low_pass(q: np.ndarray, plan: Processing, log: Log) -> np.ndarray:
             f"{log.source}: the cutoff of {plan.cutoff:g} Hz needs more than {2 * plan.cutoff:g} samples a "
             f"second, the log has {2 * nyquist:g}; lower processing.cutoff in the robot file"
         )
-    sections = np.asarray(butter(plan.order, plan.cutoff / nyquist, output="sos"))
-    return sosfiltfilt(sections, q, axis=0)
+    return np.asarray(butter(plan.order, plan.cutoff / nyquist, output="sos"))
 
 
 def _needed(plan: Processing, parameters: int) -> int:
     """Samples without which the equations cannot be more than the unknowns."""
     border = 2 * REACH + (2 * _SETTLING if plan.cutoff is not None else 0)
-    return border + max(50, 2 * parameters) * plan.decimate
+    return border + max(50, parameters) * plan.decimate

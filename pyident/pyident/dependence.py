@@ -55,8 +55,8 @@ class Variable:
 def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variable]:
     """Every signal of every joint, time, and the travel since the last reversal, for one equation.
 
-    But for the joint's own motor torque, which the equation has on its other side and which explains any
-    residual, and for accelerations, which a missing torque makes itself.
+    But for the motor's own torque, which the equation has on its other side and which explains any residual,
+    and for accelerations, which a missing torque makes itself.
     """
     found = []
     signals = [Signals(robot, log.part.motion).after for log in logs]
@@ -107,9 +107,9 @@ def whitened_columns(
 
 
 def curve(variable: Variable, coefficients: np.ndarray, points: int = 101) -> tuple[np.ndarray, np.ndarray]:
-    """x from its 1st to its 99th percentile and the force f(x), zero on average; both (points,)."""
+    """x and f(x), (points,): the force between its 1st and 99th percentile, zero on average."""
     data = np.concatenate(variable.values)
-    low, high = np.quantile(data, [0.01, 0.99])
+    low, high = np.quantile(data, [0.01, 0.99]).tolist()
     x = np.linspace(low, high, points)
     mean = variable.splines(data).mean(axis=0)
     return x, (variable.splines(x) - mean) @ coefficients

@@ -1,12 +1,10 @@
-"""What the data could have shown: the smallest detectable amplitude of every effect; and where they stand out."""
+"""What the data could have shown: every effect's smallest detectable amplitude; and where they stand out."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from pyident.candidates import bounds
 from pyident.diagnosis import Limit, Row
-from pyident.evidence import gain
 from pyident.examination import EDGES, Examination
 from pyident.law_columns import coverage, effect_columns
 from pyident.search import Search
@@ -16,8 +14,8 @@ _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 BALANCES = {"e": "motor", "eps[1]": "transmission", "eps[2]": "link", "eps[3]": "link"}
 
 
-def limits(search: Search) -> Iterator[Limit]:
-    """One per effect and joint of the search."""
+def limits(search: Search, material: float) -> Iterator[Limit]:
+    """One per effect and joint of the search; material: least gain that is named, over the floor's energy."""
     ex, robot = search.examination, search.robot
     motion = ex.logs[0].part.motion
     for number, at in enumerate(search.families.values()):
@@ -27,7 +25,7 @@ def limits(search: Search) -> Iterator[Limit]:
         if c.log not in (None, 0):
             continue
         law = robot.with_effect(c.joint, c.effect).joints[c.joint - 1].law(c.effect)
-        needed = np.sqrt(search.needed(number))
+        needed = np.sqrt(search.needed(number, material))
         smallest = {p.name: float(needed * s) for p, s in zip(law.linear, gains[best].std, strict=True)}
         share = _share(search, at[best], smallest[law.linear[0].name])
         seen = coverage(robot, c.joint, c.effect, motion, dict(c.values))
@@ -40,7 +38,9 @@ def limits(search: Search) -> Iterator[Limit]:
             reason = "it would have to be larger than all else on its equation to be seen"
         units = robot.with_effect(c.joint, c.effect).units
         names = {p.name: units[f"joint{c.joint}.{c.effect}.{p.name}"] for p in law.linear}
-        yield Limit(c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else "")
+        yield Limit(
+            c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else ""
+        )
 
 
 def rows_over_floor(ex: Examination) -> list[Row]:
@@ -51,7 +51,10 @@ def rows_over_floor(ex: Examination) -> list[Row]:
     for c, coordinate in enumerate(robot.coordinates):
         joint, name = coordinate.split(".", 1)
         at = np.digitize(ex.floor.frequencies, EDGES) - 1
-        level = [float(np.sqrt(np.mean(ex.floor.rms[c][at == b] ** 2))) if (at == b).any() else 0.0 for b in range(len(EDGES))]
+        level = [
+            float(np.sqrt(np.mean(ex.floor.rms[c][at == b] ** 2))) if (at == b).any() else 0.0
+            for b in range(len(EDGES))
+        ]
         ratio = np.sqrt(ex.energy[c] / np.maximum(mean[c], 1e-12))
         rms = np.sqrt(ex.energy[c]) * level
         out.append(Row(coordinate, joint, BALANCES[name], bands, tuple(rms.tolist()), tuple(ratio.tolist())))  # pyright: ignore

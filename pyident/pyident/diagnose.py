@@ -1,13 +1,14 @@
 """Which physical effect a model lacks, judged by its logs: a name, several names, none we know, or nothing.
 
 The model is fitted; replicas of it show what the method itself leaves. What the data leave beyond that is put
-to every effect of the catalogue at every joint. An effect is named only if nothing in the replicas comes near its
-gain, if the gain matters, if it holds on logs that were not used, and if, all named together, most of what
-exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
+to every effect of the catalogue at every joint. An effect is named only if nothing in the replicas comes near
+its gain, if the gain matters, if it holds on logs that were not used, and if, all named together, most of
+what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,19 +16,18 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.candidates import Candidate, bounds, columns
 from pyident.detectable import limits, rows_over_floor
-from pyident.diagnosis import Diagnosis, Finding, Named, VerdictName
+from pyident.diagnosis import Diagnosis, Finding, Named, Stage, VerdictName
 from pyident.evidence import gain, joined, taken_over
-from pyident.examination import REPLICAS, Examination, examine, set_up, unbiased, whitened
+from pyident.examination import REPLICAS, examine, set_up, unbiased, whitened
+from pyident.integrity import integrity
 from pyident.log import Log
-from pyident.search import ALPHA, MATERIAL, Found, Search, Step
+from pyident.search import Found, Search, Step
+from pyident.selection import MATERIAL, Selection, select
 from pyident.spectra import Equations
+from pyident.unexplained import depends_on
 
 OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Progress = Callable[[float], None]
-
-RELATIVE = 0.04  # of all that exceeds the floor: a later finding below it is a flaw of an earlier one's law
-EXPLAINED = (0.6, 0.7, 0.8, 0.9)  # of what exceeds the floor, by one, two ... effects: below, they do not explain it
-MOST = 4  # effects at once
 
 
 def diagnose(
@@ -44,10 +44,11 @@ def diagnose(
     heldout        logs on which the findings must hold
     Raises LogError.
     """
+    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.9 * share), replicas)
     diagnosis = concluded(search, heldout)
     progress(1.0)
-    return diagnosis
+    return replace(diagnosis, notes=notes)
 
 
 def searched(
@@ -68,12 +69,11 @@ def searched(
 
 def concluded(search: Search, heldout: Sequence[Log] = ()) -> Diagnosis:
     """What a search comes to. heldout: logs on which the findings must hold. Raises LogError."""
-    setting = search.examination.setting
-    accepted, first = _accepted(search)
+    selection = select(search)
     held = whitened_heldout(search, heldout)
-    judged = [(step, _finding(search, accepted, i, held)) for i, step in enumerate(accepted)]
+    judged = [(step, _finding(search, selection, i, held)) for i, step in enumerate(selection.steps)]
     kept = [(step, f) for step, f in judged if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
-    return _outcome(setting.robot, setting.logs, heldout, search, first, kept)
+    return _outcome(search, selection, heldout, kept)
 
 
 def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
@@ -83,49 +83,27 @@ def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
 
 
 def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
-    """Share of the residual's energy in held-out logs that falls with these candidates fitted to the others."""
+    """Share of the residual's energy in held-out logs that these candidates, fitted to the others, take."""
     return 1 - _left(search, chosen, held) / _left(search, (), held)
 
 
-def _accepted(search: Search) -> tuple[list[Step], Step]:
-    """The steps of the search that count, each judged with all others in the base; and the first ranking."""
-    first = step = search.step()
-    chosen: list[Candidate] = []
-    while len(chosen) < MOST and _counts(search, step):
-        chosen.append(step.tie[0].candidate)
-        search.rest_on(chosen)
-        step = search.step()
-    steps: list[Step] = []
-    for candidate in list(chosen):
-        search.rest_on([c for c in chosen if c is not candidate])
-        step = search.step()
-        if _counts(search, step):
-            steps.append(step)
-            chosen[chosen.index(candidate)] = step.tie[0].candidate
-        else:
-            chosen.remove(candidate)
-    search.rest_on(chosen)
-    return steps, first
-
-
-def _counts(search: Search, step: Step) -> bool:
-    needed = max(MATERIAL * search.floor_energy, RELATIVE * search.excess)
-    return step.p_value <= ALPHA and step.tie[0].excess >= needed
-
-
-def _finding(search: Search, steps: Sequence[Step], number: int, held: Sequence[Equations]) -> Finding:
-    step = steps[number]
-    best = step.tie[0]
-    others = [s.tie[0].candidate for i, s in enumerate(steps) if i != number]
-    with_it, without = _left(search, [*others, best.candidate], held), _left(search, others, held)
+def _finding(search: Search, selection: Selection, number: int, held: Sequence[Equations]) -> Finding:
+    step = selection.steps[number]
+    others = [c for i, c in enumerate(selection.candidates) if i != number]
+    with_it, without = _left(search, selection.candidates, held), _left(search, others, held)
     return Finding(
         tie=tuple(named(search, f) for f in step.tie),
         p_value=step.p_value,
-        excess_gain_percent=100 * best.excess / search.examination.base.energy,
-        share_percent=100 * best.excess / max(search.excess, best.excess),
+        excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
+        share_percent=_percent(step.best.excess, search),
         heldout_gain_percent=100 * (1 - with_it / without) if held else None,
         experiment=_experiment(search.robot, step) if len(step.tie) > 1 else "",
     )
+
+
+def _percent(energy: float, search: Search) -> float:
+    """Of what exceeds the floor."""
+    return 100 * energy / max(search.excess, energy, 1e-300)
 
 
 def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
@@ -141,7 +119,9 @@ def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]
     return sum(_left_of(search, log, p, x, acting) for log in held)
 
 
-def _left_of(search: Search, log: Equations, p: np.ndarray, x: np.ndarray, acting: Sequence[Candidate]) -> float:
+def _left_of(
+    search: Search, log: Equations, p: np.ndarray, x: np.ndarray, acting: Sequence[Candidate]
+) -> float:
     """Of one log; a payload is there or not, whichever fits."""
     residual = log.y - log.A @ p
     at = 0
@@ -172,7 +152,7 @@ def named(search: Search, found: Found) -> Named:
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units={p.name: units[prefix + p.name] for p in law.parameters},
-        gain_percent=100 * found.excess / max(search.excess, found.excess),
+        gain_percent=_percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
     )
 
@@ -184,75 +164,77 @@ def _experiment(robot: Robot, step: Step) -> str:
 
 
 def _outcome(
-    robot: Robot,
-    logs: Sequence[Log],
-    heldout: Sequence[Log],
-    search: Search,
-    first: Step,
-    kept: Sequence[tuple[Step, Finding]],
+    search: Search, selection: Selection, heldout: Sequence[Log], kept: Sequence[tuple[Step, Finding]]
 ) -> Diagnosis:
-    ex = search.examination
-    steps, findings = [step for step, _ in kept], [finding for _, finding in kept]
-    explained = _explained(search, [step.tie[0].candidate for step in steps])
+    ex, robot = search.examination, search.robot
+    findings = [finding for _, finding in kept]
+    verdict = _verdict(search, findings)
     rows = rows_over_floor(ex)
-    verdict = _verdict(search, findings, explained)
     worst = max(rows, key=lambda row: max(row.over_floor))
-    localised = _place(findings, search.robot, steps) or (worst.joint, worst.balance)
+    localised = _place(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
+    ranking = tuple(_beside(search, f) for f in selection.first.ranked)
+    stages = tuple(_stages(search, kept))
+    leads = depends_on(ex, search.base).sentences if verdict == "unexplained" else ()
     return Diagnosis(
         robot=robot.name,
-        logs=tuple(log.source for log in logs),
+        logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=_sentence(verdict, findings, explained, localised),
+        sentence=_sentence(verdict, findings, search.explained, localised),
         findings=tuple(findings),
         localised=None if verdict == "nothing_detectable" else localised,
-        limits=tuple(limits(search)),
+        limits=tuple(limits(search, MATERIAL)),
         rows=tuple(rows),
-        excess=1 + search.excess / search.floor_energy,
-        remaining=1 + search.remaining / search.floor_energy,
-        ranking=tuple(named(search, f) for f in (*first.tie, *first.others)),
+        excess=stages[0].over_floor,
+        remaining=stages[-1].over_floor,
+        ranking=ranking,
         noise=ex.setting.noise,
+        depends_on=leads,
+        stages=stages,
     )
 
 
-def _verdict(search: Search, findings: Sequence[Finding], explained: Sequence[float]) -> VerdictName:
-    if any(share >= needed for share, needed in zip(explained, EXPLAINED, strict=False)):
+def _beside(search: Search, found: Found) -> Named:
+    """A candidate by itself, and what it would still take away beside those that the search rests on."""
+    left = gain(search.base, search.columns(found.candidate), *bounds(search.robot, found.candidate)).energy
+    excess = max(left - found.pretended, 0.0)
+    return replace(named(search, found), beside_percent=_percent(excess, search))
+
+
+def _stages(search: Search, kept: Sequence[tuple[Step, Finding]]) -> Iterator[Stage]:
+    """One finding after the other; leaves the search resting on all."""
+    for n in range(len(kept) + 1):
+        search.rest_on([step.best.candidate for step, _ in kept[:n]])
+        added = kept[n - 1][1].tie[0] if n else None
+        yield Stage(added, 1 + search.remaining / search.floor_energy)
+
+
+def _verdict(search: Search, findings: Sequence[Finding]) -> VerdictName:
+    if findings:
         return "missing_effect" if len(findings[0].tie) == 1 else "cannot_tell"
-    return "unexplained" if findings or search.stands_out else "nothing_detectable"
+    return "unexplained" if search.stands_out else "nothing_detectable"
 
 
-def _explained(search: Search, chosen: Sequence[Candidate]) -> list[float]:
-    """Share of the excess that the first finding takes away, the first two ..."""
-    shares = []
-    for n in range(1, len(chosen) + 1):
-        search.rest_on(chosen[:n])
-        shares.append(search.explained)
-    return shares
-
-
-def _place(findings: Sequence[Finding], robot: Robot, steps: Sequence[Step]) -> tuple[str, str] | None:
-    if not findings:
-        return None
-    c = steps[0].tie[0].candidate
-    law = robot.with_effect(c.joint, c.effect).joints[c.joint - 1].law(c.effect)
+def _place(robot: Robot, candidate: Candidate) -> tuple[str, str]:
+    """Joint and side of the law that was found."""
+    law = (
+        robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1].law(candidate.effect)
+    )
     acts = {str(q) for q in law.forces}
     balance = "motor" if "e" in acts else "transmission" if "eps1" in acts else "link"
-    return f"joint{c.joint}", balance
+    return f"joint{candidate.joint}", balance
 
 
 def _sentence(
-    verdict: VerdictName, findings: Sequence[Finding], shares: Sequence[float], place: tuple[str, str]
+    verdict: VerdictName, findings: Sequence[Finding], explained: float, place: tuple[str, str]
 ) -> str:
-    explained = shares[-1] if shares else 0.0
-    names = " and ".join(
-        " or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings
-    )
     if verdict == "nothing_detectable":
         return "Nothing is missing that these logs could show."
-    where = f"{place[0]}, {place[1]} side"
     if verdict == "unexplained":
-        so_far = f" {names} takes {100 * explained:.0f} % of it." if findings else ""
-        return f"Something is missing at {where}, but no effect of the catalogue explains it.{so_far}"
+        where = f"{place[0]}, {place[1]} side"
+        return f"Something is missing at {where}, but no effect of the catalogue explains it."
+    names = " and ".join(" or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings)
+    share = f"{100 * min(explained, 1.0):.0f} % of what exceeds the floor"
     if verdict == "cannot_tell":
-        return f"{names}: these logs cannot tell which; {100 * explained:.0f} % of the excess is explained."
-    return f"{names} is missing: it explains {100 * explained:.0f} % of what exceeds the floor."
+        return f"Missing: {names}; these logs cannot tell which. It explains {share}."
+    return f"Missing: {names}. Together with the model's own parameters it explains {share}."

@@ -15,6 +15,7 @@ class Named:
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself
     log            the only log in which it acts, None: all
+    beside_percent the same beside the findings: what it would still take away; None where it was not asked
     """
 
     effect: str
@@ -24,6 +25,7 @@ class Named:
     units: Mapping[str, str]
     gain_percent: float
     log: str | None = None
+    beside_percent: float | None = None
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Row:
-    """Where it fails: one equation, rms of its residual in N m per band of frequency [Hz], and over the floor."""
+    """Where it fails: one equation, rms of its residual [N m] per frequency band [Hz], and over the floor."""
 
     coordinate: str
     joint: str
@@ -76,12 +78,25 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Stage:
+    """The residual's energy over the floor's with the effects of this stage and all before.
+
+    added   the finding (its best candidate), None: the model as it is
+    """
+
+    added: Named | None
+    over_floor: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What is missing in a model of these logs.
 
-    excess       energy of the residual over that of replicas, 1: at the floor;  remaining: the same with the findings
+    excess       energy of the residual over that of replicas, 1: at the floor
+    remaining    the same with the findings
     ranking      every effect with its gain by itself, best first
     depends_on   where the verdict is `unexplained`: sentences on what the residual depends on
+    stages       the residual from the model as it is to the model with all findings
     """
 
     robot: str
@@ -99,6 +114,7 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     depends_on: tuple[str, ...] = ()
     noise: Mapping[str, float] = field(default_factory=dict)
+    stages: tuple[Stage, ...] = ()
 
     def json(self) -> dict[str, Any]:
         """The contract of `diagnose --json`."""
@@ -107,19 +123,25 @@ class Diagnosis:
             "sentence": self.sentence,
             "findings": [
                 {
-                    "tie": [{"effect": n.effect, "joint": n.joint} | ({"log": n.log} if n.log else {}) for n in f.tie],
+                    "tie": [
+                        {"effect": n.effect, "joint": n.joint} | ({"log": n.log} if n.log else {})
+                        for n in f.tie
+                    ],
                     "p_value": f.p_value,
                     "excess_gain_percent": f.excess_gain_percent,
                     "share_percent": f.share_percent,
                     "heldout_gain_percent": f.heldout_gain_percent,
                     "parameters": {
-                        name: {"value": value, "unit": f.tie[0].units[name]} for name, value in f.tie[0].values.items()
+                        name: {"value": value, "unit": f.tie[0].units[name]}
+                        for name, value in f.tie[0].values.items()
                     },
                     "experiment": f.experiment,
                 }
                 for f in self.findings
             ],
-            "localised": dict(zip(("joint", "balance"), self.localised, strict=True)) if self.localised else None,
+            "localised": dict(zip(("joint", "balance"), self.localised, strict=True))
+            if self.localised
+            else None,
             "not_observable": [
                 {"effect": x.effect, "joint": x.joint, "reason": x.reason, "experiment": x.experiment}
                 for x in self.limits

@@ -3,12 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from statsmodels.robust.norms import HuberT
-from statsmodels.robust.scale import mad
-from statsmodels.stats.sandwich_covariance import S_hac_simple
 
 from pyident.conditioning import REACH
-from pyident.problem import Problem
+from pyident.long_run import LongRun
+from pyident.problem import Problem, predicted
 from pyident.solve import Reduced, Solution, reduce, solve_weighted
 
 _ROBUST_ROUNDS = 5
@@ -22,24 +20,26 @@ def estimate(problem: Problem, robust: bool = False) -> tuple[Reduced, Solution]
         weights = [_huber(r) for r in problem.residuals(solution.p)]
         reduced = reduce(problem.blocks(weights), problem.rows, problem.columns)
         solution = solve_weighted(reduced)
-    return reduced, replace(solution, covariance=_coloured(problem, solution, weights))
+    return reduced, replace(solution, covariance=_coloured(problem, solution, weights, reduced.samples))
 
 
 def _huber(residual: np.ndarray) -> np.ndarray:
     """Square roots of Huber's weights, per coordinate against its median deviation."""
+    from statsmodels.robust.norms import HuberT  # here: much memory that only --robust needs
+    from statsmodels.robust.scale import mad
+
     scale = np.maximum(mad(residual, axis=0), 1e-300)
     return np.sqrt(HuberT().weights(residual / scale))
 
 
-def _coloured(problem: Problem, solution: Solution, weights: list[np.ndarray] | None) -> np.ndarray:
+def _coloured(
+    problem: Problem, solution: Solution, weights: list[np.ndarray] | None, samples: int
+) -> np.ndarray:
     """Covariance under residuals that are correlated in time and differ in size (Newey and West 1987)."""
-    scores = np.concatenate(
-        [
-            np.einsum("bcp,bc->bp", A * solution.weights[:, None] ** 2, y - A @ solution.p)
-            for A, y in problem.blocks(weights)
-        ]
-    )
-    lags = max(2 * REACH, int(4 * (len(scores) / 100) ** (2 / 9)))
-    meat = S_hac_simple(scores / solution.scale, nlags=lags)
+    meat = LongRun(len(solution.p), lags=max(2 * REACH, int(4 * (samples / 100) ** (2 / 9))))
+    squared = solution.weights**2
+    for A, y in problem.blocks(weights):
+        residual = squared * (y - predicted(A, solution.p))
+        meat.add(np.einsum("bcp,bc->bp", A, residual) / solution.scale)
     bread = solution.seen / solution.singular_values[: solution.rank] ** 2 @ solution.seen.T
-    return bread @ meat @ bread / np.outer(solution.scale, solution.scale)
+    return bread @ meat.sum @ bread / np.outer(solution.scale, solution.scale)

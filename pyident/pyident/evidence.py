@@ -44,7 +44,7 @@ class Base:
 
 @dataclass(frozen=True)
 class Gain:
-    """What K columns explain. energy; coefficients and std (K,); left: least share that the base cannot imitate."""
+    """What K columns explain. coefficients, std (K,); left: least share that the base cannot imitate."""
 
     energy: float
     coefficients: np.ndarray
@@ -59,7 +59,8 @@ def solve_base(whitened: Sequence[Equations]) -> Base:
     y = [e.y.ravel() for e in whitened]
     scale = np.sqrt(sum(np.square(a).sum(axis=0) for a in A))
     scale[scale == 0] = 1.0
-    R = np.linalg.qr(np.vstack([np.linalg.qr(np.column_stack([a / scale, b]), "r") for a, b in zip(A, y, strict=True)]), "r")
+    each = [np.linalg.qr(np.column_stack([a / scale, b]), mode="r") for a, b in zip(A, y, strict=True)]
+    R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
     U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]
@@ -83,7 +84,9 @@ def taken_over(base: Base, columns: Columns) -> np.ndarray:
     """(P, K) parameters with which the base imitates K columns as well as it can."""
     R = base.directions.shape[1]
     inside = sum(
-        basis[c][:, :R].T @ X for rows, basis in zip(columns, base.basis, strict=True) for c, X in rows.items()
+        basis[c][:, :R].T @ X
+        for rows, basis in zip(columns, base.basis, strict=True)
+        for c, X in rows.items()
     )
     return base.directions @ np.asarray(inside)
 
@@ -95,7 +98,10 @@ def joined(several: Sequence[Columns]) -> Columns:
         shapes = [next(iter(rows.values())).shape for rows in logs]
         present = {c for rows in logs for c in rows}
         out.append(
-            {c: np.hstack([rows.get(c, np.zeros(s)) for rows, s in zip(logs, shapes, strict=True)]) for c in present}
+            {
+                c: np.hstack([rows.get(c, np.zeros(s)) for rows, s in zip(logs, shapes, strict=True)])
+                for c in present
+            }
         )
     return out
 

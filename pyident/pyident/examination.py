@@ -1,4 +1,4 @@
-"""A fitted model against its logs, and against replicas of itself that went through the very same analysis."""
+"""A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -48,7 +48,8 @@ class Examination:
 
     candidates, gains   what could be added and what each would explain of the data's residual
     replica_gains       (B, C) the same of the replicas' residuals: the method's own trace
-    energy              (n, bands) mean square of the data's residual over the floor; replica_energy (B, n, bands)
+    energy              (n, bands) mean square of the data's residual over the floor
+    replica_energy      (B, n, bands) the same of the replicas' residuals
     """
 
     setting: Setting
@@ -93,7 +94,7 @@ def unbiased(setting: Setting, workers: Any, count: int = PROBES) -> Setting:
 
 
 def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
-    """Run the replicas and hold the data against them. workers: processes that hold the fitted robot's FMU."""
+    """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
     robot, logs = setting.robot, setting.logs
     jobs = [workers.submit(_replica, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
@@ -115,8 +116,16 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         progress(0.5 + 0.5 * (i + 1) / count)
     energy, number = _energy(data, base)
     return Examination(
-        setting, level, data, base, listed, gains,
-        np.array([g for g, _ in judged]), energy, np.array([e for _, e in judged]), number,
+        setting,
+        level,
+        data,
+        base,
+        listed,
+        gains,
+        np.array([g for g, _ in judged]),
+        energy,
+        np.array([e for _, e in judged]),
+        number,
     )
 
 
@@ -154,8 +163,7 @@ def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Seq
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    return equations(problem, [log.period for log in logs])
+    return equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:

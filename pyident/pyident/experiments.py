@@ -20,7 +20,6 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning import condition
 from pyident.evidence import solve_base
 from pyident.log import Log
-from pyident.problem import Problem
 from pyident.regressor import regressor
 from pyident.simulated import replay_of
 from pyident.spectra import Band, equations
@@ -114,7 +113,7 @@ def distance(true: Robot, rival: Robot, log: Log, noise: Mapping[str, float]) ->
     In standard deviations of the sensors' noise.
     """
     part = condition(log, rival)
-    problem = equations(Problem(rival, (part,)), [log.period])[0]
+    problem = equations(rival, [part], [log.period])[0]
     level = _noise_level(rival, log, noise, problem.band, part.use)
     difference = (_forces(true, log) - _forces(rival, log)) * part.use
     shared = [i for i, name in enumerate(rival.linear_parameters) if name in true.linear_parameters]

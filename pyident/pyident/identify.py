@@ -1,5 +1,6 @@
 """Robot + logs -> identified robot: conditioning, regression, physical consistency."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,9 +8,10 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.base_parameters import BaseParameter, Support, base_parameters, supports
-from pyident.conditioning import condition
+from pyident.conditioned_file import prepared
 from pyident.estimate import estimate
 from pyident.log import Log
+from pyident.log_file import LogFile
 from pyident.physical import consistent
 from pyident.problem import Problem
 from pyident.solve import Reduced, Solution, residual_squares
@@ -50,13 +52,15 @@ class Identified:
         }
 
 
-def identify(robot: Robot, logs: list[Log], robust: bool = False) -> Identified:
+def identify(robot: Robot, logs: Sequence[Log | LogFile], robust: bool = False) -> Identified:
     """Identify every dynamic parameter of `robot` from its logs; its own values are never used.
+
+    Logs on disk are gone through a few times, window by window, and never are in memory as a whole.
 
     robust   give single equations that stick out less weight (Huber)
     Raises LogError for logs that cannot be used.
     """
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    problem = Problem(robot, tuple(prepared(log, robot) for log in logs))
     reduced, solution = estimate(problem, robust)
     return identified(robot, reduced, solution)
 

@@ -32,12 +32,13 @@ def correct_by_replicas(
 ) -> Identified:
     """Identify `robot` and remove the regression's bias. Raises LogError."""
     replays = [replay_of(robot, log) for log in logs]
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    parts = tuple(condition(log, robot) for log in logs)
+    problem = Problem(robot, parts)
     reduced, in_log = estimate(problem)
     best = identified(robot, reduced, in_log)
     for number in range(_ROUNDS):
         put_in = best.robot.linear_parameters
-        in_replica = _found(_replica(problem, replays, put_in, simulate), in_log)
+        in_replica = _found(_replica(robot, replays, [part.use for part in parts], put_in, simulate), in_log)
         step = seen(in_log, in_log.p - in_replica.p)
         values = np.array(list(put_in.values())) + step
         change = np.abs(seen(in_log, values - best.solution.p))[~in_log.open]
@@ -50,14 +51,18 @@ def correct_by_replicas(
 
 
 def _replica(
-    problem: Problem, replays: list[Replay], parameters: dict[str, float], simulate: Simulate
+    robot: Robot,
+    replays: list[Replay],
+    uses: list[np.ndarray],
+    parameters: dict[str, float],
+    simulate: Simulate,
 ) -> Problem:
     """The problem that the logs would have posed had the robot had these parameters; same equations used."""
     parts = []
-    for replay, part in zip(replays, problem.parts, strict=True):
+    for replay, use in zip(replays, uses, strict=True):
         frame = next(iter(replay.run(simulate, [parameters])))
-        parts.append(replace(condition(Log(frame, "replica"), problem.robot), use=part.use))
-    return replace(problem, parts=tuple(parts))
+        parts.append(replace(condition(Log(frame, "replica"), robot), use=use))
+    return Problem(robot, tuple(parts))
 
 
 def _found(problem: Problem, like: Solution) -> Solution:

@@ -4,9 +4,11 @@ Columns: `time` [s]; per joint k from 1 `joint{k}.e`, `joint{k}.eps[1..3]`, `joi
 `joint{k}.r`, `joint{k}.tau_ff`; optionally `tip.x`, `tip.y`, `tip.z`. SI units throughout.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -22,12 +24,35 @@ class LogError(ValueError):
     """A log that cannot be used; the message says what, where and how to mend it."""
 
 
+class Sampled(Protocol):
+    """What every log says of itself: columns, period [s], number of samples, what was done to it."""
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+    @property
+    def period(self) -> float: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def notes(self) -> tuple[str, ...]: ...
+    def __len__(self) -> int: ...
+
+
 @dataclass(frozen=True)
 class Log:
-    """Uniformly sampled signals. frame: column `time` and one column per signal."""
+    """Uniformly sampled signals.
+
+    frame   column `time` and one column per signal
+    notes   what was done to it, a sentence each
+    """
 
     frame: pd.DataFrame
     source: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self.frame)
 
     @property
     def period(self) -> float:
@@ -51,15 +76,21 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
     readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
     if path.suffix not in readers:
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
+    with reading(path):
+        frame = renamed(readers[path.suffix](path), columns or {}, str(path))
+    check(frame, str(path))
+    return Log(frame.reset_index(drop=True), str(path))
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """What goes wrong in other people's readers becomes a LogError."""
     try:
-        frame = readers[path.suffix](path)
+        yield
     except LogError:
         raise
     except Exception as error:
         raise LogError(f"{path} cannot be read as {path.suffix[1:]} ({str(error).splitlines()[0]})") from None
-    frame = _renamed(frame, columns or {}, str(path))
-    _check(frame, str(path))
-    return Log(frame.reset_index(drop=True), str(path))
 
 
 def write_log(log: Log, path: str | Path) -> None:
@@ -77,10 +108,10 @@ def write_log(log: Log, path: str | Path) -> None:
             savemat(file, names | {"columns": np.array(list(log.frame), dtype=object)})
 
 
-def require(log: Log, robot: Robot, samples: int) -> None:
+def require(log: Sampled, robot: Robot, samples: int) -> None:
     """Check that the log has what identifying this robot needs. Raises LogError."""
     needed = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered)]
-    missing = [name for name in needed if name not in log.frame]
+    missing = [name for name in needed if name not in log.names]
     if missing:
         raise LogError(
             f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; "
@@ -110,7 +141,7 @@ def _read_mat(path: Path) -> pd.DataFrame:
     return pd.DataFrame({k: v for k, v in vectors.items() if len(v) == length})
 
 
-def _renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) -> pd.DataFrame:
+def renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) -> pd.DataFrame:
     """Columns under the contract's names; a file that has them already is taken as it is."""
     out = {}
     for signal, column in columns.items():
@@ -124,27 +155,40 @@ def _renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) ->
     return pd.DataFrame(out | kept)
 
 
-def _check(frame: pd.DataFrame, source: str) -> None:
-    if "time" not in frame:
-        raise LogError(f"{source}: column time is missing; add it in seconds")
+def check(frame: pd.DataFrame, source: str) -> None:
+    """Raises LogError unless the frame is a uniformly sampled log of finite numbers."""
+    check_columns(frame, source)
     if len(frame) < 2:
         raise LogError(f"{source}: {len(frame)} samples are too few")
+    time = frame["time"].to_numpy(dtype=float)
+    check_steps(time, median_step(time), source)
+
+
+def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
+    """Time is there and everything is a finite number; `first` rows came before. Raises LogError."""
+    if "time" not in frame:
+        raise LogError(f"{source}: column time is missing; add it in seconds")
     for name in frame:
         if not pd.api.types.is_numeric_dtype(frame[name]):
             raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
         bad = np.flatnonzero(~np.isfinite(frame[name].to_numpy(dtype=float)))
         if len(bad):
             raise LogError(
-                f"{source}: column {name} is not finite in {len(bad)} rows, first in row {bad[0] + 1}; "
-                f"cut the log there or fill the gap"
+                f"{source}: column {name} is not finite in {len(bad)} rows, first in row "
+                f"{first + bad[0] + 1}; cut the log there or fill the gap"
             )
-    time = frame["time"].to_numpy(dtype=float)
-    steps = np.diff(time)
-    period = float(np.median(steps))
-    uneven = np.flatnonzero(np.abs(steps - period) > _JITTER * abs(period))
+
+
+def median_step(time: np.ndarray) -> float:
+    return float(np.median(np.diff(time)))
+
+
+def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) -> None:
+    """Time goes on in steps of one period; `first` rows came before. Raises LogError."""
+    uneven = np.flatnonzero(np.abs(np.diff(time) - period) > _JITTER * abs(period))
     if period <= 0 or len(uneven):
         i = int(uneven[0]) if len(uneven) else 0
         raise LogError(
-            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {i + 2} where the "
-            f"period is {period:.6g} s; cut the log there or resample it to a uniform period"
+            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {first + i + 2} where "
+            f"the period is {period:.6g} s; cut the log there or resample it to a uniform period"
         )

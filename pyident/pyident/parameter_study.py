@@ -113,7 +113,7 @@ def parameter_study(
         nominal = fmu.simulate(experiment)
         seconds = time.perf_counter() - begin
         reference = nominal if reference is None else reference
-        of = _fingerprint(design, fmu.description.guid, experiment, reference, metrics)
+        of = _fingerprint(design, fmu.description.guid or "", experiment, reference, metrics)
     evaluate(metrics, nominal, reference)
     store = ResultsStore(folder, of)
     design = design.reset_index(drop=True)

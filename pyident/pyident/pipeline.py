@@ -2,10 +2,12 @@
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from types import TracebackType
+from typing import Concatenate, ParamSpec, TypeVar
 
 import pandas as pd
 
@@ -15,6 +17,9 @@ from flexmodels.experiment import Experiment
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
 from pyident.workers import workers_with
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def simulate_robot(
@@ -73,6 +78,12 @@ class FmuRuns:
         jobs = [self._workers.submit(LoadedFmu.simulate, experiment, dict(p)) for p in parameters]
         for job in jobs:
             yield job.result()
+
+    def submit(
+        self, work: Callable[Concatenate[LoadedFmu, P], R], *arguments: P.args, **named: P.kwargs
+    ) -> "Future[R]":
+        """Call `work(fmu, *arguments)` in one of the processes; `work` is a function of a module."""
+        return self._workers.submit(work, *arguments, **named)
 
 
 class RivalRuns:

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
-from pyident.fem import body, robot_structure, transfer
 from pyident.laws import LawColumn, Signals, body_columns, law_columns
+from pyident.link_columns import LinkColumns
 from pyident.motion import Motion
+from pyident.parallel import spread
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
+BLOCK = 2 * CACHED
 
 
 @dataclass(frozen=True)
@@ -29,20 +31,23 @@ def regressor(robot: Robot, motion: Motion) -> Regressor:
     behind the signal `load`.
     """
     rows, columns = robot.coordinates, tuple(robot.linear_parameters)
-    matrix = np.empty((len(motion.q), len(rows), len(columns)))
+    matrix = np.zeros((len(motion.q), len(rows), len(columns)))
     builder = _Builder(robot, motion)
     builder.fill(matrix, 0)
     return Regressor(matrix, rows, columns)
 
 
-def regressor_blocks(robot: Robot, motion: Motion, block: int = 4096) -> Iterator[tuple[slice, np.ndarray]]:
-    """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use it or copy it.
+def regressor_blocks(robot: Robot, motion: Motion, block: int = BLOCK) -> Iterator[tuple[slice, np.ndarray]]:
+    """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use or copy it.
+
+    In memory the samples of an entry are neighbours. What is zero in every motion is written once: Phi may
+    be scaled in place, but nothing be added to it.
 
     Raises ValueError as `regressor` does, before the first piece.
     """
     builder = _Builder(robot, motion)
     n, samples = len(robot.coordinates), len(motion.q)
-    Phi = np.empty((min(block, samples), n, len(robot.linear_parameters)))
+    Phi = np.zeros((n, len(robot.linear_parameters), min(block, samples))).transpose(2, 0, 1)
 
     def pieces() -> Iterator[tuple[slice, np.ndarray]]:
         for start in range(0, samples, block):
@@ -58,40 +63,27 @@ class _Builder:
     """What is known of Φ before the first sample: the structure, where each column stands, the laws."""
 
     def __init__(self, robot: Robot, motion: Motion):
-        self.gravity = np.array(robot.gravity)
-        self.structure = robot_structure.of_robot(robot)
         names = list(robot.linear_parameters)
         starts = [names.index(f"link{k}.m") for k, _ in enumerate(robot.links, start=1)]
-        self.links = [slice(start, start + len(LINK_PARAMETERS)) for start in starts]
+        self.links = LinkColumns(robot, starts)
         self.laws = [(names.index(name), law) for name, law in _laws(robot, motion)]
-        last = self.links[robot.last_link - 1]
+        last = slice(starts[robot.last_link - 1], starts[robot.last_link - 1] + len(LINK_PARAMETERS))
         self.bodies = [(names.index(name), last, weights) for name, weights in _bodies(robot)]
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
-        """Write Φ of the samples from `start` on."""
-        for at in range(0, len(Phi), CACHED):
-            piece = Phi[at : at + CACHED]
-            part = slice(start + at, start + at + len(piece))
-            self._fill_links(piece, part)
-            self._fill_laws(piece, part)
+        """Write Φ of the samples from `start` on into Phi, which is zero or was filled before."""
 
-    def _fill_links(self, Phi: np.ndarray, part: slice) -> None:
-        """Φ^(l): virtual power DFᵀ(M x'' − f) of every lumped body, eq. (8)."""
-        q, dq, ddq = (np.ascontiguousarray(rate[part].T) for rate in self.rates)
-        nodes = transfer.nodes(self.structure, q, dq, ddq)
-        for (x, R), columns in zip(self.structure.bodies, self.links, strict=True):
-            position, orientation = nodes.positions[x], nodes.orientations[R]
-            DF = np.concatenate([position.DF, orientation.DF])
-            Y = body.reaction(position, orientation, self.gravity)
-            np.matmul(DF.transpose(2, 1, 0), Y.transpose(2, 0, 1), out=Phi[:, :, columns])
+        def fill_part(part: slice) -> None:
+            piece, samples = Phi[part], slice(start + part.start, start + part.stop)
+            q, dq, ddq = (rate[samples] for rate in self.rates)
+            self.links.fill(piece, (q, dq, ddq))
+            for column, law in self.laws:
+                piece[:, law.row, column] = law.value(samples)
+            for column, link, weights in self.bodies:
+                np.matmul(piece[:, :, link], weights, out=piece[:, :, column])
 
-    def _fill_laws(self, Phi: np.ndarray, part: slice) -> None:
-        Phi[:, :, self.links[-1].stop :] = 0.0
-        for column, law in self.laws:
-            Phi[:, law.row, column] = law.value(part)
-        for column, link, weights in self.bodies:
-            np.matmul(Phi[:, :, link], weights, out=Phi[:, :, column])
+        spread(fill_part, len(Phi), CACHED)
 
 
 def _laws(robot: Robot, motion: Motion) -> Iterator[tuple[str, LawColumn]]:

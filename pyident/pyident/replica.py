@@ -31,7 +31,9 @@ class Repeat:
     log: Log
     plan: Experiment
 
-    def replica(self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int) -> Log:
+    def replica(
+        self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
+    ) -> Log:
         """The log's motion made by a model; noise: coordinate -> standard deviation of its sensor."""
         rng = np.random.default_rng(seed)
         n = len(self.plan.time)

@@ -1,13 +1,15 @@
 """Noise of the sensors, from the regression's own residual.
 
-Where the residual is noise (high frequencies: differences amplify it as f squared) its power per coordinate is a
-sum over the sensors, each with its own pattern over the rows. The patterns are measured: a little known noise is
-added to one channel of the log after the other, and non-negative least squares finds how much of each there is.
-Sensors whose patterns agree cannot be told apart by that; sensors of a kind are then taken as equally good.
+Where the residual is noise (high frequencies: differences amplify it as f squared) its power per coordinate
+is a sum over the sensors, each with its own pattern over the rows. The patterns are measured: a little known
+noise is added to one channel of the log after the other, and non-negative least squares finds how much of
+each there is. Sensors whose patterns agree cannot be told apart by that; sensors of a kind are then taken as
+equally good.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import nnls
@@ -45,7 +47,9 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
             frame[channel] = frame[channel] + probes[channel] * rng.standard_normal(len(frame))
             change = _residual(robot, replace(log, frame=frame), p) - residual
             patterns.append(_power(change, robot, log) / max(probes[channel], 1e-300) ** 2)
-    variances = _shared(np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds)
+    variances = _shared(
+        np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds
+    )
     return dict(zip(channels, np.sqrt(variances).tolist(), strict=True))
 
 
@@ -73,4 +77,4 @@ def _power(residual: np.ndarray, robot: Robot, log: Log) -> np.ndarray:
     cutoff = robot.processing.cutoff
     top = len(S) * min(1.0, 2 * cutoff * log.period if cutoff else 1.0)
     edges = np.linspace(_FROM * top, _TO * top, _PARTS + 1).astype(int)
-    return np.array([S[a:b].mean(axis=0) for a, b in zip(edges[:-1], edges[1:], strict=True)]).T.ravel()
+    return np.array([S[a:b].mean(axis=0) for a, b in pairwise(edges)]).T.ravel()

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyident.parallel import each
+from pyident.triangle import Triangle
+
 ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
 _ROUNDS = 6  # of weighting by residuals; it settles to a per mille
@@ -31,6 +34,11 @@ class Reduced:
         """A (n (P + 1), P) and y of the weighted problem, of the same normal equations."""
         weighted = self.triangles * weights[:, None, None]
         return weighted[:, :, :-1].reshape(-1, len(self.columns)), weighted[:, :, -1].ravel()
+
+    def terms(self, p: np.ndarray) -> np.ndarray:
+        """(n,) root of the summed mean squares of the single terms A_ci p_i per coordinate."""
+        squares = (self.triangles[:, :, :-1] ** 2).sum(axis=1) / self.samples
+        return np.sqrt(squares @ p**2)
 
 
 @dataclass(frozen=True)
@@ -75,22 +83,31 @@ def reduce(
     blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
 ) -> Reduced:
     """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
-    size = len(columns) + 1
-    triangles, samples = np.zeros((len(rows), size, size)), 0
+    triangles, samples = [Triangle(len(columns)) for _ in rows], 0
     for A, y in blocks:
         samples += len(A)
-        for c in range(len(rows)):
-            stacked = np.vstack([triangles[c], np.column_stack([A[:, c], y[:, c]])])
-            triangles[c] = _triangle(stacked, size)
-    return Reduced(triangles, samples, rows, columns)
+        each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
+    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)
 
 
 def solve_weighted(reduced: Reduced) -> Solution:
-    """Least squares with each coordinate's equations weighted by the residual that they leave."""
+    """Least squares with each coordinate's equations weighted by the residual that they leave.
+
+    Equations without a right-hand side, those of deformations and passive joints, are solved exactly by zero:
+    weighted by their bare residual, a smaller stiffness would leave a smaller residual, which would weigh
+    more, until nothing is left of it. What tells of their error is the residual relative to the terms that
+    should cancel. It counts at the size that these terms have in the equally weighted solution, which fixes
+    the weight's scale. A deformation that is mostly noise still gets too small a stiffness, as in every
+    regression on noisy signals (`indirect` and `output_error` remove that), but no longer none.
+    """
     solution = solve(reduced)
+    free = solution.signal == 0
+    first = reduced.terms(solution.p)
     for _ in range(_ROUNDS):
-        floor = 1e-6 * solution.residual.max()
-        solution = solve(reduced, 1 / np.maximum(solution.residual, floor))
+        terms = reduced.terms(solution.p)
+        shrunk = np.divide(first, terms, out=np.ones_like(first), where=free & (terms > 0))
+        error = solution.residual * shrunk
+        solution = solve(reduced, 1 / np.maximum(error, 1e-6 * error.max()))
     return solution
 
 
@@ -105,8 +122,10 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     weights = np.ones(len(reduced.rows)) if weights is None else weights
     A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
-    scale[scale == 0] = 1.0
+    absent = scale == 0
+    scale[absent] = 1.0
     U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0  # else rounding: taken for a direction later
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)
     rank = _rank(s, coefficients, float(y @ y), equations)
@@ -133,11 +152,6 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
 def residual_squares(reduced: Reduced, p: np.ndarray) -> np.ndarray:
     """Sum of squared residuals per coordinate, (n,)."""
     return ((reduced.triangles @ np.append(-p, 1.0)) ** 2).sum(axis=1)
-
-
-def _triangle(rows: np.ndarray, size: int) -> np.ndarray:
-    R = np.asarray(np.linalg.qr(rows, mode="r"))
-    return R if len(R) == size else np.vstack([R, np.zeros((size - len(R), size))])
 
 
 def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:

@@ -2,8 +2,9 @@
 
 A sum of equations is an equation, and so is a Fourier coefficient of them: the masked rows of A p = y are
 transformed over time, bin by bin up to a highest frequency. There they are divided by the level that the
-method itself leaves at that frequency (differences amplify noise as f squared, held torques and reversals leave
-their own pattern), so that all of them weigh alike and low frequencies, where physics is, are not drowned.
+method itself leaves at that frequency (differences amplify noise as f squared, held torques and reversals
+leave their own pattern), so that all of them weigh alike and low frequencies, where physics is, are not
+drowned.
 """
 
 from collections.abc import Sequence
@@ -13,9 +14,8 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
-from flexmodels.robot import Processing
+from flexmodels.robot import Processing, Robot
 from pyident.conditioning import Conditioned
-from pyident.problem import Problem
 from pyident.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged
@@ -57,7 +57,7 @@ class Floor:
 
 @dataclass(frozen=True)
 class Equations:
-    """One log's equations. A (n, E, P), y (n, E), E = 2 bins; `part` is where the columns of a law come from."""
+    """One log's equations. A (n, E, P), y (n, E), E = 2 bins; a law's columns come from `part`."""
 
     part: Conditioned
     band: Band
@@ -69,9 +69,9 @@ class Equations:
         return Equations(self.part, self.band, self.A / level[:, :, None], self.y / level)
 
 
-def equations(problem: Problem, periods: Sequence[float]) -> list[Equations]:
-    """Every log of a problem, transformed; periods [s] per log."""
-    return [_equations(problem, part, period) for part, period in zip(problem.parts, periods, strict=True)]
+def equations(robot: Robot, parts: Sequence[Conditioned], periods: Sequence[float]) -> list[Equations]:
+    """Every conditioned log, transformed; periods [s] per log."""
+    return [_equations(robot, part, period) for part, period in zip(parts, periods, strict=True)]
 
 
 def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
@@ -88,14 +88,14 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
 
 def _band(samples: int, processing: Processing, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
-    length = next_fast_len(samples, real=True)
+    length = int(next_fast_len(samples, real=True) or samples)
     top = min(_TOP, _THINNED_TOP / processing.decimate) * 0.5 / period
     return Band(length, max(2, int(top * length * period)), period)
 
 
-def _equations(problem: Problem, part: Conditioned, period: float) -> Equations:
-    band = _band(len(part.target), problem.robot.processing, period)
-    Phi = regressor(problem.robot, part.motion).matrix
+def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
+    band = _band(len(part.target), robot.processing, period)
+    Phi = regressor(robot, part.motion).matrix
     n, P = Phi.shape[1:]
     A = np.zeros((n, 2 * band.bins, P))
     for c in range(n):

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import sympy
 from scipy.fft import irfft
-from sympy.parsing.sympy_parser import parse_expr
 
 from flexmodels.robot import Robot
 from pyident.dependence import Variable, constant_columns, spline_columns, variables
@@ -99,7 +98,7 @@ def _data(
     return target[at], {name: values[at] for name, values in signals.items()}
 
 
-def _regressed(target: np.ndarray, ratios: Mapping[str, np.ndarray], seed: int) -> Any:
+def _regressed(target: np.ndarray, ratios: Mapping[str, np.ndarray], seed: int) -> sympy.Expr:
     """The force [N m] in the symbols of `_symbol`, each a signal over its rms."""
     from pyoperon.sklearn import SymbolicRegressor
 
@@ -117,18 +116,18 @@ def _regressed(target: np.ndarray, ratios: Mapping[str, np.ndarray], seed: int) 
     )
     search.fit(np.column_stack(list(ratios.values())), target / size)
     names = [f"z{i}" for i in range(len(ratios))]
-    text = str(search.get_model_string(search.model_, 12, names=names))
+    text = search.get_model_string(search.model_, 12, names=names)
     known: dict[str, Any] = {name: _symbol(signal) for name, signal in zip(names, ratios, strict=True)}
-    return size * parse_expr(text, local_dict={"abs": sympy.Abs, **known})
+    return size * sympy.sympify(text, locals={"abs": sympy.Abs, **known})  # pyright: ignore
 
 
-def _tidy(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> list[Any]:
+def _tidy(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> list[sympy.Expr]:
     """The terms that count, their constants rounded; a constant force belongs to the offset."""
     terms = [t for t in sympy.Add.make_args(sympy.expand(expression)) if t.free_symbols]
     rms = [float(np.sqrt(np.mean(_evaluated(t, ratios) ** 2))) for t in terms]
     whole = float(np.sqrt(np.mean(_evaluated(sympy.Add(*terms), ratios) ** 2)))
     kept = [t for t, r in zip(terms, rms, strict=True) if r > _SMALL * whole]
-    return [t.xreplace({n: sympy.Float(n, 4) for n in t.atoms(sympy.Float)}) for t in kept]
+    return [t.xreplace({n: sympy.Float(n, 4) for n in t.atoms(sympy.Float)}) for t in kept]  # pyright: ignore
 
 
 def _evaluated(expression: sympy.Expr, ratios: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -47,8 +47,8 @@ class Workers(Generic[T]):
 @contextmanager
 def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
     """The Dask cluster that is configured (DASK_SCHEDULER_ADDRESS), else processes of this machine."""
-    chosen = dask_workers(make, configured_scheduler()) if configured_scheduler() else local_processes(make)
-    with chosen as workers:
+    scheduler = configured_scheduler()
+    with dask_workers(make, scheduler) if scheduler else local_processes(make) as workers:
         yield workers
 
 

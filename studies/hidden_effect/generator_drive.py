@@ -51,13 +51,13 @@ def _draw_gravity_spring(d: Draw) -> Constants:
     lever = (distance - free) * a * b * np.sin(turn) / distance
     stiffness = d.torque(0.2, 0.4) / float(np.sqrt(np.mean(lever**2)))
     geometry = {"inner": a, "outer": b, "free": free, "angle": angle}
-    return {"stiffness": stiffness, **geometry, "on_link": float(d.rng.integers(2))}
+    return {"stiffness": stiffness, **geometry}
 
 
 @law("gravity_spring", _draw_gravity_spring, joints=(2, 3))
-def _gravity_spring(arm, k, c, numbers):
-    """A spring between a pivot on the base side and one on the arm, by their true distance."""
-    turn = arm.e(k) + (arm.eps(k, 1) if numbers["on_link"] else 0) - c["angle"]
+def _gravity_spring(arm, k, c, _):
+    """A spring between a pivot on the base side and one on the link, by their true distance."""
+    turn = arm.e(k) + arm.eps(k, 1) - c["angle"]
     a, b = c["inner"], c["outer"]
     distance = ca.sqrt(a**2 + b**2 - 2 * a * b * ca.cos(turn))
     arm.potential(c["stiffness"] * (distance - c["free"]) ** 2 / 2)
@@ -67,13 +67,14 @@ def _gravity_spring(arm, k, c, numbers):
     "joint_spring",
     lambda d: {
         "stiffness": d.torque(0.3, 0.5),
-        "cubic": d.torque(0.05, 0.15),
+        "cubic": d.torque(0.01, 0.03),
         "centre": d.between(0.2, 1.2),
     },
 )
 def _joint_spring(arm, k, c, _):
-    x = arm.e(k) - c["centre"]
-    arm.resist(f"joint{k}.e", c["stiffness"] * x + c["cubic"] * x**3)
+    """Hoses between the links on both sides of the joint."""
+    x = arm.e(k) + arm.eps(k, 1) - c["centre"]
+    arm.potential(c["stiffness"] * x**2 / 2 + c["cubic"] * x**4 / 4)
 
 
 @law(

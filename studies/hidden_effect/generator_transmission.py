@@ -18,7 +18,7 @@ def _hardening_stiffness(arm, k, c, numbers):
     if numbers["kind"]:  # a second spring that comes to bear beyond a knee
         arm.resist(f"joint{k}.eps[1]", c["stiffer"] * dead_zone(x, scale, 0.15 * scale))
     else:
-        arm.resist(f"joint{k}.eps[1]", c["stiffer"] * (1.6 * scale * ca.sinh(x / (1.6 * scale)) - x))
+        arm.resist(f"joint{k}.eps[1]", c["stiffer"] * (1.2 * scale * ca.sinh(x / (1.2 * scale)) - x))
 
 
 @law(

@@ -1,4 +1,4 @@
-/* FMI 2.0 face of the plant: model exchange and co-simulation. */
+/* FMI 2.0 face: co-simulation and, for a plant, model exchange. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -88,6 +88,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     REQUIRE(INSTANTIATED);
     m->memory.phase = INITIALIZING;
+    m->memory.stale = 1;
     return fmi2OK;
 }
 
@@ -119,7 +120,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     memory_refresh(&m->memory);
     for (i = 0; i < n; ++i) {
         if (vr[i] >= N_VALUES) return report(m, fmi2Error, "There is no variable %u.", vr[i]);
-        value[i] = m->memory.plant.value[vr[i]];
+        value[i] = m->memory.model.value[vr[i]];
     }
     return fmi2OK;
 }
@@ -130,8 +131,8 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     REQUIRE(INSTANTIATED | INITIALIZING | RUNNING);
     for (i = 0; i < n; ++i)
         if (memory_refuses(&m->memory, vr[i], value[i], text, sizeof text)) return report(m, fmi2Error, "%s", text);
-    for (i = 0; i < n; ++i) m->memory.plant.value[vr[i]] = value[i];
-    m->memory.stale = (m->memory.phase & RUNNING) != 0;
+    for (i = 0; i < n; ++i) m->memory.model.value[vr[i]] = value[i];
+    m->memory.stale = (m->memory.phase & (INITIALIZING | RUNNING)) != 0;
     return fmi2OK;
 }
 
@@ -148,26 +149,26 @@ NO_VARIABLES(fmi2SetInteger, (fmi2Component c, const fmi2ValueReference vr[], si
 NO_VARIABLES(fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]))
 NO_VARIABLES(fmi2SetString, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]))
 
-/* ---- state: the memory holds no pointers, so a copy is the whole state ------------------------- */
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static fmi2Status unless(Instance *m, const char *problem) {
+    return problem ? report(m, fmi2Error, "%s", problem) : fmi2OK;
+}
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    if (!*state) *state = malloc(sizeof(Memory));
-    if (!*state) return report(m, fmi2Error, "Out of memory.");
-    memcpy(*state, &m->memory, sizeof(Memory));
-    return fmi2OK;
+    return unless(m, memory_save(&m->memory, state));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     REQUIRE(ALWAYS);
-    memcpy(&m->memory, state, sizeof(Memory));
+    memory_restore(&m->memory, state);
     return fmi2OK;
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    free(*state);
-    *state = NULL;
+    memory_forget(state);
     return fmi2OK;
 }
 
@@ -180,19 +181,15 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     REQUIRE(ALWAYS);
-    if (size < sizeof(Memory)) return report(m, fmi2Error, "The buffer is too small for the state.");
-    memcpy(bytes, state, sizeof(Memory));
-    return fmi2OK;
+    return unless(m, memory_serialise(state, bytes, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    if (size != sizeof(Memory)) return report(m, fmi2Error, "These bytes are not a state of this FMU.");
-    if (!*state) *state = malloc(sizeof(Memory));
-    if (!*state) return report(m, fmi2Error, "Out of memory.");
-    memcpy(*state, bytes, sizeof(Memory));
-    return fmi2OK;
+    return unless(m, memory_deserialise(bytes, size, state));
 }
+
+/* ---- derivatives ----------------------------------------------------------------------------- */
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
                                         const fmi2ValueReference known[], size_t n_known, const fmi2Real seed[],
@@ -207,7 +204,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
             in[known[i]] += seed[i];
         }
         memory_refresh(&m->memory);
-        plant_directional(&m->memory.plant, in, m->memory.phase & (INITIALIZING | EVENT), out);
+        plant_directional(&m->memory.model, in, m->memory.phase & (INITIALIZING | EVENT), out);
         for (i = 0; i < n_unknown; ++i) {
             if (unknown[i] >= N_VALUES) return report(m, fmi2Error, "There is no variable %u.", unknown[i]);
             sensitivity[i] = out[unknown[i]];
@@ -227,9 +224,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     size_t i;
     REQUIRE(INITIALIZING | STEPPING);
     for (i = 0; i < n; ++i) {
-        if (vr[i] >= N_INPUTS || order[i] != 1)
-            return report(m, fmi2Error, "Only first derivatives of inputs can be set.");
-        m->memory.plant.input_rate[vr[i]] = value[i];
+        if (vr[i] >= N_INPUTS || model_kinds[vr[i]] != KIND_INPUT || order[i] != 1)
+            return report(m, fmi2Error, "Only first derivatives of inputs that a controller samples can be set.");
+        m->memory.model.input_rate[vr[i]] = value[i];
     }
     return fmi2OK;
 }
@@ -238,21 +235,25 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2Integer order[], fmi2Real value[]) {
     size_t i;
     REQUIRE(STEPPING | TERMINATED);
+#ifdef MODEL_PLANT
     memory_refresh(&m->memory);
     for (i = 0; i < n; ++i) {
         if (vr[i] < AT_STATE || vr[i] >= AT_RATE || order[i] != 1)
             return report(m, fmi2Error, "Only first derivatives of coordinates and speeds are provided.");
-        value[i] = m->memory.plant.value[vr[i] - AT_STATE + AT_RATE];
+        value[i] = m->memory.model.value[vr[i] - AT_STATE + AT_RATE];
     }
     return fmi2OK;
+#else
+    (void)i, (void)vr, (void)order, (void)value;
+    return n ? report(m, fmi2Error, "There are no derivatives of outputs.") : fmi2OK;
+#endif
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_rollback) {
     REQUIRE(STEPPING);
     (void)no_rollback;
     if (!(step >= 0)) return report(m, fmi2Error, "The communication step %g must be at least 0.", step);
-    m->memory.stale = 1;
-    if (plant_advance(&m->memory.plant, step)) {
+    if (memory_advance(&m->memory, step)) {
         m->memory.phase = BROKEN;
         return report(m, fmi2Error, "The state left the finite numbers before %g s: reduce solver.step or check "
                                     "the parameters.", time + step);
@@ -268,7 +269,7 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
     REQUIRE(ALWAYS);
     if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
-    *value = m->memory.start + m->memory.plant.time;
+    *value = m->memory.start + m->memory.model.time;
     return fmi2OK;
 }
 
@@ -291,6 +292,7 @@ NO_STATUS(fmi2GetStringStatus, fmi2String)
 
 /* ---- model exchange ---------------------------------------------------------------------------- */
 
+#ifdef MODEL_PLANT
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
     REQUIRE(EVENT | CONTINUOUS);
     m->memory.phase = EVENT;
@@ -303,8 +305,8 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     info->newDiscreteStatesNeeded = fmi2False;
     info->terminateSimulation = fmi2False;
     info->nominalsOfContinuousStatesChanged = fmi2False;
-    info->nextEventTimeDefined = fmi2True;
     info->nextEventTime = memory_next_event(&m->memory);
+    info->nextEventTimeDefined = isfinite(info->nextEventTime) ? fmi2True : fmi2False;
     return fmi2OK;
 }
 
@@ -332,20 +334,20 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS);
     if (n != N_STATES) return report(m, fmi2Error, "There are %d continuous states.", N_STATES);
-    memcpy(m->memory.plant.value + AT_STATE, x, N_STATES * sizeof *x);
+    memcpy(m->memory.model.value + AT_STATE, x, N_STATES * sizeof *x);
     m->memory.stale = 1;
     return fmi2OK;
 }
 
 static fmi2Status copy(Instance *m, int from, size_t expected, double *to, size_t n) {
     if (n != expected) return report(m, fmi2Error, "The vector must hold %u numbers.", (unsigned)expected);
-    memcpy(to, m->memory.plant.value + from, n * sizeof *to);
+    memcpy(to, m->memory.model.value + from, n * sizeof *to);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS | TERMINATED);
-    plant_rates(&m->memory.plant);
+    plant_rates(&m->memory.model);
     return copy(m, AT_RATE, N_STATES, derivatives, n);
 }
 
@@ -357,7 +359,7 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS | TERMINATED);
     if (n != N_JOINTS) return report(m, fmi2Error, "There are %d event indicators.", N_JOINTS);
-    plant_indicators(&m->memory.plant, indicators);
+    plant_indicators(&m->memory.model, indicators);
     return fmi2OK;
 }
 
@@ -367,3 +369,4 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[
     memcpy(nominals, model_nominals, sizeof model_nominals);
     return fmi2OK;
 }
+#endif

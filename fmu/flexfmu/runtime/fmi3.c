@@ -101,6 +101,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_to
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
     m->memory.start = start;
     m->memory.phase = INITIALIZING;
+    m->memory.stale = 1;
     return fmi3OK;
 }
 
@@ -168,12 +169,12 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     for (i = 0; i < n; ++i) {
         Span span = span_of(vr[i]);
         if (vr[i] == VR_TIME && k < n_values) {
-            values[k++] = m->memory.start + m->memory.plant.time;
+            values[k++] = m->memory.start + m->memory.model.time;
             continue;
         }
         if (!span.size) return report(m, fmi3Error, "There is no variable %u.", vr[i]);
         if (k + (size_t)span.size > n_values) return report(m, fmi3Error, "The vector of values is too short.");
-        for (j = 0; j < span.size; ++j) values[k++] = m->memory.plant.value[span.at + j];
+        for (j = 0; j < span.size; ++j) values[k++] = m->memory.model.value[span.at + j];
     }
     return fmi3OK;
 }
@@ -194,9 +195,9 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     }
     for (i = 0, k = 0; i < n; ++i) {
         Span span = span_of(vr[i]);
-        for (j = 0; j < span.size; ++j) m->memory.plant.value[span.at + j] = values[k++];
+        for (j = 0; j < span.size; ++j) m->memory.model.value[span.at + j] = values[k++];
     }
-    m->memory.stale = (m->memory.phase & RUNNING) != 0;
+    m->memory.stale = (m->memory.phase & (INITIALIZING | RUNNING)) != 0;
     return fmi3OK;
 }
 
@@ -276,26 +277,26 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *n) {
     return fmi3OK;
 }
 
-/* ---- state: the memory holds no pointers, so a copy is the whole state ------------------------- */
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static fmi3Status unless(Instance *m, const char *problem) {
+    return problem ? report(m, fmi3Error, "%s", problem) : fmi3OK;
+}
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
     REQUIRE(ALWAYS);
-    if (!*state) *state = malloc(sizeof(Memory));
-    if (!*state) return report(m, fmi3Error, "Out of memory.");
-    memcpy(*state, &m->memory, sizeof(Memory));
-    return fmi3OK;
+    return unless(m, memory_save(&m->memory, state));
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
     REQUIRE(ALWAYS);
-    memcpy(&m->memory, state, sizeof(Memory));
+    memory_restore(&m->memory, state);
     return fmi3OK;
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
     REQUIRE(ALWAYS);
-    free(*state);
-    *state = NULL;
+    memory_forget(state);
     return fmi3OK;
 }
 
@@ -308,18 +309,12 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
     REQUIRE(ALWAYS);
-    if (size < sizeof(Memory)) return report(m, fmi3Error, "The buffer is too small for the state.");
-    memcpy(bytes, state, sizeof(Memory));
-    return fmi3OK;
+    return unless(m, memory_serialise(state, (char *)bytes, size));
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
     REQUIRE(ALWAYS);
-    if (size != sizeof(Memory)) return report(m, fmi3Error, "These bytes are not a state of this FMU.");
-    if (!*state) *state = malloc(sizeof(Memory));
-    if (!*state) return report(m, fmi3Error, "Out of memory.");
-    memcpy(*state, bytes, sizeof(Memory));
-    return fmi3OK;
+    return unless(m, memory_deserialise((const char *)bytes, size, state));
 }
 
 /* ---- derivatives ------------------------------------------------------------------------------- */
@@ -351,7 +346,7 @@ static int gather(const fmi3ValueReference vr[], size_t n, const double *from, f
     double in[N_VALUES] = {0}, out[N_VALUES];                                                             \
     if (scatter(from, n_from, seed, in)) return report(m, fmi3Error, "A variable is unknown.");           \
     memory_refresh(&m->memory);                                                                           \
-    function(&m->memory.plant, in, m->memory.phase & (INITIALIZING | EVENT), out);                        \
+    function(&m->memory.model, in, m->memory.phase & (INITIALIZING | EVENT), out);                        \
     return gather(to, n_to, out, sensitivity) ? report(m, fmi3Error, "A variable is unknown.") : fmi3OK
 #else
 #define SENSITIVITY(function, from, n_from, to, n_to)                                   \
@@ -388,7 +383,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
     for (i = 0; i < n; ++i) {
         if (vr[i] < AT_STATE || vr[i] >= AT_RATE || orders[i] != 1)
             return report(m, fmi3Error, "Only first derivatives of coordinates and speeds are provided.");
-        values[i] = m->memory.plant.value[vr[i] - AT_STATE + AT_RATE];
+        values[i] = m->memory.model.value[vr[i] - AT_STATE + AT_RATE];
     }
     return fmi3OK;
 }
@@ -408,8 +403,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, f
     *again = fmi3False;
     *terminate = fmi3False;
     *nominals_changed = fmi3False;
-    *next_defined = fmi3True;
     *next = memory_next_event(&m->memory);
+    *next_defined = isfinite(*next) != 0;
     return fmi3OK;
 }
 
@@ -445,18 +440,18 @@ static fmi3Status copy(Instance *m, const double *from, size_t expected, fmi3Flo
 fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 x[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS);
     m->memory.stale = 1;
-    return copy(m, x, N_STATES, m->memory.plant.value + AT_STATE, n);
+    return copy(m, x, N_STATES, m->memory.model.value + AT_STATE, n);
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS | TERMINATED);
-    plant_rates(&m->memory.plant);
-    return copy(m, m->memory.plant.value + AT_RATE, N_STATES, derivatives, n);
+    plant_rates(&m->memory.model);
+    return copy(m, m->memory.model.value + AT_RATE, N_STATES, derivatives, n);
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 x[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS | TERMINATED);
-    return copy(m, m->memory.plant.value + AT_STATE, N_STATES, x, n);
+    return copy(m, m->memory.model.value + AT_STATE, N_STATES, x, n);
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t n) {
@@ -467,11 +462,13 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], size_t n) {
     REQUIRE(EVENT | CONTINUOUS | TERMINATED);
     if (n != N_JOINTS) return report(m, fmi3Error, "There are %d event indicators.", N_JOINTS);
-    plant_indicators(&m->memory.plant, indicators);
+    plant_indicators(&m->memory.model, indicators);
     return fmi3OK;
 }
 
 /* ---- co-simulation --------------------------------------------------------------------------- */
+
+static const double STEP_END = 1e-8; /* nothing is left of a step that is closer to its end [s] */
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
     REQUIRE(EVENT);
@@ -485,7 +482,7 @@ static int asked_back(Instance *m) {
     fmi3Float64 when = 0;
     if (!m->intermediate) return 0;
     memory_refresh(&m->memory);
-    m->intermediate(m->environment, m->memory.start + m->memory.plant.time, fmi3False, fmi3True, fmi3True,
+    m->intermediate(m->environment, m->memory.start + m->memory.model.time, fmi3False, fmi3True, fmi3True,
                     m->may_return_early != 0, &wanted, &when);
     return wanted && m->may_return_early;
 }
@@ -498,22 +495,23 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     REQUIRE(STEPPING);
     (void)no_rollback;
     if (!(step >= 0)) return report(m, fmi3Error, "The communication step %g must be at least 0.", step);
-    plant = &m->memory.plant;
+    plant = &m->memory.model;
     end = plant->time + step;
     *event = *terminate = *early = fmi3False;
+    plant_settle(plant);
     while (!failed && !*event && !*early) {
         double tick = plant_next_sample(plant), start = plant->time;
-        int sample = tick <= end + 1e-9 * PERIOD;
+        int sample = plant_sample_due(plant, end), last = !sample || tick >= end - STEP_END;
         failed = plant_run(plant, sample ? tick : end);
         m->memory.stale = 1;
-        if (sample && !m->memory.own_events && (m->may_return_early || tick >= end - 1e-9 * PERIOD)) {
+        if (sample && !m->memory.own_events && (m->may_return_early || last)) {
             *event = fmi3True;
-            *early = tick < end - 1e-9 * PERIOD;
+            *early = !last;
         } else if (sample) {
             plant_sample(plant, tick - start);
         }
         if (!sample) break;
-        if (!*event && asked_back(m)) *early = plant->time < end - 1e-9 * PERIOD;
+        if (!*event && asked_back(m)) *early = !last;
     }
     *reached = m->memory.start + plant->time;
     if (!failed) return fmi3OK;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void memory_start(Memory *m, int model_exchange, int own_events) {
@@ -12,14 +13,14 @@ void memory_start(Memory *m, int model_exchange, int own_events) {
 }
 
 void memory_reset(Memory *m) {
-    plant_reset(&m->plant);
+    MODEL(reset)(&m->model);
     m->phase = INSTANTIATED;
     m->stale = 0;
     m->start = 0;
 }
 
 int memory_initialise(Memory *m, char *text, size_t size) {
-    if (plant_initialise(&m->plant)) {
+    if (MODEL(initialise)(&m->model)) {
         m->phase = BROKEN;
         snprintf(text, size, "No static equilibrium was found at the first reference: check the stiffnesses k, "
                              "the masses and the reference.");
@@ -30,39 +31,86 @@ int memory_initialise(Memory *m, char *text, size_t size) {
 }
 
 void memory_refresh(Memory *m) {
-    if (m->stale) plant_outputs(&m->plant);
+    if (!m->stale) return;
+    if (m->phase == INITIALIZING) MODEL(initialise)(&m->model);
+    MODEL(outputs)(&m->model);
     m->stale = 0;
 }
 
-static int is_state(unsigned vr) { return vr >= AT_STATE && vr < AT_RATE; }
+int memory_advance(Memory *m, double duration) {
+    int failed = MODEL(advance)(&m->model, duration);
+#ifdef MODEL_PLANT
+    m->stale = 1;
+#else
+    m->stale = 0; /* the torque is held until an input is set */
+#endif
+    return failed;
+}
+
+/* ---- what may be set ------------------------------------------------------------------------- */
 
 int memory_refuses(const Memory *m, unsigned vr, double value, char *text, size_t size) {
-    int parameter = vr >= AT_PARAMETER && vr < AT_PARAMETER + N_PARAMETERS;
-    if (vr >= N_VALUES) snprintf(text, size, "There is no variable %u.", vr);
-    else if (!isfinite(value)) snprintf(text, size, "Variable %u was set to a value that is not finite.", vr);
-    else if (is_state(vr) && !(m->model_exchange && m->phase & (EVENT | CONTINUOUS)))
-        snprintf(text, size, "State %u is set by the FMU itself here.", vr);
-    else if (vr >= AT_RATE && vr < AT_PARAMETER) snprintf(text, size, "Variable %u cannot be set.", vr);
-    else if (parameter && model_nonnegative[vr - AT_PARAMETER] && value < 0)
-        snprintf(text, size, "Parameter %s = %g must be at least 0.", model_parameter_names[vr - AT_PARAMETER], value);
-    else if (vr == AT_STEP && m->phase & RUNNING)
-        snprintf(text, size, "Parameter solver.step is fixed once the simulation runs.");
-    else if (vr == AT_STEP && value <= 0) snprintf(text, size, "Parameter solver.step = %g must be above 0.", value);
+    const char *name = vr < N_VALUES ? model_names[vr] : "";
+    char kind = vr < N_VALUES ? model_kinds[vr] : 0;
+    if (!kind) snprintf(text, size, "There is no variable %u.", vr);
+    else if (!isfinite(value)) snprintf(text, size, "Variable %s was set to a value that is not finite.", name);
+    else if (kind == KIND_STATE && !(m->model_exchange && m->phase & (EVENT | CONTINUOUS)))
+        snprintf(text, size, "State %s is set by the FMU itself here.", name);
+    else if (kind == KIND_CALCULATED) snprintf(text, size, "Variable %s cannot be set.", name);
+    else if (model_bounds[vr] == BOUND_NOT_NEGATIVE && value < 0)
+        snprintf(text, size, "Parameter %s = %g must be at least 0.", name, value);
+    else if (model_bounds[vr] == BOUND_POSITIVE && value <= 0)
+        snprintf(text, size, "Parameter %s = %g must be above 0.", name, value);
+    else if (kind == KIND_FIXED && m->phase & RUNNING)
+        snprintf(text, size, "Parameter %s is fixed once the simulation runs.", name);
     else return 0;
     return 1;
 }
 
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static const char *copy_to(void **state, const void *from) {
+    if (!*state) *state = malloc(sizeof(Memory));
+    if (!*state) return "Out of memory.";
+    memcpy(*state, from, sizeof(Memory));
+    return NULL;
+}
+
+const char *memory_save(const Memory *m, void **state) { return copy_to(state, m); }
+
+void memory_restore(Memory *m, const void *state) { memcpy(m, state, sizeof *m); }
+
+void memory_forget(void **state) {
+    free(*state);
+    *state = NULL;
+}
+
+const char *memory_serialise(const void *state, char *bytes, size_t size) {
+    if (size < sizeof(Memory)) return "The buffer is too small for the state.";
+    memcpy(bytes, state, sizeof(Memory));
+    return NULL;
+}
+
+const char *memory_deserialise(const char *bytes, size_t size, void **state) {
+    if (size != sizeof(Memory)) return "These bytes are not a state of this FMU.";
+    return copy_to(state, bytes);
+}
+
+/* ---- events ---------------------------------------------------------------------------------- */
+
+#ifdef MODEL_PLANT
 void memory_set_time(Memory *m, double time) {
-    m->plant.time = time - m->start;
+    m->model.time = time - m->start;
     m->stale = 1;
 }
 
 int memory_handle_events(Memory *m) {
     int changed;
-    while (plant_sample_due(&m->plant)) plant_sample(&m->plant, 0);
-    changed = plant_switch(&m->plant);
+    while (plant_sample_due(&m->model, m->model.time)) plant_sample(&m->model, 0);
+    changed = plant_switch(&m->model);
     m->stale = 1;
     return changed;
 }
 
-double memory_next_event(const Memory *m) { return m->start + plant_next_sample(&m->plant); }
+double memory_next_event(const Memory *m) { return m->start + plant_next_sample(&m->model); }
+#endif

@@ -1,10 +1,19 @@
-/* What both faces of the FMU share: an instance's memory, its phases, checked access to variables. */
+/* What the faces of an FMU share: an instance's memory, its phases, checked access to variables, saved states. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
 #include <stddef.h>
 
+#include "model.h"
+#ifdef MODEL_PLANT
 #include "plant.h"
+typedef Plant Model;
+#define MODEL(function) plant_##function
+#else
+#include "controller.h"
+typedef Controller Model;
+#define MODEL(function) controller_##function
+#endif
 
 typedef enum {
     INSTANTIATED = 1,
@@ -19,11 +28,11 @@ enum { RUNNING = EVENT | CONTINUOUS | STEPPING, ALWAYS = 127 };
 
 /* All that a saved state must hold: no pointers. */
 typedef struct {
-    Plant plant;
+    Model model;
     Phase phase;
     int model_exchange;
     int own_events; /* co-simulation: the importer does not handle events, doStep does */
-    int stale;      /* the state changed since plant_outputs */
+    int stale;      /* values changed since the outputs were computed */
     double start;   /* start time of the experiment [s] */
 } Memory;
 
@@ -31,12 +40,24 @@ void memory_start(Memory *memory, int model_exchange, int own_events);
 void memory_reset(Memory *memory);
 /* Static equilibrium and first sample. 0 when it was found; else `text` says why not. */
 int memory_initialise(Memory *memory, char *text, size_t size);
+/* Bring outputs up to date, in initialisation too. */
 void memory_refresh(Memory *memory);
+/* Co-simulation by `duration` >= 0 seconds. 0 when the state stayed finite. */
+int memory_advance(Memory *memory, double duration);
 /* 0 when the variable may take the value; else `text` says why not. */
 int memory_refuses(const Memory *memory, unsigned reference, double value, char *text, size_t size);
+/* Saved states; each is a copy, for the memory holds no pointers. The result is NULL, or why it failed. */
+const char *memory_save(const Memory *memory, void **state);
+void memory_restore(Memory *memory, const void *state);
+void memory_forget(void **state);
+const char *memory_serialise(const void *state, char *bytes, size_t size);
+const char *memory_deserialise(const char *bytes, size_t size, void **state);
+
+#ifdef MODEL_PLANT
 void memory_set_time(Memory *memory, double time);
 /* Event mode: due samples and crossed modes. 1 when states changed. */
 int memory_handle_events(Memory *memory);
 double memory_next_event(const Memory *memory);
+#endif
 
 #endif

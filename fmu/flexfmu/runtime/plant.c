@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum { MAX_EVENTS = 64, MAX_BISECTIONS = 60 };
-static const double TIME_TOLERANCE = 1e-9; /* of one controller period */
+static const double TIME_TOLERANCE = 1e-12; /* a shorter step is none [s] */
 
 /* ---- mechanics ------------------------------------------------------------------------------- */
 
@@ -31,9 +31,9 @@ static void laws(const Plant *s, const double *x, const double *dx, double *forc
     model_laws(arg, res, 0, w, 0);
 }
 
-/* The laws' own states at rest under the torques. */
-static void start(const Plant *s, double *x) {
-    const double *arg[MODEL_SZ_ARG] = {x, s->value + AT_TORQUE, s->value + AT_PARAMETER};
+/* The laws' own states at rest under the torques that hold the arm. */
+static void start(const Plant *s, const double *holding, double *x) {
+    const double *arg[MODEL_SZ_ARG] = {x, holding, s->value + AT_PARAMETER};
     double *res[MODEL_SZ_RES] = {x + 2 * N_COORDINATES};
     double w[MODEL_SZ_W];
     model_start(arg, res, 0, w, 0);
@@ -61,9 +61,8 @@ static void margins(const Plant *s, const double *x, const double *imbalance, do
     }
 }
 
-/* Release stuck hinges, the most overloaded first, until every reaction is within its level.
-   Leaves the rates of the present state in its place. */
-static void settle(Plant *s) {
+/* Stuck hinges are released, the most overloaded first. */
+void plant_settle(Plant *s) {
     double *x = s->value + AT_STATE, margin[N_JOINTS];
     int j, round;
     for (j = 0; j < N_JOINTS; ++j)
@@ -135,7 +134,7 @@ static double locate(const Plant *s, double h, double end, Trial *t) {
     return b;
 }
 
-/* Hinges that came to rest stick; hinges whose reaction exceeds the level are released by settle. */
+/* Hinges that came to rest stick; hinges whose reaction exceeds the level are released by plant_settle. */
 static void switch_modes(Plant *s, const Trial *t) {
     double *x = s->value + AT_STATE;
     int j;
@@ -144,7 +143,7 @@ static void switch_modes(Plant *s, const Trial *t) {
             s->mode[j] = 0;
             x[N_COORDINATES + j] = 0;
         }
-    settle(s);
+    plant_settle(s);
 }
 
 /* Forward by h with the torque held; friction events inside are located and stepped over exactly. */
@@ -172,33 +171,42 @@ static void integrate(Plant *s, double duration) {
 
 /* ---- controller ------------------------------------------------------------------------------ */
 
-double plant_next_sample(const Plant *s) { return (double)s->ticks * PERIOD; }
+#ifdef MODEL_CONTROLLER
+double plant_next_sample(const Plant *s) { return pid_next_sample(&s->pid); }
 
-int plant_sample_due(const Plant *s) { return plant_next_sample(s) <= s->time + TIME_TOLERANCE * PERIOD; }
+int plant_sample_due(const Plant *s, double time) { return pid_due(&s->pid, time); }
 
 void plant_sample(Plant *s, double late) {
-    double *v = s->value;
-    int j;
-    for (j = 0; j < N_JOINTS; ++j) {
-        double r = v[AT_REFERENCE + j] + late * s->input_rate[j];
-        double feedforward = v[AT_FEEDFORWARD + j] + late * s->input_rate[N_JOINTS + j];
-        double error = r - v[AT_STATE + j];
-        double slope = s->ticks ? (error - s->error[j]) / PERIOD : 0;
-        if (s->ticks) s->integral[j] += v[AT_KI + j] * PERIOD * error;
-        v[AT_TORQUE + j] = v[AT_KP + j] * error + v[AT_KD + j] * slope + s->integral[j] + feedforward;
-        s->error[j] = error;
-    }
-    ++s->ticks;
-    settle(s);
+    double *v = s->value, input[N_INPUTS];
+    int i;
+    for (i = 0; i < N_INPUTS; ++i) input[i] = v[i] + late * s->input_rate[i];
+    pid_sample(&s->pid, v + AT_KP, input + AT_REFERENCE, input + AT_FEEDFORWARD, v + AT_STATE, v + AT_TORQUE);
+    plant_settle(s);
 }
+
+static void start_torque(Plant *s, const double *holding) {
+    pid_start(&s->pid, holding);
+    plant_sample(s, 0);
+}
+#else
+/* The torque is an input: nothing is sampled. */
+double plant_next_sample(const Plant *s) { return (void)s, HUGE_VAL; }
+
+int plant_sample_due(const Plant *s, double time) { return (void)s, (void)time, 0; }
+
+void plant_sample(Plant *s, double late) { (void)s, (void)late; }
+
+static void start_torque(Plant *s, const double *holding) {
+    memcpy(s->value + AT_FEEDFORWARD, holding, N_JOINTS * sizeof *holding);
+    plant_settle(s);
+}
+#endif
 
 /* ---- life cycle ------------------------------------------------------------------------------ */
 
 void plant_reset(Plant *s) {
     memset(s, 0, sizeof *s);
-    memcpy(s->value + AT_PARAMETER, model_parameters, sizeof model_parameters);
-    memcpy(s->value + AT_KP, model_gains, sizeof model_gains);
-    s->value[AT_STEP] = MODEL_STEP;
+    memcpy(s->value, model_starts, sizeof s->value);
 }
 
 int plant_initialise(Plant *s) {
@@ -208,18 +216,15 @@ int plant_initialise(Plant *s) {
     memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x);
     lost = equilibrium(s->value + AT_PARAMETER, x, force);
     memset(s->mode, 0, sizeof s->mode);
-    memcpy(s->integral, force, sizeof s->integral);
-    memcpy(s->value + AT_TORQUE, force, N_JOINTS * sizeof *force);
-    start(s, x);
-    s->time = 0, s->ticks = 0;
-    plant_sample(s, 0);
+    start(s, force, x);
+    s->time = 0;
+    start_torque(s, force);
     return lost;
 }
 
 int plant_run(Plant *s, double until) {
     int i;
-    settle(s); /* the inputs or parameters may have been changed since */
-    if (until > s->time + TIME_TOLERANCE * PERIOD) integrate(s, until - s->time);
+    if (until > s->time + TIME_TOLERANCE) integrate(s, until - s->time);
     if (until > s->time) s->time = until;
     for (i = 0; i < N_STATES; ++i)
         if (!isfinite(s->value[AT_STATE + i])) return 1;
@@ -228,7 +233,8 @@ int plant_run(Plant *s, double until) {
 
 int plant_advance(Plant *s, double duration) {
     double end = s->time + duration, start = s->time;
-    while (plant_next_sample(s) <= end + TIME_TOLERANCE * PERIOD) {
+    plant_settle(s);
+    while (plant_sample_due(s, end)) {
         double tick = plant_next_sample(s);
         if (plant_run(s, tick)) return 1;
         s->time = tick;
@@ -251,14 +257,18 @@ void plant_rates(Plant *s) {
 /* A root is accepted with this tolerance: rad/s while sliding, N m while stuck. */
 static double tolerance(const Plant *s, int j) { return s->mode[j] != 0 ? 1e-9 : 1e-6; }
 
-void plant_indicators(const Plant *s, double indicator[N_JOINTS]) {
-    const double *x = s->value + AT_STATE;
-    double dx[N_STATES], imbalance[N_JOINTS];
+/* Indicators from the imbalance at the present state. */
+static void indicators(const Plant *s, const double *imbalance, double indicator[N_JOINTS]) {
     int j;
-    rates(s, x, dx, imbalance, 0);
-    margins(s, x, imbalance, indicator);
+    margins(s, s->value + AT_STATE, imbalance, indicator);
     for (j = 0; j < N_JOINTS; ++j)
         indicator[j] = model_sticking[j] ? indicator[j] + tolerance(s, j) : 1;
+}
+
+void plant_indicators(const Plant *s, double indicator[N_JOINTS]) {
+    double dx[N_STATES], imbalance[N_JOINTS];
+    rates(s, s->value + AT_STATE, dx, imbalance, 0);
+    indicators(s, imbalance, indicator);
 }
 
 int plant_switch(Plant *s) {
@@ -272,7 +282,7 @@ int plant_switch(Plant *s) {
             x[N_COORDINATES + j] = 0;
             changed = 1;
         }
-    settle(s);
+    plant_settle(s);
     for (j = 0; j < N_JOINTS; ++j) changed |= s->mode[j] != before[j];
     return changed;
 }
@@ -286,7 +296,7 @@ void plant_outputs(Plant *s) {
     for (j = 0; j < N_JOINTS; ++j)
         if (s->mode[j] == 0) friction[j] += s->imbalance[j];
     laws(s, x, s->value + AT_RATE, s->value + AT_LAW);
-    plant_indicators(s, s->value + AT_INDICATOR);
+    indicators(s, s->imbalance, s->value + AT_INDICATOR);
 }
 
 /* ---- sensitivities --------------------------------------------------------------------------- */
@@ -294,7 +304,12 @@ void plant_outputs(Plant *s) {
 #ifdef MODEL_DERIVATIVES
 /* d(torque of joint j)/d(error) at a sample of the controller. */
 static double loop_gain(const Plant *s, int j) {
-    return s->value[AT_KP + j] + s->value[AT_KD + j] / PERIOD + s->value[AT_KI + j] * PERIOD;
+#ifdef MODEL_CONTROLLER
+    const double *v = s->value + j;
+    return v[AT_KP] + v[AT_KD] / PERIOD + v[AT_KI] * PERIOD;
+#else
+    return (void)s, (void)j, 0;
+#endif
 }
 
 void plant_directional(const Plant *s, const double seed[N_VALUES], int sampling, double out[N_VALUES]) {

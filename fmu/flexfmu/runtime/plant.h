@@ -1,25 +1,32 @@
-/* The simulated arm: its state, its digital controller, its solver. No globals, no allocation. */
+/* The simulated arm: its state, its digital controller if it has one, its solver. No globals, no allocation. */
 #ifndef PLANT_H
 #define PLANT_H
 
 #include "model.h"
+#ifdef MODEL_CONTROLLER
+#include "pid.h"
+#endif
 
 /* Every variable has a fixed place in `value`; the place is its FMI value reference. */
 enum {
-    AT_REFERENCE = 0,
-    AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS,
-    AT_STATE = AT_FEEDFORWARD + N_JOINTS, /* q, then v, then the laws' own */
+    AT_REFERENCE = 0,                         /* without a controller the positions at the start */
+    AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS, /* without a controller the torques that hold these */
+    AT_STATE = AT_FEEDFORWARD + N_JOINTS,     /* q, then v, then the laws' own */
     AT_RATE = AT_STATE + N_STATES,
     AT_TORQUE = AT_RATE + N_STATES,
     AT_TIP = AT_TORQUE + N_JOINTS,
     AT_FRICTION = AT_TIP + 3,
     AT_INDICATOR = AT_FRICTION + N_JOINTS, /* event indicators */
-    AT_LAW = AT_INDICATOR + N_JOINTS, /* what the laws take at each coordinate */
+    AT_LAW = AT_INDICATOR + N_JOINTS,      /* what the laws take at each coordinate */
     AT_PARAMETER = AT_LAW + N_COORDINATES,
+#ifdef MODEL_CONTROLLER
     AT_KP = AT_PARAMETER + N_PARAMETERS,
     AT_KD = AT_KP + N_JOINTS,
     AT_KI = AT_KD + N_JOINTS,
     AT_STEP = AT_KI + N_JOINTS,
+#else
+    AT_STEP = AT_PARAMETER + N_PARAMETERS,
+#endif
     N_VALUES
 };
 
@@ -30,21 +37,23 @@ typedef struct {
     double input_rate[N_INPUTS]; /* slopes of the inputs over the coming communication step */
     double mode[N_JOINTS];       /* +1 slides forward, -1 backward, 0 stuck */
     double imbalance[N_JOINTS];  /* torque that a brake takes at each motor hinge */
-    double integral[N_JOINTS];   /* of the PID [N m] */
-    double error[N_JOINTS];      /* of the PID at its last sample [rad] */
-    double time;                 /* since the start of the experiment [s] */
-    long long ticks;             /* samples of the controller so far */
+#ifdef MODEL_CONTROLLER
+    Pid pid;
+#endif
+    double time; /* since the start of the experiment [s] */
 } Plant;
 
 void plant_reset(Plant *plant);
-/* Static equilibrium at the first reference, first sample of the controller. 0 when it was found. */
+/* Static equilibrium at the first reference, first sample of a controller. 0 when it was found. */
 int plant_initialise(Plant *plant);
+/* Release stuck hinges until every reaction is within its level; the rates of the state are then up to date. To be
+   called before a run when inputs or parameters may have changed. */
+void plant_settle(Plant *plant);
 /* Bring the values that follow from the state up to date. */
 void plant_outputs(Plant *plant);
-/* Time of the controller's next sample [s]. */
+/* Time of the controller's next sample [s], and whether it is due by `time`. */
 double plant_next_sample(const Plant *plant);
-/* Whether the controller's next sample is due now. */
-int plant_sample_due(const Plant *plant);
+int plant_sample_due(const Plant *plant, double time);
 /* The controller reads the inputs, extrapolated by `late` seconds, and renews the torques. */
 void plant_sample(Plant *plant, double late);
 

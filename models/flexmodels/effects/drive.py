@@ -51,8 +51,8 @@ torque_delay = Effect(
     experiment="a multisine torque up to the controller's rate",
 )
 
-_excess = Parameter("share", "1", lower=0)
-_limit = Parameter("limit", "N.m", start=1000.0, lower=0, grid=(0.7, 1.0, 1.5, 2.0, 2.5), scale=tau)
+_excess = Parameter("share", "1", lower=0, upper=1)
+_limit = Parameter("limit", "N.m", start=1000.0, lower=0, grid=(1.25, 1.5, 2.0, 2.5), scale=tau)
 
 torque_saturation = Effect(
     name="torque_saturation",

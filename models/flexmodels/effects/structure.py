@@ -7,13 +7,13 @@ from flexmodels.signals import beyond, dde, de, e, eps, tip
 
 _angle = e + eps[1]  # of the link relative to the joint's base side: it loads motor and transmission alike
 
-_stiffness = Parameter("stiffness", "N.m/rad")
+_stiffness, _pull = Parameter("stiffness", "N.m/rad"), Parameter("preload", "N.m")
 
 joint_spring = Effect(
     name="joint_spring",
     title="Spring between the links on both sides of the joint, as of hoses and cables",
-    forces={q: _stiffness.symbol * _angle for q in (e, eps[1])},
-    parameters=(_stiffness,),
+    forces={q: _stiffness.symbol * _angle + _pull.symbol for q in (e, eps[1])},
+    parameters=(_stiffness, _pull),
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="a large part of the joint's range",
     confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset"),
@@ -47,8 +47,8 @@ _inertia = Parameter("inertia", "kg.m2")
 _viscous = Parameter("viscous", "N.m.s/rad")
 _coulomb = Parameter("coulomb", "N.m")
 _ratio = Parameter("ratio", "1", start=1.0, lower=-10.0, upper=10.0, grid=(1.0, -1.0))
-# A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only the
-# mixed terms stand here: the others are part of each motor's own.
+# A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only
+# the mixed terms stand here: the others are part of each motor's own.
 _rub = _coulomb.symbol * sign(de + _ratio.symbol * beyond.de)
 
 joint_coupling = Effect(

@@ -15,7 +15,7 @@ def reaction(position: Position, orientation: Orientation, gravity: np.ndarray) 
     R = orientation.R
     a = position.a - gravity[:, None]
     w, dw = orientation.w[:, None], orientation.dw[:, None]
-    Y = np.zeros((6, 10, a.shape[-1]))
+    Y = np.zeros_like(a, shape=(6, 10, a.shape[-1]))
     Y[:3, 0] = a
     Y[:3, 1:4] = cross(dw, R) + cross(w, cross(w, R))
     Y[3:, 1:4] = cross(R, a[:, None])

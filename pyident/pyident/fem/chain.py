@@ -8,9 +8,8 @@ from pyident.fem.structure import Structure
 
 def nodes(structure: Structure, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Nodes:
     """Eqs (5)-(7) for N samples: q, dq, ddq (n, N). With ddq = 0 the accelerations are (D²F dq) dq."""
-    n, samples = q.shape
-    found = Nodes({0: at_rest(np.zeros(3), samples, n)}, {0: upright(samples, n)})
-    fixed = np.zeros(samples)
+    found = Nodes({0: at_rest(np.zeros(3), q)}, {0: upright(q)})
+    fixed = np.zeros(q.shape[1])
     for element, columns in zip(structure.elements, structure.columns, strict=True):
         e, de, dde = (np.stack([fixed if j is None else rate[j] for j in columns]) for rate in (q, dq, ddq))
         element.carry(found, Deformation(e, de, dde, columns))

@@ -89,7 +89,7 @@ def relative_rotation(e: np.ndarray) -> np.ndarray:
     _, e2, e3 = e
     c = _cosine(e)
     a = 1 / (1 + c)
-    B = np.empty((3, *e.shape))
+    B = np.empty_like(e, shape=(3, *e.shape))
     B[0, 0], B[0, 1], B[0, 2] = c, -e2, -e3
     B[1, 0], B[1, 1], B[1, 2] = e2, 1 - a * e2**2, -a * e2 * e3
     B[2, 0], B[2, 1], B[2, 2] = e3, B[1, 2], 1 - a * e3**2
@@ -101,7 +101,7 @@ def rate_axes(e: np.ndarray) -> np.ndarray:
     _, e2, e3 = e
     c = _cosine(e)
     a, b = 1 / (1 + c), 1 / (c * (1 + c))
-    S = np.empty((3, *e.shape))
+    S = np.empty_like(e, shape=(3, *e.shape))
     S[:, 0] = c, e2, e3
     S[:, 1] = -a * e3, -b * e2 * e3, 1 + b * e2**2
     S[:, 2] = a * e2, -1 - b * e3**2, b * e2 * e3
@@ -125,12 +125,17 @@ def convective_rate(e: np.ndarray, de: np.ndarray) -> np.ndarray:
     return (de1 - t) * dn - dt * n + n_cross_ddn
 
 
-def _cosine(e: np.ndarray) -> np.ndarray:
-    """c, the cosine of the bending angle; raises ValueError where the hinge is bent by a right angle."""
-    square = 1 - e[1] ** 2 - e[2] ** 2
-    if not square.min() > 0:
-        bend = np.sqrt(1 - square.min())
+def check_bend(e: np.ndarray) -> None:
+    """Raises ValueError where deformations e (3, N) bend the hinge by a right angle."""
+    bend = np.sqrt(e[1] ** 2 + e[2] ** 2).max(initial=0.0)
+    if not bend < 1:
         raise ValueError(
             f"a hinge is bent by {bend:.3g}, but bendings stay below 1; check that eps is in rad"
         )
-    return np.sqrt(square)
+
+
+def _cosine(e: np.ndarray) -> np.ndarray:
+    """c, the cosine of the bending angle."""
+    if e.dtype != object:  # symbols are checked when they get their values
+        check_bend(e)
+    return np.sqrt(1 - e[1] ** 2 - e[2] ** 2)

@@ -32,7 +32,7 @@ def nodes(structure: Structure, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) 
     v |= {node: np.zeros((3, samples)) for node in GROUND}
     load = _held(structure, ddq) - assembly.D2D(structure, shape, v)
     acceleration = _solve(J, load.T[:, :, None])[:, :, 0].T
-    found = Nodes({0: at_rest(np.zeros(3), samples, n)}, {0: upright(samples, n)})
+    found = Nodes({0: at_rest(np.zeros(3), q)}, {0: upright(q)})
     for i, node in enumerate(structure.moving):
         part = slice(3 * i, 3 * i + 3)
         motion = shape[node], velocity[part], acceleration[part], DF[:, part].transpose(1, 2, 0)

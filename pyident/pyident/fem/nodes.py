@@ -51,13 +51,17 @@ class Deformation:
     columns: tuple[int | None, ...]
 
 
-def at_rest(x: np.ndarray, samples: int, n: int) -> Position:
-    """A translational node fixed to the ground at x (3,) [m]."""
-    still = np.zeros((3, samples))
-    return Position(np.tile(x[:, None], samples), still, still, np.zeros((3, n, samples)))
+def at_rest(x: np.ndarray, q: np.ndarray) -> Position:
+    """A translational node fixed to the ground at x (3,) [m]; samples and kind of number as in q (n, N)."""
+    n, samples = q.shape
+    still = np.zeros_like(q, shape=(3, samples))
+    return Position(np.tile(x[:, None], samples), still, still, np.zeros_like(q, shape=(3, n, samples)))
 
 
-def upright(samples: int, n: int) -> Orientation:
-    """A rotational node fixed to the ground in the reference orientation."""
-    still = np.zeros((3, samples))
-    return Orientation(np.tile(np.eye(3)[:, :, None], samples), still, still, np.zeros((3, n, samples)))
+def upright(q: np.ndarray) -> Orientation:
+    """A rotational node fixed to the ground in the reference orientation, for q (n, N)."""
+    n, samples = q.shape
+    still = np.zeros_like(q, shape=(3, samples))
+    return Orientation(
+        np.tile(np.eye(3)[:, :, None], samples), still, still, np.zeros_like(q, shape=(3, n, samples))
+    )

@@ -1,7 +1,9 @@
 """A mechanism as data: nodes, the elements that share them, and what each deformation is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+
+import numpy as np
 
 from pyident.fem.beam import Beam
 from pyident.fem.hinge import Hinge
@@ -70,6 +72,15 @@ class Structure:
         """Every node but the ground, in the order in which the elements name them."""
         named = [node for element in self.elements for node in element.inner + element.outer]
         return tuple(node for node in dict.fromkeys(named) if node not in GROUND)
+
+    @cached_property
+    def content(self) -> str:
+        """All numbers of the structure as text, to the last digit."""
+        elements = [
+            (type(element).__name__, [np.asarray(getattr(element, f.name)).tolist() for f in fields(element)])
+            for element in self.elements
+        ]
+        return repr((elements, self.independent, self.released, self.bodies))
 
     @cached_property
     def is_chain(self) -> bool:

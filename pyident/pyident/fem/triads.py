@@ -51,7 +51,7 @@ def axes(n: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def about_x(e: np.ndarray) -> np.ndarray:
     """Rotation about x by e [rad], (N,) -> (3, 3, N)."""
-    R = np.zeros((3, 3, *e.shape))
+    R = np.zeros_like(e, shape=(3, 3, *e.shape))
     R[0, 0] = 1.0
     R[1, 1] = R[2, 2] = np.cos(e)
     R[2, 1] = np.sin(e)

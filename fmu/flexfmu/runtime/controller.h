@@ -1,0 +1,36 @@
+/* The digital controller alone: a discrete block that takes a sample whenever one is due. */
+#ifndef CONTROLLER_H
+#define CONTROLLER_H
+
+#include "pid.h"
+
+/* Every variable has a fixed place in `value`; the place is its FMI value reference. */
+enum {
+    AT_REFERENCE = 0,
+    AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS,
+    AT_POSITION = AT_FEEDFORWARD + N_JOINTS,
+    AT_TORQUE = AT_POSITION + N_JOINTS,
+    AT_INTEGRAL = AT_TORQUE + N_JOINTS, /* at the start */
+    AT_KP = AT_INTEGRAL + N_JOINTS,
+    AT_KD = AT_KP + N_JOINTS,
+    AT_KI = AT_KD + N_JOINTS,
+    N_VALUES = AT_KI + N_JOINTS
+};
+
+enum { N_INPUTS = 3 * N_JOINTS };
+
+typedef struct {
+    double value[N_VALUES];
+    double input_rate[N_INPUTS]; /* slopes of the inputs over the coming communication step */
+    Pid pid;
+    double time; /* since the start of the experiment [s] */
+} Controller;
+
+void controller_reset(Controller *controller);
+int controller_initialise(Controller *controller);
+/* The torque that a sample due now would give with the present inputs; the sample is taken by the next step. */
+void controller_outputs(Controller *controller);
+/* By `duration` >= 0 seconds with every sample before its end; one that is due at the end waits for its inputs. */
+int controller_advance(Controller *controller, double duration);
+
+#endif

@@ -1,0 +1,227 @@
+"""URDF -> Robot: the rigid tree with its nominal inertias; chosen joints get a flexible hinge.
+
+Fixed joints are merged into the link that carries them; the mass of the root does not move and is dropped.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.spatial.transform import Rotation
+from urdf_parser_py import urdf
+from urdf_parser_py.xml_reflection import core
+
+from flexmodels.robot import Joint, Limits, Link, Robot, RobotError
+
+_UNUSED = ("visual", "collision", "material", "transmission", "gazebo", "sensor", "calibration")
+_KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
+_HINGE_FREQUENCY = 10.0  # [Hz] of a nominal flexible hinge: a start, not a measurement
+_HINGE_DAMPING = 0.02  # of critical, likewise
+
+
+@dataclass
+class _Frame:
+    """Where a link of the file stands in the zero pose; `link` is ours that it is part of (0: the base)."""
+
+    position: np.ndarray
+    axes: np.ndarray
+    link: int
+
+
+@dataclass
+class _Tree:
+    """What was found so far; bodies[k] are (mass, centre, inertia about it) in base axes, of our link k."""
+
+    joints: list[Joint] = field(default_factory=list)
+    places: list[np.ndarray] = field(default_factory=lambda: [np.zeros(3)])
+    bodies: list[list[tuple[float, np.ndarray, np.ndarray]]] = field(default_factory=lambda: [[]])
+    ends: list[_Frame] = field(default_factory=list)
+
+
+def import_urdf(path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = ()) -> Robot:
+    """The robot of a URDF file, its driven joints in the order of the file's tree, depth first.
+
+    flexible  joints (from 1) that get a hinge which twists and bends
+    twist     joints that get a hinge which only twists
+    The tip is the last frame on the last link. Stiffness and damping of the hinges are placeholders
+    (10 Hz, 2 % of critical) until they are identified. Raises RobotError.
+    """
+    model = _parse(Path(path))
+    tree = _Tree()
+    _walk(model, model.get_root(), _Frame(np.zeros(3), np.eye(3), 0), tree)
+    if not tree.joints:
+        raise RobotError(f"{path}: there is no joint that moves; a robot needs one")
+    tip = max(reversed(tree.ends), key=lambda end: end.link)
+    chain = all(joint.parent == k for k, joint in enumerate(tree.joints))
+    robot = Robot(
+        name=model.name,
+        joints=tuple(replace(j, parent=None) for j in tree.joints) if chain else tuple(tree.joints),
+        links=tuple(_lumped(b, at) for b, at in zip(tree.bodies[1:], tree.places[1:], strict=True)),
+        tip=_plain(tip.position - tree.places[tip.link]),
+        tip_link=None if tip.link == len(tree.joints) else tip.link,
+        description=f"imported from {Path(path).name}",
+    )
+    return _with_hinges(robot, list(flexible), list(twist), tree)
+
+
+def _parse(path: Path) -> Any:
+    if not path.is_file():
+        raise RobotError(f"there is no URDF file {path}; check the path")
+    complaints: list[str] = []
+    core.on_error = complaints.append  # else it prints attributes that it does not know
+    try:
+        root = etree.parse(str(path)).getroot()
+        etree.strip_elements(root, *_UNUSED, with_tail=False)
+        model = urdf.Robot.from_xml_string(etree.tostring(root))
+        model.get_root()
+    except (etree.XMLSyntaxError, core.ParseError, AssertionError, ValueError, KeyError) as error:
+        first = (str(error).strip() or "it has no single root link").splitlines()
+        raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); mend the file") from None
+    return model
+
+
+def _walk(model: Any, name: str, frame: _Frame, tree: _Tree) -> None:
+    """Add a link of the file, then what hangs on it."""
+    inertial = model.link_map[name].inertial
+    if inertial is not None and inertial.mass:
+        tree.bodies[frame.link].append(_body(inertial, frame))
+    children = [model.joint_map[joint] for joint, _ in model.child_map.get(name, ())]
+    for joint in children:
+        shift, turn = _pose(joint.origin)
+        position, axes = frame.position + frame.axes @ shift, frame.axes @ turn
+        if joint.type == "fixed":
+            below = _Frame(position, axes, frame.link)
+        else:
+            tree.joints.append(_joint(joint, position - tree.places[frame.link], axes, frame.link))
+            tree.places.append(position)
+            tree.bodies.append([])
+            below = _Frame(position, axes, len(tree.joints))
+        _walk(model, joint.child, below, tree)
+    if not children:
+        tree.ends.append(frame)
+
+
+def _body(inertial: Any, frame: _Frame) -> tuple[float, np.ndarray, np.ndarray]:
+    shift, turn = _pose(inertial.origin)
+    axes = frame.axes @ turn
+    J = np.zeros((3, 3)) if inertial.inertia is None else np.array(inertial.inertia.to_matrix(), float)
+    return float(inertial.mass), frame.position + frame.axes @ shift, axes @ J @ axes.T
+
+
+def _joint(joint: Any, origin: np.ndarray, axes: np.ndarray, parent: int) -> Joint:
+    if joint.type not in _KINDS:
+        raise RobotError(
+            f"joint {joint.name} is {joint.type}; only revolute, continuous, prismatic and fixed are read"
+        )
+    if joint.mimic is not None:
+        raise RobotError(
+            f"joint {joint.name} mimics {joint.mimic.joint}; make it fixed, or driven by a motor of its own"
+        )
+    triad = axes @ _triad(np.array(joint.axis if joint.axis is not None else (1, 0, 0), float), joint.name)
+    dynamics = joint.dynamics
+    return Joint(
+        kind=_KINDS[joint.type],  # pyright: ignore[reportArgumentType]
+        x=_plain(triad[:, 0]),
+        y=_plain(triad[:, 1]),
+        origin=_plain(origin),
+        flexible=False,
+        values={
+            "motor_inertia": {"J_m": 0.0},
+            "coulomb": {"coulomb": float((dynamics and dynamics.friction) or 0.0)},
+            "viscous": {"viscous": float((dynamics and dynamics.damping) or 0.0)},
+        },
+        parent=parent,
+        name=joint.name,
+        limits=_limits(joint),
+    )
+
+
+def _limits(joint: Any) -> Limits | None:
+    limit = joint.limit
+    if limit is None:
+        return None
+    position = None if joint.type == "continuous" else (float(limit.lower), float(limit.upper))
+    return Limits(position, _positive(limit.velocity), _positive(limit.effort))
+
+
+def _positive(value: float | None) -> float | None:
+    """URDF files write 0 where nothing is known."""
+    return float(value) if value else None
+
+
+def _triad(axis: np.ndarray, name: str) -> np.ndarray:
+    """x' along the axis; y' along the frame's axis after the one that is nearest to it."""
+    length = np.linalg.norm(axis)
+    if not length > 0:
+        raise RobotError(f"joint {name} has an axis of zero length; write down its direction")
+    x = axis / length
+    y = np.eye(3)[(int(np.argmax(np.abs(x))) + 1) % 3]
+    y = y - x * (x @ y)
+    y /= np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+def _pose(origin: Any) -> tuple[np.ndarray, np.ndarray]:
+    if origin is None:
+        return np.zeros(3), np.eye(3)
+    turn = Rotation.from_euler("xyz", origin.rpy or (0, 0, 0)).as_matrix()
+    return np.array(origin.xyz or (0, 0, 0), float), turn
+
+
+def _lumped(bodies: list[tuple[float, np.ndarray, np.ndarray]], at: np.ndarray) -> Link:
+    """Bodies that move together as one, about the joint at `at`."""
+    parts = [tuple(Link.of_centre(m, centre - at, J).values.values()) for m, centre, J in bodies]
+    total = np.sum(parts, axis=0) if parts else np.zeros(10)
+    return Link(float(total[0]), _plain(total[1:4]), _plain(total[4:]))
+
+
+def _with_hinges(robot: Robot, flexible: list[int], twist: list[int], tree: _Tree) -> Robot:
+    for k in (*flexible, *twist):
+        if not 1 <= k <= len(robot.joints):
+            raise RobotError(f"there is no joint {k} to make flexible; robot {robot.name} has 1 to "
+                             f"{len(robot.joints)}")  # fmt: skip
+    if both := set(flexible) & set(twist):
+        raise RobotError(f"joint {min(both)} cannot both bend and only twist; name it once")
+    joints = [
+        _flexible(joint, k in flexible, _inertias(robot, tree, k)) if k in (*flexible, *twist) else joint
+        for k, joint in robot.numbered
+    ]
+    return replace(robot, joints=tuple(joints))
+
+
+def _flexible(joint: Joint, bends: bool, inertias: np.ndarray) -> Joint:
+    if joint.kind == "prismatic":
+        raise RobotError(f"joint {joint.name} is a slider, which has no flexible hinge here; leave it rigid")
+    k = np.maximum(inertias, 1e-6) * (2 * np.pi * _HINGE_FREQUENCY) ** 2
+    d = 2 * _HINGE_DAMPING * k / (2 * np.pi * _HINGE_FREQUENCY)
+    axes = (1, 2, 3) if bends else (1,)
+    hinge = {
+        "stiffness": {f"k[{i}]": float(k[i - 1]) for i in axes},
+        "damping": {f"d[{i}]": float(d[i - 1]) for i in axes},
+    }
+    return replace(joint, flexible=True, bends=bends, values={**joint.values, **hinge})
+
+
+def _inertias(robot: Robot, tree: _Tree, k: int) -> np.ndarray:
+    """Of everything behind joint k in the zero pose, about x', z' and y' (twist and the two bendings)."""
+    moved: Sequence[int] = [n for n in range(1, len(robot.links) + 1) if k in _ancestry(robot, n)]
+    bodies = [body for n in moved for body in tree.bodies[n]]
+    xx, xy, xz, yy, yz, zz = _lumped(bodies, tree.places[k]).J
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    triad = robot.joints[k - 1].triad
+    return np.diag(triad.T @ J @ triad)[[0, 2, 1]]
+
+
+def _ancestry(robot: Robot, link: int) -> list[int]:
+    chain = []
+    while link:
+        chain.append(link)
+        link = robot.parents[link - 1]
+    return chain
+
+
+def _plain(vector: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(v) for v in vector)

@@ -1,0 +1,37 @@
+"""The command lines that a diagnosis leads to."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from shlex import join
+
+from pyident.diagnosis import Diagnosis, Named
+
+
+def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
+    """What to run, each with its heading; empty where there is nothing to add."""
+    if d.verdict == "missing_effect":
+        chosen = [f.tie[0] for f in d.findings]
+        return [("Add it and fit again, then diagnose the new model", _chain(d, model, chosen))]
+    if d.verdict == "cannot_tell":
+        tie = next(f.tie for f in d.findings if len(f.tie) > 1)
+        rest = [f.tie[0] for f in d.findings if f.tie is not tie]
+        return [(f"If it is {n.effect} at {n.joint}", _chain(d, model, [n, *rest])) for n in tie]
+    return []
+
+
+def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
+    """Each effect added to the model of the line before, once per joint, and a new diagnosis."""
+    lines, name, last = [], Path(model).stem, model
+    for n in {(n.effect, n.joint): n for n in chosen}.values():
+        name = f"{name}_{n.effect}"
+        new = f"{name}.toml"
+        logs = [n.log] if n.log else list(d.logs)
+        lines.append(
+            join(
+                ["pyident", "add", last, n.effect, "--joint", n.joint.removeprefix("joint"), *logs, "-o", new]
+            )
+        )
+        last = new
+    held = [word for log in d.heldout for word in ("--holdout", log)]
+    lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))
+    return lines

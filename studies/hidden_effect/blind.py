@@ -1,0 +1,133 @@
+"""One case of the study: make its logs, diagnose them from the open folder, then break the seal."""
+
+import hashlib
+import json
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, as_completed
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+import flexfmu
+import flexmodels
+import pyident
+from flexfmu.build import export_fmu
+from flexfmu.simulate import LoadedFmu
+from flexmodels.atomic import replacing
+from flexmodels.plant import equations
+from flexmodels.robot import Robot
+from flexmodels.robot_file import load_robot
+from pyident.diagnose import concluded, searched, whitened_heldout
+from pyident.diagnosis import Diagnosis
+from pyident.log import Log, read_log
+from pyident.search import Search
+from pyident.workers import workers_with
+
+from .generator import LOGS, generate
+from .generator_cases import Case
+from .oracle import Bound, bound
+
+ROBOT = "four_link"
+_OWN = ("blind.py", "oracle.py", "generator*.py")
+
+
+def solve_all(cases: Sequence[Case], folder: Path, replicas: int, progress: Callable[[float], None]) -> None:
+    """Every case that `folder` does not hold yet, one per core; after an interrupt the same call goes on.
+
+    Writes per case logs/<id>, diagnosed/<id>.json and, sealed, sealed/<id>/key.json and oracle.json.
+    """
+    of = _fingerprint(replicas)
+    left = [case for case in cases if not _finished(case.id, folder, of)]
+    progress(1 - len(left) / len(cases))
+    with workers_with(nullcontext) as workers:
+        jobs = [workers.submit(_solve, case, folder.absolute(), replicas, of) for case in left]
+        for i, job in enumerate(as_completed(jobs)):
+            job.result()
+            progress(1 - (len(left) - i - 1) / len(cases))
+
+
+def _solve(_: None, case: Case, folder: Path, replicas: int, of: str) -> None:
+    with threadpool_limits(1):
+        try:
+            _unseen(case, folder, replicas, of)
+        except Exception as error:
+            failure = f"{type(error).__name__}: {error}"
+            _write(folder / "diagnosed" / f"{case.id}.json", {"failure": failure})
+
+
+def _unseen(case: Case, folder: Path, replicas: int, of: str) -> None:
+    """The diagnosis is on the disk before the key is read."""
+    begin, sealed = time.perf_counter(), folder / "sealed" / case.id
+    generate(case, folder)
+    search, held, found = _diagnosed(folder / "logs" / case.id, replicas)
+    said = {"of": of, "seconds": time.perf_counter() - begin, "diagnosis": found.json()}
+    _write(folder / "diagnosed" / f"{case.id}.json", said)
+    best = _bound(search, found, held, sealed / "key.json")
+    _write(sealed / "oracle.json", {"of": of} | (asdict(best) if best else {}))
+
+
+def _diagnosed(folder: Path, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
+    """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
+    logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
+    search = searched(load_robot(ROBOT), logs[:2], _in_process, replicas=replicas)
+    return search, logs[2:], concluded(search, logs[2:])
+
+
+def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) -> Bound | None:
+    """What the truth would have reached, where it is in the catalogue and can be seen."""
+    read = json.loads(key.read_text(encoding="utf-8"))
+    if read["kind"] not in ("single", "pair"):
+        return None
+    truth = [(law["law"], law["joint"]) for law in read["laws"]]
+    return bound(search, found, truth, whitened_heldout(search, heldout))
+
+
+class _Here:
+    """Does at once what processes that hold an FMU would do."""
+
+    def __init__(self, fmu: LoadedFmu):
+        self._fmu = fmu
+
+    def submit(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        future.set_result(work(self._fmu, *arguments))
+        return future
+
+
+@contextmanager
+def _in_process(robot: Robot) -> Iterator[_Here]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", derivatives=False)
+        with LoadedFmu(path) as fmu:
+            yield _Here(fmu)
+
+
+def _finished(name: str, folder: Path, of: str) -> bool:
+    """Whether this very program has done the case to its end."""
+    files = folder / "diagnosed" / f"{name}.json", folder / "sealed" / name / "oracle.json"
+    return all(
+        file.is_file() and json.loads(file.read_text(encoding="utf-8")).get("of") == of for file in files
+    )
+
+
+def _fingerprint(replicas: int) -> str:
+    """Of all code that a result depends on: another version's results are not mixed in."""
+    digest = hashlib.sha256(str(replicas).encode())
+    files = [file for pattern in _OWN for file in Path(__file__).parent.glob(pattern)]
+    for package in (flexmodels, flexfmu, pyident):
+        root = Path(str(package.__file__)).parent
+        files += [f for kind in ("py", "c", "h", "toml") for f in root.rglob(f"*.{kind}")]
+    for file in sorted(set(files)):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _write(path: Path, content: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as file:
+        file.write_text(json.dumps(content, indent=2), encoding="utf-8")

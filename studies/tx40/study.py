@@ -1,0 +1,84 @@
+"""TX40: six measured axes, with and without what ties the wrist's last two."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+
+from flexmodels.robot import Robot
+from flexmodels.robot_file import load_robot
+from pyident.data import fetch, shipped_mapping
+from pyident.identify import Identified, identify
+from pyident.log import LogError
+from pyident.log_import import import_log
+from pyident.report.page import Section, write_page
+from pyident.studies import StudyResult, row
+
+# Weighted least squares of the data's authors: viscous [N m s/rad] and Coulomb [N m] friction, joints 1 to 6.
+VISCOUS = (8.08729, 5.593924, 1.98261, 1.112374, 1.854047, 0.647663)
+COULOMB = (7.014425, 8.134077, 6.282682, 2.490079, 3.041052)
+COUPLING = (0.007724, 0.616288, 1.956284)  # inertia, viscous, Coulomb
+ERROR = 6.8  # [%]
+
+
+def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
+    """Identify the measured run twice. Without the data the table says so."""
+    robot = load_robot("tx40")
+    try:
+        log = import_log(fetch("tx40", download=False), shipped_mapping("tx40"), robot)
+    except LogError as error:
+        return StudyResult([], notes=[f"skipped: {error}"])
+    coupled = identify(robot, [log])
+    progress(0.5)
+    free = identify(_uncoupled(robot), [log])
+    progress(1.0)
+    table = _table(coupled)
+    errors = pd.DataFrame({"with coupling": coupled.relative_error, "without": free.relative_error})
+    page = write_page(
+        folder / "index.html",
+        "TX40",
+        "Friction and torque errors of a Staubli TX40, measured at 5 kHz, beside published values.",
+        [
+            Section("Friction", "Identified and published values.", table=table),
+            Section("Relative torque error, %", "What the coupling of the wrist explains.", table=errors),
+        ],
+    )
+    return StudyResult([*_friction_rows(table), *_error_rows(coupled, free)], [page])
+
+
+def _uncoupled(robot: Robot) -> Robot:
+    joint = robot.joints[4]
+    values = {law: v for law, v in joint.values.items() if law != "joint_coupling"}
+    return replace(robot, joints=(*robot.joints[:4], replace(joint, values=values), robot.joints[5]))
+
+
+def _table(found: Identified) -> pd.DataFrame:
+    p = dict(zip(found.reduced.columns, found.solution.p, strict=True))
+    published = {f"joint{k}.viscous": v for k, v in enumerate(VISCOUS, start=1)}
+    published |= {f"joint{k}.coulomb": v for k, v in enumerate(COULOMB, start=1)}
+    names = ("inertia", "viscous", "coulomb")
+    published |= {f"joint5.joint_coupling.{n}": v for n, v in zip(names, COUPLING, strict=True)}
+    table = pd.DataFrame({"identified": {name: p[name] for name in published}, "published": published})
+    return table.assign(**{"off %": 100 * (table["identified"] / table["published"] - 1)})
+
+
+def _friction_rows(table: pd.DataFrame) -> list[dict[str, str]]:
+    rows = []
+    for name, goal in (("viscous", 3.0), ("coulomb", 5.0)):
+        off = table.loc[[n for n in table.index if n.split(".")[1] == name], "off %"].abs()
+        text = f"{off.max():.1f} % off the published at most ({off.idxmax()})"
+        rows.append(row(f"{name} friction", text, f"{goal:g} %", bool(off.max() <= goal)))
+    return rows
+
+
+def _error_rows(coupled: Identified, free: Identified) -> list[dict[str, str]]:
+    def text(found: Identified) -> str:
+        return ", ".join(f"{v:.1f}" for name, v in found.relative_error.items() if name != "all") + " %"
+
+    total, without = coupled.relative_error["all"], free.relative_error["all"]
+    return [
+        row("relative torque error, all", f"{total:.2f} %", f"{ERROR} %", total <= ERROR),
+        row("joints 1 to 6", text(coupled)),
+        row("the same without the wrist's coupling", f"{without:.2f} %; {text(free)}"),
+    ]
