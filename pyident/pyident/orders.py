@@ -9,7 +9,7 @@ where it is found the error is put into every equation.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.ndimage import percentile_filter
@@ -90,7 +90,7 @@ def highest(
     def missed(x: float) -> float:
         return -_held(base, logs, levels, found.over, x)[0]
 
-    finer = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
+    finer: Any = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
     energy, amplitude = _held(base, logs, levels, found.over, float(finer.x))
     p = float(chi2.sf(energy / found.background[best], _freedom(logs, found.over))) * len(found.at)
     return Peak(found.over, float(finer.x), amplitude, energy, min(p, 1.0))
