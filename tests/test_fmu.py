@@ -88,7 +88,7 @@ def test_both_standards_agree_to_rounding(fmus, plan):
             logs[fmi] = fmu.simulate(plan)
     assert list(logs[2]) == list(logs[3])
     difference = (logs[2] - logs[3]).abs().max()
-    # 1.2e-12: the inputs, set in one and extrapolated in the other, differ in the last bit, and so a located event
+    # 1.2e-12: the inputs, set in one and extrapolated in the other, differ in the last bit: so does an event
     assert difference.drop([c for c in difference.index if c.endswith("tau")]).max() < 1e-11
 
 
