@@ -1,5 +1,6 @@
 """Started by test_parameter_study: a study of slow runs, to be interrupted. Arguments: folder, rows."""
 
+import signal
 import sys
 import time
 from pathlib import Path
@@ -26,6 +27,7 @@ def main(folder: str, rows: int) -> None:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start background jobs deaf to it
     try:
         main(sys.argv[1], int(sys.argv[2]))
     except KeyboardInterrupt:
