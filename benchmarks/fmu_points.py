@@ -10,8 +10,8 @@ import pandas as pd
 from benchmarks.cases import Case, Point, timed
 
 from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu, SimulationError
-from flexmodels.experiment import Experiment
+from flexfmu.simulate import LoadedFmu
+from flexmodels.experiment import Experiment, SimulationError
 
 TOOL = "flexident FMU"
 WITH_START = "flexident FMU, start-up included"

@@ -5,8 +5,8 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
-from flexfmu.simulate import LoadedFmu, SimulationError
-from flexmodels.experiment import Experiment, identification
+from flexfmu.simulate import LoadedFmu
+from flexmodels.experiment import Experiment, SimulationError, identification
 from flexmodels.plant import equations
 from flexmodels.robot_file import load_robot
 

@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+import warnings
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from flexfmu.interface import Interface
 from flexfmu.simulate import constant_run
 from flexfmu.source import RUNTIME, token_of
 from flexmodels.atomic import replacing
+from flexmodels.experiment import SimulationError
 
 Version = Literal[2, 3]
 Platforms = Literal["host", "all"]
@@ -115,10 +117,17 @@ def _document(folder: Path, package: Package) -> None:
 
 
 def _record(root: Path, package: Package) -> None:
-    """Inputs and outputs of a short run of this very FMU, in the files of the FMI cross-check."""
+    """Inputs and outputs of a short run of this very FMU, in the files of the FMI cross-check.
+
+    There is none where the parameters do not let it run: they can be changed when it is used.
+    """
     interface = package.interface
     stop = _SAMPLES * interface.step
-    run = constant_run(root, package.push, interface.step, stop)
+    try:
+        run = constant_run(root, package.push, interface.step, stop)
+    except SimulationError as error:
+        warnings.warn(f"{interface.identifier}.fmu has no recorded run: {error}", stacklevel=2)
+        return
     inputs = pd.DataFrame({"time": [0.0, stop]} | {name: np.full(2, v) for name, v in package.push.items()})
     stem = root / "documentation" / interface.identifier
     inputs.to_csv(f"{stem}_in.csv", index=False)

@@ -20,13 +20,9 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription
 
 from flexfmu.variables import fmi_name
-from flexmodels.experiment import Experiment
+from flexmodels.experiment import Experiment, SimulationError
 
 Progress = Callable[[float], None]
-
-
-class SimulationError(RuntimeError):
-    """An FMU that cannot be read or simulated; the message says why."""
 
 
 class LoadedFmu:

@@ -85,6 +85,8 @@ class Effect:
     states      the law's memory
     base        its parameters carry no effect name (`joint1.coulomb`, not `joint1.coulomb.coulomb`)
     turning     acts at a revolute joint only
+    proper      condition on its parameters and the joint's base parameters (Symbol("k[1]")) without which
+                the values found are no such effect: a gap that takes little of the stiffness is no backlash
     needs, coverage   what a log must contain, in words and where it is simple as a condition
     confounders       effects of the catalogue and base parameters that look alike
     experiment        the motion that separates them
@@ -99,6 +101,7 @@ class Effect:
     body: Mapping[str, Expr] = field(default_factory=dict)
     base: bool = False
     turning: bool = False
+    proper: Any = None
     needs: str = ""
     coverage: Coverage | None = None
     confounders: tuple[str, ...] = ()

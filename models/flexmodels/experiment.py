@@ -10,6 +10,10 @@ from flexmodels import dynamics, multisine
 from flexmodels.robot import Line, Robot, RobotError
 
 
+class SimulationError(RuntimeError):
+    """A model that cannot be simulated over an experiment; the message says why."""
+
+
 @dataclass(frozen=True)
 class Experiment:
     """Sampled inputs of the closed loop.

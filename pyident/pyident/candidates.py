@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodels.effect import Effect
 from flexmodels.effects import CATALOGUE
 from flexmodels.robot import Robot, RobotError
 from pyident.law_columns import effect_columns, nonlinear_grid
@@ -50,53 +51,61 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
     return found
 
 
+def law_of(robot: Robot, candidate: Candidate) -> Effect:
+    """The law as it would act at its joint."""
+    return robot.joints[candidate.joint - 1].law(candidate.effect)
+
+
 def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper (K,) of the linear parameters."""
-    law = (
-        robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1].law(candidate.effect)
-    )
+    law = law_of(robot, candidate)
     return np.array([p.lower for p in law.linear]), np.array([p.upper for p in law.linear])
 
 
+def proper(
+    robot: Robot, candidate: Candidate, coefficients: Sequence[float], parameters: Mapping[str, float]
+) -> bool:
+    """Whether the values found make the effect what its name says, beside the robot's own parameters."""
+    law = law_of(robot, candidate)
+    if law.proper is None:
+        return True
+    own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
+    known = {
+        symbol: own.get(symbol.name, parameters.get(f"joint{candidate.joint}.{symbol.name}"))
+        for symbol in law.proper.free_symbols
+    }
+    return bool(law.proper.subs(known))
+
+
 def columns(
-    robot: Robot, candidate: Candidate, logs: Sequence[Equations], levels: Sequence[np.ndarray]
+    robot: Robot,
+    candidate: Candidate,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    acting: Sequence[np.ndarray] | None = None,
 ) -> list[dict[int, np.ndarray]]:
-    """Per log: row -> (E, K) columns of the linear parameters over the floor. `robot` is fitted."""
+    """Per log: row -> (E, K) columns of the linear parameters over the floor. `robot` is fitted.
+
+    acting   per log (N,): factor of the law's force at each sample; none: 1
+    """
     out = []
     for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
         if candidate.log in (None, i):
-            out.append(_columns(robot, candidate, log, level))
+            factor = np.ones(len(log.part.target)) if acting is None else acting[i]
+            out.append(_columns(robot, candidate, log, level, factor))
         else:
             out.append({0: np.zeros((log.y.shape[1], len(bounds(robot, candidate)[0])))})
     return out
 
 
-def _columns(robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray) -> dict[int, np.ndarray]:
+def _columns(
+    robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
+) -> dict[int, np.ndarray]:
     slopes = effect_columns(robot, candidate.joint, candidate.effect, log.part.motion, dict(candidate.values))
     rows = sorted({row for by_row in slopes.values() for row in by_row})
     nothing = np.zeros(len(log.part.target))
     out = {}
     for row in rows:
         X = np.column_stack([by_row.get(row, nothing) for by_row in slopes.values()])
-        out[row] = log.band.transform(X * log.part.use[:, row, None]) / level[row][:, None]
+        out[row] = log.band.transform(X * (factor * log.part.use[:, row])[:, None]) / level[row][:, None]
     return out
-
-
-def nonlinear_range(
-    robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
-) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
-    """Names, values, lower and upper ends of the nonlinear parameters: the ends are the grid's neighbours."""
-    joint = robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1]
-    grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
-    start, low, high = [], [], []
-    for j, parameter in enumerate(joint.law(candidate.effect).nonlinear):
-        value = candidate.values[j][1]
-        others = np.unique(np.append(grid[:, j], value))
-        at = int(np.searchsorted(others, value))
-        reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
-        below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
-        above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
-        start.append(value)
-        low.append(max(below, parameter.lower))
-        high.append(min(above, parameter.upper))
-    return [name for name, _ in candidate.values], np.array(start), np.array(low), np.array(high)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+from flexmodels.atomic import replacing
 from flexmodels.robot import Robot, RobotError
 from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.command import console, json_option, output_option, progress_bar, reported, write_json
@@ -15,7 +16,7 @@ from pyident.diagnosis import Diagnosis
 from pyident.extend import Extended, add_effect, split
 from pyident.log import Log
 from pyident.log_import import robot_log
-from pyident.pipeline import FmuRuns
+from pyident.pipeline import FmuRuns, RivalRuns
 from pyident.report.comparison import write_comparison
 from pyident.report.diagnosis_page import write_diagnosis
 
@@ -58,11 +59,22 @@ def compare_command(models_and_logs: tuple[str, ...], output: str | None, json_f
 @click.option(
     "--holdout", multiple=True, metavar="LOG", help="Log to judge on.  [default: the last, or its last third]"
 )
+@click.option(
+    "--draft",
+    type=click.Path(dir_okay=False),
+    metavar="FILE.py",
+    help="Effect file to propose where no law explains the residual.  [needs: flexident[symbolic]]",
+)
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="Page (HTML) to write.")
 @json_option
 @reported
 def diagnose_command(
-    model: str, logs: tuple[str, ...], holdout: tuple[str, ...], output: str | None, json_file: str | None
+    model: str,
+    logs: tuple[str, ...],
+    holdout: tuple[str, ...],
+    draft: str | None,
+    output: str | None,
+    json_file: str | None,
 ) -> None:
     """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or
     nothing.
@@ -75,11 +87,15 @@ def diagnose_command(
     robot = load_robot(model)
     parts = split(_read(robot, logs), _read(robot, holdout))
     with progress_bar("fitting, replicas, search") as progress:
-        found = diagnose(robot, parts.fitted, FmuRuns, parts.unseen, progress)
+        found = diagnose(robot, parts.fitted, FmuRuns, RivalRuns, parts.unseen, progress, draft is not None)
     _print_diagnosis(found)
     if output:
         write_diagnosis(found, output, model)
         click.echo(f"wrote {output}")
+    if draft and found.draft:
+        with replacing(draft) as file:
+            file.write_text(found.draft, encoding="utf-8")
+        click.echo(f"wrote {draft}")
     write_json(json_file, found.json())
     if found.verdict != "nothing_detectable":
         sys.exit(1)

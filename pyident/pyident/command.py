@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from flexfmu.build import BuildError
-from flexfmu.simulate import SimulationError
 from flexmodels.atomic import replacing
+from flexmodels.experiment import SimulationError
 from flexmodels.robot import RobotError
 from pyident.experiment_file import ExperimentError
 from pyident.log import LogError

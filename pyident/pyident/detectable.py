@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pyident.candidates import law_of
 from pyident.diagnosis import Limit, Row
 from pyident.examination import EDGES, Examination
 from pyident.law_columns import coverage, effect_columns
@@ -24,7 +25,7 @@ def limits(search: Search, material: float) -> Iterator[Limit]:
         c = ex.candidates[at[best]]
         if c.log not in (None, 0):
             continue
-        law = robot.with_effect(c.joint, c.effect).joints[c.joint - 1].law(c.effect)
+        law = law_of(robot, c)
         needed = np.sqrt(search.needed(number, material))
         smallest = {p.name: float(needed * s) for p, s in zip(law.linear, gains[best].std, strict=True)}
         share = _share(search, at[best], smallest[law.linear[0].name])

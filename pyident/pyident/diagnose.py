@@ -13,18 +13,19 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.experiment import SimulationError
 from flexmodels.robot import Robot
-from pyident.candidates import Candidate, bounds, columns
+from pyident.candidates import Candidate, bounds, columns, law_of
 from pyident.detectable import limits, rows_over_floor
 from pyident.diagnosis import Diagnosis, Finding, Named, Stage, VerdictName
-from pyident.evidence import gain, joined, taken_over
-from pyident.examination import REPLICAS, examine, set_up, unbiased, whitened
+from pyident.evidence import gain
+from pyident.examination import REPLICAS, Setting, examine, set_up, steadied, unbiased, whitened
+from pyident.followup import OpenRivals, with_dependences, with_experiments
 from pyident.integrity import integrity
-from pyident.log import Log
+from pyident.log import Log, LogError
 from pyident.search import Found, Search, Step
 from pyident.selection import MATERIAL, Selection, select
 from pyident.spectra import Equations
-from pyident.unexplained import depends_on
 
 OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Progress = Callable[[float], None]
@@ -34,21 +35,27 @@ def diagnose(
     robot: Robot,
     logs: Sequence[Log],
     open_workers: OpenWorkers,
+    open_rivals: OpenRivals,
     heldout: Sequence[Log] = (),
     progress: Progress = lambda _: None,
-    replicas: int = REPLICAS,
+    draft: bool = False,
 ) -> Diagnosis:
     """What `robot` lacks in `logs`; its own dynamic parameters are never used.
 
     open_workers   gives processes that hold a robot's FMU (pyident.pipeline.FmuRuns)
+    open_rivals    gives simulations of several robots at once (pyident.pipeline.RivalRuns)
     heldout        logs on which the findings must hold
+    draft          look for a formula where no law explains the residual
     Raises LogError.
     """
     notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
-    search = searched(robot, logs, open_workers, lambda share: progress(0.9 * share), replicas)
-    diagnosis = concluded(search, heldout)
+    search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
+    found = concluded(search, heldout)
+    if found.verdict == "unexplained":
+        found = with_dependences(search, found, open_workers, draft)
+    found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.15 * share))
     progress(1.0)
-    return replace(diagnosis, notes=notes)
+    return replace(found, notes=notes)
 
 
 def searched(
@@ -58,13 +65,30 @@ def searched(
     progress: Progress = lambda _: None,
     replicas: int = REPLICAS,
 ) -> Search:
-    """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError."""
+    """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
+
+    A fit that cannot be simulated is damped until it can; the regression's bias then stays.
+    """
     setting = set_up(robot, logs)
     progress(0.05)
-    with open_workers(setting.simulated) as workers:
-        setting = unbiased(setting, workers)
-        progress(0.1)
-        return Search(examine(setting, workers, lambda share: progress(0.1 + 0.9 * share), replicas))
+
+    def examined(start: Setting, adjust: Callable[[Setting, Any], Setting]) -> Search:
+        with open_workers(start.simulated) as workers:
+            found = adjust(start, workers)
+            progress(0.2)
+            return Search(examine(found, workers, lambda share: progress(0.2 + 0.8 * share), replicas))
+
+    try:
+        return examined(setting, unbiased)
+    except SimulationError:
+        pass
+    try:
+        return examined(steadied(setting), lambda start, _: start)
+    except SimulationError as error:
+        raise LogError(
+            f"{logs[0].source}: the fit of robot {robot.name} to it cannot be simulated ({error}); check the "
+            "units and signs of its columns, and that the robot file has the right joints"
+        ) from None
 
 
 def concluded(search: Search, heldout: Sequence[Log] = ()) -> Diagnosis:
@@ -108,15 +132,8 @@ def _percent(energy: float, search: Search) -> float:
 
 def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
     """Energy of the residual on held-out logs, with everything fitted to the others."""
-    robot, base = search.robot, search.examination.base
-    p, x, acting = base.p, np.zeros(0), list(chosen)
-    if acting:
-        X = joined([search.columns(c) for c in acting])
-        limits = [bounds(robot, c) for c in acting]
-        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
-        x = gain(base, X, low, high).coefficients
-        p = p - taken_over(base, X) @ x
-    return sum(_left_of(search, log, p, x, acting) for log in held)
+    p, x = search.fitted(chosen)
+    return sum(_left_of(search, log, p, x, chosen) for log in held)
 
 
 def _left_of(
@@ -142,7 +159,7 @@ def _left_of(
 def named(search: Search, found: Found) -> Named:
     """A candidate as it is reported."""
     robot, c = search.robot, found.candidate
-    law = robot.with_effect(c.joint, c.effect).joints[c.joint - 1].law(c.effect)
+    law = law_of(robot, c)
     linear = [p.name for p in law.linear]
     units = robot.with_effect(c.joint, c.effect).units
     prefix = f"joint{c.joint}.{c.effect}."
@@ -159,7 +176,7 @@ def named(search: Search, found: Found) -> Named:
 
 def _experiment(robot: Robot, step: Step) -> str:
     """What the rivals' own laws ask for."""
-    laws = [(f.candidate, robot.joints[f.candidate.joint - 1].law(f.candidate.effect)) for f in step.tie[:2]]
+    laws = [(f.candidate, law_of(robot, f.candidate)) for f in step.tie[:2]]
     return "; ".join(f"for {law.name} at joint {c.joint}: {law.experiment}" for c, law in laws)
 
 
@@ -174,7 +191,6 @@ def _outcome(
     localised = _place(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
     ranking = tuple(_beside(search, f) for f in selection.first.ranked)
     stages = tuple(_stages(search, kept))
-    leads = depends_on(ex, search.base).sentences if verdict == "unexplained" else ()
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
@@ -188,8 +204,11 @@ def _outcome(
         excess=stages[0].over_floor,
         remaining=stages[-1].over_floor,
         ranking=ranking,
+        depends_on=tuple(
+            f"{name} fits in part, but with coefficients that change with {quantity}: it only imitates"
+            for name, quantity in selection.imitators.items()
+        ),
         noise=ex.setting.noise,
-        depends_on=leads,
         stages=stages,
     )
 
@@ -217,10 +236,7 @@ def _verdict(search: Search, findings: Sequence[Finding]) -> VerdictName:
 
 def _place(robot: Robot, candidate: Candidate) -> tuple[str, str]:
     """Joint and side of the law that was found."""
-    law = (
-        robot.with_effect(candidate.joint, candidate.effect).joints[candidate.joint - 1].law(candidate.effect)
-    )
-    acts = {str(q) for q in law.forces}
+    acts = {str(q) for q in law_of(robot, candidate).forces}
     balance = "motor" if "e" in acts else "transmission" if "eps1" in acts else "link"
     return f"joint{candidate.joint}", balance
 

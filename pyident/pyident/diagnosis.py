@@ -96,6 +96,7 @@ class Diagnosis:
     remaining    the same with the findings
     ranking      every effect with its gain by itself, best first
     depends_on   where the verdict is `unexplained`: sentences on what the residual depends on
+    draft        text of an effect file for an unexplained residual, where one was asked for and found
     stages       the residual from the model as it is to the model with all findings
     """
 
@@ -115,6 +116,7 @@ class Diagnosis:
     depends_on: tuple[str, ...] = ()
     noise: Mapping[str, float] = field(default_factory=dict)
     stages: tuple[Stage, ...] = ()
+    draft: str = ""
 
     def json(self) -> dict[str, Any]:
         """The contract of `diagnose --json`."""

@@ -1,7 +1,7 @@
 """A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,9 @@ from pyident.solve import Reduced, Solution, reduce, solve, solve_weighted
 from pyident.spectra import Equations, Floor, equations, floor
 
 REPLICAS = 20
-PROBES = 4  # replicas that show the bias of the fit
+PROBES = 4  # replicas that show the bias of the fit ...
+SMALL_STEP = 1e-4  # s
+ROUNDS = 3  # ... and times that it is taken away
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -28,7 +30,10 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Setting:
-    """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise."""
+    """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise.
+
+    solver   the FMU's own parameters for the replicas
+    """
 
     robot: Robot
     simulated: Robot
@@ -36,6 +41,7 @@ class Setting:
     noise: dict[str, float]
     reduced: Reduced
     solution: Solution
+    solver: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def logs(self) -> list[Log]:
@@ -79,18 +85,40 @@ def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
     return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution)
 
 
-def unbiased(setting: Setting, workers: Any, count: int = PROBES) -> Setting:
+def unbiased(setting: Setting, workers: Any) -> Setting:
     """The setting with the parameters whose replicas the regression finds where it found the data.
 
     Noise and sampling bias a regression; replicas of what it found show by how much (see `pyident.indirect`).
     """
-    jobs = [workers.submit(_refitted, setting, -1 - seed) for seed in range(count)]
-    put_in = np.array(list(setting.robot.linear_parameters.values()))
-    bias = np.mean([job.result() for job in jobs], axis=0) - put_in
-    solution = replace(setting.solution, p=setting.solution.p - seen(setting.solution, bias))
-    robot = identified(setting.robot, setting.reduced, solution).robot
-    simulated = setting.simulated.with_parameters(robot.parameters)
-    return replace(setting, robot=robot, simulated=simulated)
+    found = setting.solution.p
+    for number in range(ROUNDS):
+        seeds = range(-1 - number * PROBES, -1 - (number + 1) * PROBES, -1)
+        jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
+        put_in = np.array(list(setting.robot.linear_parameters.values()))
+        change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
+        solution = replace(setting.solution, p=put_in + change)
+        robot = identified(setting.robot, setting.reduced, solution).robot
+        simulated = setting.simulated.with_parameters(robot.parameters)
+        setting = replace(setting, robot=robot, simulated=simulated)
+    return setting
+
+
+def steadied(setting: Setting) -> Setting:
+    """The setting for a fit that cannot be simulated as it is: with small steps and no hinge without damping.
+
+    What a model lacks may bend its fit that far. Damping is taken as at least proportional to the stiffness,
+    with the ratio that the hinges have in the middle.
+    """
+    values = setting.robot.parameters
+    pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
+    ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
+    damped = {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
+    return replace(
+        setting,
+        robot=setting.robot.with_parameters(damped),
+        simulated=setting.simulated.with_parameters(damped),
+        solver={"solver.step": SMALL_STEP},
+    )
 
 
 def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
@@ -133,7 +161,7 @@ def _made(fmu: Any, setting: Setting, seed: int) -> list[Log]:
     """The logs of one replica."""
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
     seeds = rng.integers(2**31, size=len(setting.repeats))
-    parameters = setting.robot.parameters
+    parameters = setting.robot.parameters | dict(setting.solver)
     return [
         r.replica(fmu.simulate, parameters, setting.noise, int(s))
         for r, s in zip(setting.repeats, seeds, strict=True)

@@ -8,28 +8,27 @@ log's reference. Without references the FMU tracks the measured motion; position
 and it is the motor torques that it needs which tell.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from flexmodels.robot import Robot, RobotError
 from pyident.breakdown import mean_square_over_floor
-from pyident.candidates import Candidate, bounds, columns, nonlinear_range
+from pyident.candidates import Candidate, bounds, columns
 from pyident.compare import Error, LogErrors, Open, log_errors
 from pyident.conditioning import condition
 from pyident.evidence import gain, solve_base
 from pyident.examination import Setting, set_up, unbiased
 from pyident.law_columns import nonlinear_grid
 from pyident.log import Log, LogError
+from pyident.refine import refined
 from pyident.replica import repeat
 from pyident.spectra import equations
 from pyident.trial import Part, Progress, Trial, run_trial
 
 REPLICAS = 4
-_TRIALS = 60  # of the nonlinear parameters
 _PART = 2 / 3  # of an only log that is fitted
 _LEAST_GAIN = 0.05  # of the mean square error: a smaller fall is no reason to add a law
 
@@ -192,32 +191,9 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
     def explained(candidate: Candidate) -> float:
         return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
 
-    best = _refined(robot, max(listed, key=explained), listed, explained)
+    best = refined(robot, max(listed, key=explained), listed, explained)
     names = {name: f"joint{joint}.{effect}.{name}" for name, _ in best.values}
     return wider.with_parameters({names[name]: value for name, value in best.values})
-
-
-def _refined(
-    robot: Robot, start: Candidate, listed: Sequence[Candidate], explained: Callable[[Candidate], float]
-) -> Candidate:
-    """The values between the neighbours on the grid, by Nelder and Mead."""
-    names, middle, low, high = nonlinear_range(robot, start, listed)
-
-    def candidate(x: np.ndarray) -> Candidate:
-        return start.at(dict(zip(names, (middle + x * (high - low)).tolist(), strict=True)))
-
-    found: Any = minimize(
-        lambda x: -explained(candidate(x)),
-        np.zeros(len(names)),
-        method="Nelder-Mead",
-        bounds=list(zip((low - middle) / (high - low), (high - middle) / (high - low), strict=True)),
-        options={
-            "maxfev": _TRIALS,
-            "initial_simplex": np.vstack([np.zeros(len(names)), 0.2 * np.eye(len(names))]),
-            "xatol": 0.01,
-        },
-    )
-    return candidate(np.asarray(found.x))
 
 
 def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:

@@ -1,20 +1,21 @@
 """Which of the candidates explain the residual, beyond what replicas pretend."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 
 from flexmodels.robot import Robot
-from pyident.candidates import Candidate, bounds, columns, nonlinear_range
-from pyident.evidence import Base, Columns, Gain, extended, gain
+from pyident.candidates import Candidate, bounds, columns, law_of, proper
+from pyident.evidence import Base, Columns, Gain, extended, gain, joined, taken_over
 from pyident.examination import Examination
+from pyident.refine import refined
 
 ALPHA = 0.05  # chance of a name when nothing is missing
-_TRIALS = 60  # of the nonlinear parameters of one candidate
 _WORTH_REFINING = 0.3  # of the best gain
-_TIE = 0.9  # of the best gain: what explains as much cannot be told from it
+_TIE = 0.9  # of the best gain: what explains as much cannot be told from it ...
+_KEPT = 0.5  # of its own gain: ... unless this much of it stays beside the best: then it is another effect
+_WORTH_A_PARAMETER = 0.5  # of what a law with fewer parameters leaves: a richer law must leave less
 _CHANCE = 5.0  # standard deviations by which a gain may differ by chance
 _STANDS_OUT = 0.3  # of the floor's energy
 _OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's own trace is known
@@ -55,14 +56,6 @@ class Step:
     def ranked(self) -> tuple[Found, ...]:
         return self.tie + self.others
 
-    def led_by(self, found: Found) -> "Step":
-        """The same ranking with another one as the best: its tie is what explains as much or nearly so."""
-        if found is self.best:
-            return self
-        rest = [f for f in self.ranked if f is not found]
-        equal = tuple(f for f in rest if _TIE <= f.excess / found.excess <= 1 / _TIE)
-        return Step((found, *equal), self.p_value, tuple(f for f in rest if f not in equal))
-
 
 class Search:
     """The candidates of an examination against its base, which may rest on some of them."""
@@ -71,6 +64,7 @@ class Search:
         self.examination = examination
         self.robot: Robot = examination.setting.robot
         self.base: Base = examination.base
+        self._chosen: tuple[Candidate, ...] = ()
         self.levels = examination.levels
         self._columns: list[Columns] = [self.columns(c) for c in examination.candidates]
         self._bounds = [bounds(self.robot, c) for c in examination.candidates]
@@ -82,28 +76,32 @@ class Search:
 
     def rest_on(self, chosen: Sequence[Candidate]) -> None:
         """Take the examination's base with these candidates joined to it."""
-        self.base = self.examination.base
+        self.base, self._chosen = self.examination.base, tuple(chosen)
         for candidate in chosen:
             self.base = extended(self.base, self.columns(candidate))
+
+    def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
+        """The model's parameters (P,) and the candidates' coefficients, all fitted together."""
+        base = self.examination.base
+        if not chosen:
+            return base.p, np.zeros(0)
+        X = joined([self.columns(c) for c in chosen])
+        limits = [bounds(self.robot, c) for c in chosen]
+        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
+        x = gain(base, X, low, high).coefficients
+        return base.p - taken_over(base, X) @ x, x
 
     def step(self) -> Step:
         """Rank the families by what they explain of the present base's residual."""
         gains = [gain(self.base, X, *b) for X, b in zip(self._columns, self._bounds, strict=True)]
         found = []
         for number, at in enumerate(self.families.values()):
-            best = max(at, key=lambda i: gains[i].energy)
-            found.append(self._found(self.examination.candidates[best], gains[best], number))
+            candidate, explained = self._best_proper(at, gains)
+            found.append(self._found(candidate, explained, number))
         top = max(f.excess for f in found)
-        refined = [
-            self._refined(f, n) if f.excess > _WORTH_REFINING * top else f for n, f in enumerate(found)
-        ]
-        ranked = sorted(refined, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
-        best = ranked[0]
-        least = max(_TIE * best.excess, best.excess - self._misfit(best))
-        near = [f for f in ranked if f.excess >= least and self.p_value(f) <= ALPHA]
-        tie = tuple(sorted(near or [best], key=lambda f: (f.freedom, -f.excess)))
-        best = tie[0]
-        return Step(tie, self.p_value(best), tuple(f for f in ranked if f not in tie))
+        better = [self._refined(f, n) if f.excess > _WORTH_REFINING * top else f for n, f in enumerate(found)]
+        ranked = sorted(better, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
+        return self.led_by(ranked[0], ranked)
 
     def best(self, effect: str, joint: int) -> Found | None:
         """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""
@@ -116,10 +114,44 @@ class Search:
                 found.append(self._refined(start, number))
         return max(found, key=lambda f: f.excess, default=None)
 
-    def _misfit(self, found: Found) -> float:
-        """What a candidate leaves on its own equations: a rival that is behind by no more stays in."""
-        left = self.remaining_on(self.rows(found.candidate)) - found.excess
-        return max(left, _CHANCE**2)
+    def _best_proper(self, family: Sequence[int], gains: Sequence[Gain]) -> tuple[Candidate, Gain]:
+        """A family's best candidate whose values make it what its name says; without one it gains nothing."""
+        by_gain = sorted(family, key=lambda i: -gains[i].energy)
+        candidates = self.examination.candidates
+        for i in by_gain:
+            if self._proper(candidates[i], gains[i]):
+                return candidates[i], gains[i]
+        return candidates[by_gain[0]], replace(gains[by_gain[0]], energy=0.0)
+
+    def _proper(self, candidate: Candidate, explained: Gain) -> bool:
+        if law_of(self.robot, candidate).proper is None:
+            return True
+        p, _ = self.fitted([*self._chosen, candidate])
+        parameters = dict(zip(self.robot.linear_parameters, p.tolist(), strict=True))
+        return proper(self.robot, candidate, explained.coefficients.tolist(), parameters)
+
+    def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
+        """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
+        least = min(_TIE * best.excess, best.excess - _CHANCE**2)
+        near = [f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= ALPHA]
+        tie = [best]
+        if near:
+            beside = extended(self.base, self.columns(best.candidate))
+            tie += [f for f in near if self._of(beside, f.candidate).energy < _KEPT * f.gain.energy]
+        tie = self._simplest_first(tie)
+        return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
+
+    def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
+        """Further parameters must take away most of what fewer leave, else the law with fewer is as good."""
+        first = tie[0]
+        for f in sorted(tie, key=lambda f: f.freedom):
+            left, best_left = (max(self.remaining - g.excess, _CHANCE**2) for g in (f, first))
+            if f.freedom < first.freedom and best_left > _WORTH_A_PARAMETER * left:
+                first = f
+        return [first, *(f for f in tie if f is not first)]
+
+    def _of(self, base: Base, candidate: Candidate) -> Gain:
+        return gain(base, self.columns(candidate), *bounds(self.robot, candidate))
 
     def p_value(self, found: Found) -> float:
         """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""
@@ -188,28 +220,14 @@ class Search:
 
     def _refined(self, found: Found, family: int) -> Found:
         """The same candidate with its nonlinear values between those of the grid."""
-        if not found.candidate.values:
-            return found
-        limits = bounds(self.robot, found.candidate)
-        names, start, low, high = nonlinear_range(self.robot, found.candidate, self.examination.candidates)
+        listed = self.examination.candidates
 
-        def candidate(x: np.ndarray) -> Candidate:
-            return found.candidate.at(dict(zip(names, (start + x * (high - low)).tolist(), strict=True)))
+        def explained(candidate: Candidate) -> float:
+            return self._of(self.base, candidate).energy
 
-        def missed(x: np.ndarray) -> float:
-            return -gain(self.base, self.columns(candidate(x)), *limits).energy
-
-        ranges = list(zip((low - start) / (high - low), (high - start) / (high - low), strict=True))
-        simplex = np.vstack([np.zeros(len(names)), 0.2 * np.eye(len(names))])
-        options = {
-            "maxfev": _TRIALS,
-            "initial_simplex": simplex,
-            "xatol": 0.01,
-            "fatol": 1e-4 * found.gain.energy,
-        }
-        result = minimize(missed, np.zeros(len(names)), method="Nelder-Mead", bounds=ranges, options=options)
-        better = candidate(np.asarray(result.x))
-        return self._found(better, gain(self.base, self.columns(better), *limits), family)
+        better = refined(self.robot, found.candidate, listed, explained)
+        taken = self._of(self.base, better)
+        return self._found(better, taken, family) if self._proper(better, taken) else found
 
 
 def _spread(best: np.ndarray) -> np.ndarray:

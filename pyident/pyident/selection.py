@@ -2,19 +2,21 @@
 
 A set is looked for first, one effect, then two ... that takes away most of the excess. Once there is one, a
 further effect must take away most of what still exceeds the floor on its own equations: what an inexact law
-leaves behind is shared among many candidates, a true effect is taken by one.
+leaves behind is shared among many candidates, a true effect is taken by one. At last a law whose coefficients
+change over the logs is dropped: it stands in for something else (see `constancy`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pyident.candidates import Candidate
+from pyident.constancy import changes_with
 from pyident.search import ALPHA, Found, Search, Step
 
 MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
-EXPLAINED = (0.6, 0.7, 0.8)  # of the excess, by a set of one, two or three effects
+EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two or three effects
 PART = 0.1  # of the excess: what each must contribute
-OWN = 0.5  # of what still exceeds the floor on its own equations: what a further effect must take away
+OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away
 MOST = 4  # effects at once
 
 
@@ -25,11 +27,13 @@ class Selection:
     steps      one per effect, each ranked with all others in the base
     explained  share of the excess after the first of them, the first two ...
     first      the ranking with none selected
+    imitators  what was dropped: effect and joint -> the quantity that its coefficients change with
     """
 
     steps: tuple[Step, ...]
     explained: tuple[float, ...]
     first: Step
+    imitators: dict[str, str]
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -43,13 +47,14 @@ def select(search: Search) -> Selection:
     chosen = _explaining(search, first)
     if chosen:
         chosen = _judged_together(search, _standing(search, chosen))
+    chosen, imitators = _constant(search, chosen)
     candidates = [step.best.candidate for step in chosen]
     explained = []
     for n in range(len(candidates)):
         search.rest_on(candidates[: n + 1])
         explained.append(search.explained)
     search.rest_on(candidates)
-    return Selection(tuple(chosen), tuple(explained), first)
+    return Selection(tuple(chosen), tuple(explained), first, imitators)
 
 
 def _explaining(search: Search, step: Step) -> list[Step]:
@@ -76,7 +81,7 @@ def _standing(search: Search, steps: list[Step]) -> list[Step]:
         further = next((f for f in others if _counts(search, f) and _owns(search, f)), None)
         if further is None:
             return steps
-        steps = [*steps, step.led_by(further)]
+        steps = [*steps, search.led_by(further, step.ranked)]
     return steps
 
 
@@ -95,8 +100,20 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
         others = {f.candidate.family for f in kept if f is not found}
         best = next(f for f in rivals if f.candidate.family not in others)
         kept[kept.index(found)] = best
-        out.append(step.led_by(best))
+        out.append(search.led_by(best, step.ranked))
     return out
+
+
+def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
+    """Those whose coefficients stay the same, if they explain enough; and what the others' change with."""
+    found = {i: step.best.candidate for i, step in enumerate(steps)}
+    search.rest_on(list(found.values()))
+    changing = {i: changes_with(search, c) for i, c in found.items()}
+    kept = [step for i, step in enumerate(steps) if not changing[i]]
+    search.rest_on([step.best.candidate for step in kept])
+    if len(kept) < len(steps) and search.explained < EXPLAINED[min(len(kept), len(EXPLAINED)) - 1]:
+        kept = []
+    return kept, {f"{found[i].effect} at joint{found[i].joint}": q for i, q in changing.items() if q}
 
 
 def _counts(search: Search, found: Found) -> bool:

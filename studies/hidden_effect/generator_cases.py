@@ -206,11 +206,6 @@ def _loaded(plan: Plan, k: int) -> Plan:
     return replace(plan, start=start, swing=gentle, rms=tuple(0.2 * rms for rms in plan.rms))
 
 
-def _still(plan: Plan, k: int) -> Plan:
-    """The joint moves to and fro by some hundredths of a radian."""
-    return replace(plan, swing=_at(plan.swing, k, 0.06), period=_at(plan.period, k, 1.1))
-
-
 def _as_it_is(plan: Plan, _: int) -> Plan:
     return plan
 
@@ -237,6 +232,5 @@ UNOBSERVABLE = {
         lambda h, lv: {"stiffer": 1e-4 * h.constants["stiffer"]},
         _as_it_is,
     ),
-    "position_friction_at_one_place": ("position_dependent_friction", 0, lambda h, lv: {}, _still),
     "viscous_drift_too_slow": ("viscous_drift", 0, lambda h, lv: {"warm_up": 1e5}, _as_it_is),
 }

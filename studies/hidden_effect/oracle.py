@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyident.candidates import Candidate, bounds
+from pyident.candidates import bounds
 from pyident.diagnose import heldout_gain
-from pyident.diagnosis import Diagnosis, Named
+from pyident.diagnosis import Diagnosis
 from pyident.evidence import Base, Columns, gain
+from pyident.followup import candidate_of
 from pyident.search import Found, Search
 from pyident.spectra import Equations
 
@@ -35,7 +36,7 @@ def bound(
     best = _at_best(search, truth)
     if best is None:
         return None
-    found = [_candidate(search, finding.tie[0]) for finding in diagnosis.findings]
+    found = [candidate_of(search, finding.tie[0]) for finding in diagnosis.findings]
     return Bound(
         100 * heldout_gain(search, found, held),
         100 * heldout_gain(search, [f.candidate for f in best], held),
@@ -54,15 +55,6 @@ def _at_best(search: Search, truth: Sequence[Name]) -> list[Found] | None:
                 return None
             best[i : i + 1] = [found]
     return best
-
-
-def _candidate(search: Search, name: Named) -> Candidate:
-    """What a diagnosis has named, as the search knows it."""
-    robot, joint = search.robot, int(name.joint.removeprefix("joint"))
-    law = robot.with_effect(joint, name.effect).joints[joint - 1].law(name.effect)
-    values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
-    sources = [log.source for log in search.examination.setting.logs]
-    return Candidate(name.effect, joint, values, None if name.log is None else sources.index(name.log))
 
 
 def _aliases(search: Search, best: Sequence[Found], number: int) -> tuple[Name, ...]:

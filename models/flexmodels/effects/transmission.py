@@ -58,6 +58,7 @@ backlash = Effect(
     title="Backlash: stiffness that the drive lacks within a gap, total if equal to k[1]",
     forces={eps[1]: -_stiffness.symbol * Max(-_gap.symbol, Min(eps[1], _gap.symbol))},
     parameters=(_stiffness, _gap),
+    proper=_stiffness.symbol > _k[1].symbol / 2,
     citation="Nordin and Gutman 2002; Ruderman, Hoffmann and Bertram 2009",
     needs="torque reversals of the drive: 5 % of the samples within the gap",
     coverage=Coverage(Abs(eps[1]) < _gap.symbol, 0.05),

@@ -1,0 +1,90 @@
+"""What a verdict leads to: the experiment that separates rivals, and what an unexplained residual shows."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.experiment import SimulationError
+from flexmodels.robot import Robot, RobotError
+from pyident.candidates import Candidate, law_of
+from pyident.diagnosis import Diagnosis, Finding, Named
+from pyident.experiments import SimulateAll, separating, variants
+from pyident.log import LogError
+from pyident.search import Search
+from pyident.symbolic import Draft, symbolic_law
+from pyident.unexplained import depends_on
+
+OpenRivals = Callable[[Sequence[Robot]], AbstractContextManager[SimulateAll]]
+
+
+def candidate_of(search: Search, name: Named) -> Candidate:
+    """What a diagnosis has named, as the search knows it."""
+    joint = int(name.joint.removeprefix("joint"))
+    law = search.robot.joints[joint - 1].law(name.effect)
+    values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
+    sources = [log.source for log in search.examination.setting.logs]
+    return Candidate(name.effect, joint, values, None if name.log is None else sources.index(name.log))
+
+
+def with_experiments(
+    search: Search, found: Diagnosis, open_rivals: OpenRivals, progress: Callable[[float], None]
+) -> Diagnosis:
+    """Every tie with the motion that separates its first two rivals best, found by simulating both."""
+    findings = list(found.findings)
+    for i, finding in enumerate(findings):
+        if len(finding.tie) < 2:
+            continue
+        others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
+        try:
+            sentence = _separating(search, finding, others, open_rivals, progress)
+        except (RobotError, LogError, SimulationError):
+            continue  # no experiment to vary, or a rival that cannot run: the laws' own words stay
+        findings[i] = replace(finding, experiment=f"{sentence}; {finding.experiment}")
+    return replace(found, findings=tuple(findings))
+
+
+def _separating(
+    search: Search,
+    finding: Finding,
+    others: Sequence[Candidate],
+    open_rivals: OpenRivals,
+    progress: Callable[[float], None],
+) -> str:
+    setting = search.examination.setting
+    rivals = [_having(search, [*others, candidate_of(search, n)]) for n in finding.tie[:2]]
+    plans = variants(rivals[0], setting.logs[0])
+    with open_rivals(rivals) as simulate:
+        return separating(rivals, plans, simulate, setting.noise, progress).sentence
+
+
+def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
+    """The fitted robot with effects, everything fitted together."""
+    robot = search.examination.setting.simulated
+    p, x = search.fitted(chosen)
+    moved = dict(zip(search.robot.linear_parameters, p - search.examination.base.p, strict=True))
+    values = {name: robot.parameters[name] + float(change) for name, change in moved.items()}
+    at = 0
+    for c in chosen:
+        robot = robot.with_effect(c.joint, c.effect)
+        linear = [p.name for p in law_of(robot, c).linear]
+        own = dict(c.values) | dict(zip(linear, np.asarray(x[at : at + len(linear)]).tolist(), strict=True))
+        values |= {f"joint{c.joint}.{c.effect}.{name}": value for name, value in own.items()}
+        at += len(linear)
+    return robot.with_parameters(values)
+
+
+def with_dependences(search: Search, found: Diagnosis, open_workers: Callable, draft: bool) -> Diagnosis:
+    """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
+    examination = search.examination
+    with open_workers(examination.setting.simulated) as workers:
+        leads = depends_on(examination, search.base, workers)
+    if not draft or not leads.dependences:
+        return replace(found, depends_on=(*found.depends_on, *leads.sentences))
+    proposal = symbolic_law(examination, leads.dependences)
+    if not isinstance(proposal, Draft):
+        return replace(found, depends_on=(*found.depends_on, *leads.sentences, proposal))
+    said = f"a draft: {proposal.formula} takes {proposal.share_percent:.0f} % of it"
+    said = f"{said}; {proposal.note}" if proposal.note else said
+    return replace(found, depends_on=(*found.depends_on, *leads.sentences, said), draft=proposal.text)
