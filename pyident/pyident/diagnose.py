@@ -7,7 +7,6 @@ what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_de
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any
 
@@ -15,19 +14,21 @@ import numpy as np
 
 from flexmodels.experiment import SimulationError
 from flexmodels.robot import Robot
-from pyident.candidates import Candidate, bounds, columns, law_of
+from pyident.candidates import bounds, law_of
 from pyident.detectable import limits, rows_over_floor
-from pyident.diagnosis import Diagnosis, Finding, Named, Stage, VerdictName
+from pyident.diagnosis import Diagnosis, Finding, Named, Stage
 from pyident.evidence import gain
-from pyident.examination import REPLICAS, Setting, examine, set_up, steadied, unbiased, whitened
+from pyident.examination import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.followup import OpenRivals, with_dependences, with_experiments
+from pyident.heldout import left_over, whitened_heldout
 from pyident.integrity import integrity
 from pyident.log import Log, LogError
 from pyident.search import Found, Search, Step
 from pyident.selection import MATERIAL, Selection, select
+from pyident.signature import OpenWorkers, Trace, law_values, traces
 from pyident.spectra import Equations
+from pyident.verdict import asked_for, place_of, sentence_of, verdict_of
 
-OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Progress = Callable[[float], None]
 
 
@@ -50,12 +51,12 @@ def diagnose(
     """
     notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
-    found = concluded(search, heldout)
+    found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
         found = with_dependences(search, found, open_workers, draft)
     found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.15 * share))
     progress(1.0)
-    return replace(found, notes=notes)
+    return replace(found, notes=(*notes, *found.notes))
 
 
 def searched(
@@ -91,69 +92,73 @@ def searched(
         ) from None
 
 
-def concluded(search: Search, heldout: Sequence[Log] = ()) -> Diagnosis:
-    """What a search comes to. heldout: logs on which the findings must hold. Raises LogError."""
+def concluded(search: Search, open_workers: OpenWorkers, heldout: Sequence[Log] = ()) -> Diagnosis:
+    """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
+
+    Where no law evaluated along the logs explains them, the laws are judged by their signatures.
+    """
     selection = select(search)
     held = whitened_heldout(search, heldout)
     judged = [(step, _finding(search, selection, i, held)) for i, step in enumerate(selection.steps)]
     kept = [(step, f) for step, f in judged if f.heldout_gain_percent is None or f.heldout_gain_percent > 0]
-    return _outcome(search, selection, heldout, kept)
+    found = _outcome(search, selection, heldout, kept)
+    if found.verdict != "unexplained":
+        return found
+    return _by_signature(search, found, traces(search, heldout, open_workers))
 
 
-def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
-    """The equations of logs that were not used, over the floor of those that were. Raises LogError."""
-    ex = search.examination
-    return [e for log in heldout for e in whitened(ex.setting.robot, [log], ex.floor)]
+def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> Diagnosis:
+    """The diagnosis with what signatures show, if they do."""
+    if not shown:
+        return found
+    share, held = shown[0].explained, shown[0].heldout
+    finding = Finding(
+        tie=tuple(_traced(search, trace) for trace in shown),
+        p_value=1 / (1 + len(search.peaks)),
+        excess_gain_percent=100 * share * search.excess / search.examination.base.energy,
+        share_percent=100 * share,
+        heldout_gain_percent=None if held is None else 100 * held,
+        experiment=asked_for(search.robot, [trace.candidate for trace in shown]),
+    )
+    verdict, place = verdict_of([finding], True), place_of(search.robot, shown[0].candidate)
+    left = 1 + (1 - share) * search.excess / search.floor_energy
+    return replace(
+        found,
+        verdict=verdict,
+        sentence=sentence_of(verdict, [finding], share, place),
+        findings=(finding,),
+        localised=place,
+        remaining=left,
+        stages=(found.stages[0], Stage(finding.tie[0], left)),
+        depends_on=(),
+        notes=("The finding rests on simulation: along these logs, its joint rings too fast for its law.",),
+    )
 
 
-def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
-    """Share of the residual's energy in held-out logs that these candidates, fitted to the others, take."""
-    return 1 - _left(search, chosen, held) / _left(search, (), held)
+def _traced(search: Search, trace: Trace) -> Named:
+    values, std = law_values(trace)
+    c, robot = trace.candidate, trace.setting.robot
+    units = {name: robot.units[f"joint{c.joint}.{c.effect}.{name}"] for name in values}
+    return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained)
 
 
 def _finding(search: Search, selection: Selection, number: int, held: Sequence[Equations]) -> Finding:
     step = selection.steps[number]
     others = [c for i, c in enumerate(selection.candidates) if i != number]
-    with_it, without = _left(search, selection.candidates, held), _left(search, others, held)
+    with_it, without = left_over(search, selection.candidates, held), left_over(search, others, held)
     return Finding(
         tie=tuple(named(search, f) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
         share_percent=_percent(step.best.excess, search),
         heldout_gain_percent=100 * (1 - with_it / without) if held else None,
-        experiment=_experiment(search.robot, step) if len(step.tie) > 1 else "",
+        experiment=asked_for(search.robot, [f.candidate for f in step.tie]),
     )
 
 
 def _percent(energy: float, search: Search) -> float:
     """Of what exceeds the floor."""
     return 100 * energy / max(search.excess, energy, 1e-300)
-
-
-def _left(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
-    """Energy of the residual on held-out logs, with everything fitted to the others."""
-    p, x = search.fitted(chosen)
-    return sum(_left_of(search, log, p, x, chosen) for log in held)
-
-
-def _left_of(
-    search: Search, log: Equations, p: np.ndarray, x: np.ndarray, acting: Sequence[Candidate]
-) -> float:
-    """Of one log; a payload is there or not, whichever fits."""
-    residual = log.y - log.A @ p
-    at = 0
-    for candidate in acting:
-        everywhere = Candidate(candidate.effect, candidate.joint, candidate.values)
-        X = columns(search.robot, everywhere, [log], [np.ones_like(log.y)])[0]
-        width = next(iter(X.values())).shape[1]
-        level = search.examination.floor.at(log.band)
-        more = residual.copy()
-        for c, values in X.items():
-            more[c] -= values @ x[at : at + width] / level[c]
-        if candidate.log is None or np.square(more).sum() < np.square(residual).sum():
-            residual = more
-        at += width
-    return float(np.square(residual).sum())
 
 
 def named(search: Search, found: Found) -> Named:
@@ -174,21 +179,15 @@ def named(search: Search, found: Found) -> Named:
     )
 
 
-def _experiment(robot: Robot, step: Step) -> str:
-    """What the rivals' own laws ask for."""
-    laws = [(f.candidate, law_of(robot, f.candidate)) for f in step.tie[:2]]
-    return "; ".join(f"for {law.name} at joint {c.joint}: {law.experiment}" for c, law in laws)
-
-
 def _outcome(
     search: Search, selection: Selection, heldout: Sequence[Log], kept: Sequence[tuple[Step, Finding]]
 ) -> Diagnosis:
     ex, robot = search.examination, search.robot
     findings = [finding for _, finding in kept]
-    verdict = _verdict(search, findings)
+    verdict = verdict_of(findings, search.stands_out)
     rows = rows_over_floor(ex)
     worst = max(rows, key=lambda row: max(row.over_floor))
-    localised = _place(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
+    localised = place_of(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
     ranking = tuple(_beside(search, f) for f in selection.first.ranked)
     stages = tuple(_stages(search, kept))
     return Diagnosis(
@@ -196,7 +195,7 @@ def _outcome(
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=_sentence(verdict, findings, search.explained, localised),
+        sentence=sentence_of(verdict, findings, search.explained, localised),
         findings=tuple(findings),
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(limits(search, MATERIAL)),
@@ -226,31 +225,3 @@ def _stages(search: Search, kept: Sequence[tuple[Step, Finding]]) -> Iterator[St
         search.rest_on([step.best.candidate for step, _ in kept[:n]])
         added = kept[n - 1][1].tie[0] if n else None
         yield Stage(added, 1 + search.remaining / search.floor_energy)
-
-
-def _verdict(search: Search, findings: Sequence[Finding]) -> VerdictName:
-    if findings:
-        return "missing_effect" if len(findings[0].tie) == 1 else "cannot_tell"
-    return "unexplained" if search.stands_out else "nothing_detectable"
-
-
-def _place(robot: Robot, candidate: Candidate) -> tuple[str, str]:
-    """Joint and side of the law that was found."""
-    acts = {str(q) for q in law_of(robot, candidate).forces}
-    balance = "motor" if "e" in acts else "transmission" if "eps1" in acts else "link"
-    return f"joint{candidate.joint}", balance
-
-
-def _sentence(
-    verdict: VerdictName, findings: Sequence[Finding], explained: float, place: tuple[str, str]
-) -> str:
-    if verdict == "nothing_detectable":
-        return "Nothing is missing that these logs could show."
-    if verdict == "unexplained":
-        where = f"{place[0]}, {place[1]} side"
-        return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    names = " and ".join(" or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings)
-    share = f"{100 * min(explained, 1.0):.0f} % of what exceeds the floor"
-    if verdict == "cannot_tell":
-        return f"Missing: {names}; these logs cannot tell which. It explains {share}."
-    return f"Missing: {names}. Together with the model's own parameters it explains {share}."

@@ -85,14 +85,14 @@ def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
     return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution)
 
 
-def unbiased(setting: Setting, workers: Any) -> Setting:
+def unbiased(setting: Setting, workers: Any, rounds: int = ROUNDS, probes: int = PROBES) -> Setting:
     """The setting with the parameters whose replicas the regression finds where it found the data.
 
     Noise and sampling bias a regression; replicas of what it found show by how much (see `pyident.indirect`).
     """
     found = setting.solution.p
-    for number in range(ROUNDS):
-        seeds = range(-1 - number * PROBES, -1 - (number + 1) * PROBES, -1)
+    for number in range(rounds):
+        seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
         jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
         put_in = np.array(list(setting.robot.linear_parameters.values()))
         change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
@@ -142,7 +142,7 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
-    energy, number = _energy(data, base)
+    mean_square, number = energy(data, base)
     return Examination(
         setting,
         level,
@@ -151,33 +151,35 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         listed,
         gains,
         np.array([g for g, _ in judged]),
-        energy,
+        mean_square,
         np.array([e for _, e in judged]),
         number,
     )
 
 
-def _made(fmu: Any, setting: Setting, seed: int) -> list[Log]:
-    """The logs of one replica."""
+def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat], seed: int) -> list[Log]:
+    """Logs as the setting's robot would have made them."""
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
-    seeds = rng.integers(2**31, size=len(setting.repeats))
+    seeds = rng.integers(2**31, size=len(repeats))
     parameters = setting.robot.parameters | dict(setting.solver)
     return [
         r.replica(fmu.simulate, parameters, setting.noise, int(s))
-        for r, s in zip(setting.repeats, seeds, strict=True)
+        for r, s in zip(repeats, seeds, strict=True)
     ]
 
 
 def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
     """What the regression finds in a replica."""
     robot = setting.robot
-    problem = Problem(robot, tuple(condition(log, robot) for log in _made(fmu, setting, seed)))
+    problem = Problem(
+        robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
+    )
     return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p
 
 
 def _replica(fmu: Any, setting: Setting, seed: int):
     """Logs of one replica, their bands and the residuals that the regression leaves."""
-    made = _made(fmu, setting, seed)
+    made = replica_of(fmu, setting, setting.repeats, seed)
     logs = _equations(setting.robot, made)
     level = 1 / np.maximum(setting.solution.weights, 1e-300)
     base = solve_base([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
@@ -187,7 +189,7 @@ def _replica(fmu: Any, setting: Setting, seed: int):
 def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
     data = whitened(robot, logs, level)
     base = solve_base(data)
-    return [g.energy for g in _gains(robot, data, base, level, listed)], _energy(data, base)[0]
+    return [g.energy for g in _gains(robot, data, base, level, listed)], energy(data, base)[0]
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
@@ -206,7 +208,7 @@ def _gains(
     return [gain(base, columns(robot, c, data, levels), *bounds(robot, c)) for c in listed]
 
 
-def _energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
+def energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
     """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
     total, number = 0.0, 0.0
     for e, r in zip(data, base.residual, strict=True):

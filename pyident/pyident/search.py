@@ -17,7 +17,7 @@ _TIE = 0.9  # of the best gain: what explains as much cannot be told from it ...
 _KEPT = 0.5  # of its own gain: ... unless this much of it stays beside the best: then it is another effect
 _WORTH_A_PARAMETER = 0.5  # of what a law with fewer parameters leaves: a richer law must leave less
 _CHANCE = 5.0  # standard deviations by which a gain may differ by chance
-_STANDS_OUT = 0.3  # of the floor's energy
+_STANDS_OUT = 1.0  # of the floor's energy: less may be noise that is not known well enough
 _OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's own trace is known
 
 

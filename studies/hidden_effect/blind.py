@@ -22,8 +22,9 @@ from flexmodels.atomic import replacing
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
-from pyident.diagnose import concluded, searched, whitened_heldout
+from pyident.diagnose import concluded, searched
 from pyident.diagnosis import Diagnosis
+from pyident.heldout import whitened_heldout
 from pyident.log import Log, read_log
 from pyident.search import Search
 from pyident.workers import workers_with
@@ -75,7 +76,7 @@ def _diagnosed(folder: Path, replicas: int) -> tuple[Search, list[Log], Diagnosi
     """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
     logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
     search = searched(load_robot(ROBOT), logs[:2], _in_process, replicas=replicas)
-    return search, logs[2:], concluded(search, logs[2:])
+    return search, logs[2:], concluded(search, _in_process, logs[2:])
 
 
 def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) -> Bound | None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyident.candidates import bounds
-from pyident.diagnose import heldout_gain
 from pyident.diagnosis import Diagnosis
 from pyident.evidence import Base, Columns, gain
 from pyident.followup import candidate_of
+from pyident.heldout import heldout_gain
 from pyident.search import Found, Search
 from pyident.spectra import Equations
 
