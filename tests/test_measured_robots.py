@@ -14,7 +14,7 @@ from pyident.skew import encoder_skews, without_skew
 from pyident.studies import find_study
 
 
-@pytest.mark.parametrize(("name", "goals"), [("tx40", 3), ("kuka_kr300", 2)])
+@pytest.mark.parametrize(("name", "goals"), [("tx40", 4), ("kuka_kr300", 2)])
 def test_published_figures(name, goals, data, tmp_path):
     run = find_study(name)
     assert run is not None
