@@ -135,8 +135,8 @@ class Processing:
     derivative   "central" or "hat"; None takes hat means for a held torque and central differences else
     cutoff       [Hz] of a zero-phase Butterworth of `order`, None for no filter
     decimate     factor by which the filtered equations are thinned out
-    dead_zone    speed [rad/s or m/s] below which a joint counts as at rest: there the sign of a measured
-                 speed is noise
+    dead_zone    speed [rad/s or m/s] below which the sign of a measured speed is noise: dry friction is
+                 taken as proportional to the speed there, and thinned equations at rest are left out
     """
 
     derivative: Literal["central", "hat"] | None = None

@@ -78,9 +78,12 @@ def signs(robot: Robot, log: Log) -> list[str]:
 def _negative_springs(robot: Robot, log: Log, data: Equations, names: Sequence[str]) -> list[str]:
     p, covariance = _fit(data, range(len(robot.coordinates)))
     found = []
-    for k, joint in robot.numbered:
-        for i in (1, 2, 3) if joint.flexible else ():
-            at = names.index(parameter_name(k, "stiffness", f"k[{i}]"))
+    for k, _ in robot.numbered:
+        for i in range(1, 4):
+            name = parameter_name(k, "stiffness", f"k[{i}]")
+            if name not in names:  # a rigid joint, or one that only twists
+                continue
+            at = names.index(name)
             if p[at] < -_SURE * np.sqrt(covariance[at, at]):
                 found.append(
                     f"{log.source}: joint{k}.eps[{i}] has the wrong sign: the joint would be of negative "

@@ -190,10 +190,10 @@ def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> Lo
 
 def _left(part: Part, values: np.ndarray, c: int) -> float:
     """rms over the samples that are used, as the regression sees them."""
-    thinned = thin(values[:, [c]], part.part.thinning)[:, 0]
-    used = thin(part.part.use[:, [c]], part.part.thinning)[:, 0] if part.part.thinning == 1 else None
-    share = 1.0 if used is None else max(float(np.mean(used)), 1e-300)
-    return float(np.sqrt(np.mean(thinned**2) / share))
+    factor = part.part.thinning
+    used = part.part.use[::factor, c]
+    thinned = thin(values[:, [c]], factor)[:, 0] * used
+    return float(np.sqrt(np.sum(thinned**2) / max(float(np.sum(used)), 1e-300)))
 
 
 def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:

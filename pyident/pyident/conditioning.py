@@ -106,8 +106,6 @@ class Recipe:
             before = np.concatenate([torque[:1], torque[:-1]])
         scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
         q, dq, ddq = scheme(q, self.period)
-        if robot.processing.dead_zone:
-            dq = np.where(np.abs(dq) < robot.processing.dead_zone, 0.0, dq)
         torque, before, target = torque[REACH:-REACH], before[REACH:-REACH], np.zeros_like(q)
         target[:, :joints] = (torque + before) / 2
         motion = Motion(q, dq, ddq, torque, time, before if robot.controller is not None else None)
@@ -115,10 +113,9 @@ class Recipe:
 
     def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
         """Without the equations in which friction is not known; mean square speeds of the log (joints,)."""
-        if part.thinning > 1:
-            return part
+        moving = _off_rest if part.thinning > 1 else _moving
         use = part.use.copy()
-        use[:, : len(self.robot.joints)] = _moving(self.robot, part.motion.dq, mean_square)
+        use[:, : len(self.robot.joints)] = moving(self.robot, part.motion.dq, mean_square)
         return replace(part, use=use)
 
 
@@ -209,6 +206,16 @@ def _moving(robot: Robot, dq: np.ndarray, mean_square: np.ndarray) -> np.ndarray
             for _ in range(_AROUND - 1):
                 near[1:-1] = near[1:-1] | near[2:] | near[:-2]
             moving[near, k] = 0.0
+    return moving
+
+
+def _off_rest(robot: Robot, dq: np.ndarray, _: np.ndarray) -> np.ndarray:
+    """(N, joints): 0 below the dead zone of a joint with dry friction; a reversal is a small part of what
+    is thinned out and stays, with the mean sign of its speeds."""
+    moving = np.ones((len(dq), len(robot.joints)))
+    for k, joint in enumerate(robot.joints):
+        if any(effect.holds_still for effect in joint.effects):
+            moving[:, k] = np.abs(dq[:, k]) >= robot.processing.dead_zone
     return moving
 
 

@@ -13,6 +13,7 @@ from flexmodels.effect import Effect, State
 from flexmodels.robot import LINK_PARAMETERS, Robot
 from pyident import law_states
 from pyident.motion import Motion
+from pyident.speed_signs import blurred
 
 _NUMPY = {
     "Max": lambda *values: reduce(np.maximum, values),
@@ -110,7 +111,7 @@ class _Law:
         return lambda part: (after(part) + before(part)) / 2
 
     def _function(self, law: sympy.Expr, known: Mapping[str, np.ndarray]) -> Callable[[slice], np.ndarray]:
-        names, value = compiled(law)
+        names, value = compiled(blurred(law, self.robot.processing.dead_zone))
         given = [self._signal(name, known) for name in names]
         return lambda part: value(*(x[part] if isinstance(x, np.ndarray) else x for x in given))
 

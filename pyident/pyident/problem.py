@@ -84,6 +84,7 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
         for row in range(A.shape[1]):
             columns = np.flatnonzero(Phi[:, row].any(axis=0))
             A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
+    _weigh(A, y, part.use[::factor][kept])
     yield A, y
 
 

@@ -61,7 +61,7 @@ def repeat(robot: Robot, log: Log) -> tuple[Robot, Repeat]:
     measured = log.signals([f"joint{k}.e" for k in joints])
     q = log.signals(robot.coordinates)[:1]
     still = Motion(q, 0 * q, 0 * q, tau[:1], time[:1])
-    values = np.array(list(robot.parameters.values()))
+    values = np.array(list(robot.linear_parameters.values()))
     weight = (regressor(robot, still).matrix[0] @ values)[: len(joints)]
     plan = Experiment(time, measured, tau - weight)
     return replace(robot, controller=_stand_in(robot, q, log.period)), Repeat(log, plan)
@@ -82,7 +82,7 @@ def sensor_noise(repeat: Repeat, simulated: pd.DataFrame, coordinates: tuple[str
 
 def _stand_in(robot: Robot, q: np.ndarray, period: float) -> Controller:
     """PD gains that follow the motion at a bandwidth of about 10 Hz, from the model's own mass matrix."""
-    values = np.array(list(robot.parameters.values()))
+    values = np.array(list(robot.linear_parameters.values()))
     joints = len(robot.joints)
     Kp, Kd = [], []
     omega = 2 * np.pi * min(_BANDWIDTH, 0.02 / period)

@@ -36,8 +36,9 @@ def encoder_skews(robot: Robot, log: Log) -> list[Skew]:
     late = np.zeros((*Phi.matrix.shape[:2], len(flexible)))
     for i, (k, row) in enumerate(zip(flexible, rows, strict=True)):
         late[:, row, i] = part.motion.dq[:, k - 1]
-    A = thin(np.concatenate([Phi.matrix, late], axis=2), part.thinning)
-    y = thin(part.target, part.thinning)
+    use = part.use[:: part.thinning]
+    A = thin(np.concatenate([Phi.matrix, late], axis=2), part.thinning) * use[:, :, None]
+    y = thin(part.target, part.thinning) * use
     found = solve_weighted(reduce([(A, y)], Phi.rows, (*Phi.columns, *(f"joint{k}.late" for k in flexible))))
     p, covariance = found.p, found.covariance
     out = []
