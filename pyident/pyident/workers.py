@@ -5,6 +5,7 @@ Both are executors of concurrent.futures. The tool goes to every process once; a
 
 import signal
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
@@ -12,7 +13,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from logging import CRITICAL
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from os import cpu_count
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
@@ -120,8 +121,9 @@ def dask_cluster(
     if scheduler is None:
         with _local_cluster(module) as local, Client(local) as client:
             client.register_plugin(_deaf_plugin(), name="deaf")
-            local.scale(count or cpu_count() or 1)
-            yield Cluster(client, count or cpu_count() or 1)
+            count = count or cpu_count() or 1
+            _start(local, count)
+            yield Cluster(client, count)
         return
     try:
         client = Client(scheduler, timeout=_CONNECT_SECONDS)
@@ -172,6 +174,17 @@ def _local_cluster(module: str | None) -> Any:
             silence_logs=CRITICAL,
             preload=[module] if module else [],
         )
+
+
+def _start(local: Any, count: int) -> None:
+    """Returns when the processes are there, though not yet at work.
+
+    A process takes over this one's working directory, which changes for a moment while an FMU is loaded.
+    """
+    others, end = len(active_children()), time.monotonic() + _START_SECONDS
+    local.scale(count)
+    while len(active_children()) < others + count and time.monotonic() < end:
+        time.sleep(0.01)
 
 
 def _tool_plugin(token: str, make: Make[Any]) -> Any:
