@@ -124,7 +124,7 @@ def figure(table: pd.DataFrame, path: Path) -> None:
 def main() -> int:
     parser = command(__doc__)
     parser.add_argument("--runs", type=int, default=200)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     given = parser.parse_args()
     table = measured(given.runs, given.rounds, given.workers)

@@ -4,7 +4,7 @@
 
 Pinocchio's robot is the same arm as a chain of four revolute joints per flexible joint; its regressor holds
 the links' columns of every massless body too. It has no friction, stiffness or damping columns; ours has.
-Every sample's result is stored.
+Every sample's result is stored. figaroh stacks Pinocchio's regressor of every sample.
 """
 
 import sys
@@ -85,11 +85,13 @@ def figure(table: pd.DataFrame, path: Path) -> None:
 
 
 def _pinocchio(robot: Robot, samples: int, with_cpp: bool) -> dict[str, float | str]:
-    from benchmarks.pinocchio_loop import cpp_speed, python_speed
+    from benchmarks.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
     from benchmarks.pinocchio_plant import pinocchio_model
 
     model, motion = pinocchio_model(robot), random_motion(robot, samples)
     speeds: dict[str, float | str] = {"Pinocchio, loop in Python": python_speed(model, motion)}
+    if find_spec("figaroh"):
+        speeds["figaroh, on Pinocchio"] = figaroh_speed(model, motion)
     return speeds | ({"Pinocchio, loop in C++": cpp_speed(model, motion)} if with_cpp else {})
 
 

@@ -6,7 +6,7 @@ ours        Phi compiled, blocks folded into triangles, SVD of these; nothing is
 from disk   the same, and the log is read from a Parquet file and conditioned on the way
 lstsq       the matrix stored, columns scaled alike, then numpy.linalg.lstsq or scipy.linalg.lstsq
 
-Memory is the process's peak, the interpreter and its libraries included.
+Time is CPU time. Memory is the process's peak, the interpreter and its libraries included.
 """
 
 import sys
