@@ -13,7 +13,8 @@ Solver PGS without islands: of the settings tried the fastest here (33 against 2
 at 0.5 ms), with the same motion.
 """
 
-# pyright: reportAttributeAccessIssue=false  (MuJoCo's compiled module has no types)
+# MuJoCo's compiled module has no types.
+# pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
 from typing import Literal
