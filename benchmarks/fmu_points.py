@@ -11,7 +11,7 @@ from benchmarks.cases import Case, Point, timed
 
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
-from flexmodels.experiment import Experiment, SimulationError
+from flexmodels.inputs import Experiment, SimulationError
 
 TOOL = "flexident FMU"
 WITH_START = "flexident FMU, start-up included"

@@ -1,10 +1,11 @@
-"""Pinocchio's regressor over all samples: the loop in Python, and the same in C++ where it can be built."""
+"""Pinocchio's regressor over all samples: in Python (our loop, figaroh's), and in C++ where that builds."""
 
 import shutil
 import subprocess
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
@@ -66,6 +67,15 @@ def python_speed(model, motion: tuple[np.ndarray, ...]) -> float:
             store[s] = pin.computeJointTorqueRegressor(model, data, q, dq, ddq)
 
     return samples / best(loop)
+
+
+def figaroh_speed(model, motion: tuple[np.ndarray, ...]) -> float:
+    """Samples per second of figaroh's stacked regressor, inertial columns alone; a loop in Python too."""
+    from figaroh.tools.regressor import build_regressor_basic  # pyright: ignore[reportMissingImports]
+
+    robot = SimpleNamespace(model=model, data=model.createData())
+    plan = {"is_joint_torques": True, "act_idxv": range(model.nv)}
+    return len(motion[0]) / best(lambda: build_regressor_basic(robot, *motion, plan))
 
 
 def cpp_speed(model, motion: tuple[np.ndarray, ...]) -> float | str:

@@ -4,10 +4,9 @@
 
 Pinocchio's robot is the same arm as a chain of four revolute joints per flexible joint; its regressor holds
 the links' columns of every massless body too. It has no friction, stiffness or damping columns; ours has.
-Every sample's result is stored.
+Every sample's result is stored. figaroh stacks Pinocchio's regressor of every sample.
 """
 
-import argparse
 import sys
 from dataclasses import replace
 from importlib.util import find_spec
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from benchmarks.measure import best, on_one_core
+from benchmarks.results import command, drawn, keep
 
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
@@ -78,24 +78,20 @@ def rows(joints: list[int], samples: int) -> list[dict[str, Any]]:
 
 
 def figure(table: pd.DataFrame, path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
-    for tool, group in table.groupby("tool", sort=False):
-        ax.semilogy(group["joints"], group["samples per second"], "o-", label=tool)
-    ax.set(xlabel="joints of the arm", ylabel="samples per second, one core")
-    ax.grid(alpha=0.3)
-    ax.legend()
-    fig.savefig(path, dpi=150)
-    plt.close(fig)
+    with drawn(path) as (ax,):
+        for tool, group in table.groupby("tool", sort=False):
+            ax.semilogy(group["joints"], group["samples per second"], "o-", label=tool)
+        ax.set(xlabel="joints of the arm", ylabel="samples per second, one core")
 
 
 def _pinocchio(robot: Robot, samples: int, with_cpp: bool) -> dict[str, float | str]:
-    from benchmarks.pinocchio_loop import cpp_speed, python_speed
+    from benchmarks.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
     from benchmarks.pinocchio_plant import pinocchio_model
 
     model, motion = pinocchio_model(robot), random_motion(robot, samples)
     speeds: dict[str, float | str] = {"Pinocchio, loop in Python": python_speed(model, motion)}
+    if find_spec("figaroh"):
+        speeds["figaroh, on Pinocchio"] = figaroh_speed(model, motion)
     return speeds | ({"Pinocchio, loop in C++": cpp_speed(model, motion)} if with_cpp else {})
 
 
@@ -105,17 +101,12 @@ def _run(robot: Robot, motion: Motion) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("-o", "--out", type=Path, default=Path("out"), help="folder of table and figure")
+    parser = command(__doc__)
     parser.add_argument("--joints", type=int, nargs="+", default=[1, 2, 3, 4, 6, 8, 12])
     parser.add_argument("--samples", type=int, default=60_000)
     given = parser.parse_args()
     on_one_core()
-    given.out.mkdir(parents=True, exist_ok=True)
-    table = pd.DataFrame(rows(given.joints, given.samples))
-    table.to_csv(given.out / "regressor.csv", index=False)
-    figure(table, given.out / "regressor.png")
-    print(table.to_string(index=False, float_format="{:.4g}".format))
+    keep(pd.DataFrame(rows(given.joints, given.samples)), "regressor", given.out, figure)
     return 0
 
 

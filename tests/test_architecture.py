@@ -10,6 +10,7 @@ PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": R
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
 # where robot, FMU and identification are put together
 COMPOSERS = {
+    "pyident/bench.py",
     "pyident/cli.py",
     "pyident/command.py",
     "pyident/parameter_study.py",

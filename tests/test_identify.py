@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from flexmodels.robot_file import load_robot
-from pyident.conditioning import central_differences, hat_means, thin
+from pyident.conditioning import central_differences, hat_means
+from pyident.filters import thin
 from pyident.identify import identify
 from pyident.log import Log
 from pyident.solve import reduce, solve, solve_weighted

@@ -6,7 +6,8 @@ from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
 from flexfmu.simulate import LoadedFmu
-from flexmodels.experiment import Experiment, SimulationError, identification
+from flexmodels.experiment import Experiment, identification
+from flexmodels.inputs import SimulationError
 from flexmodels.plant import equations
 from flexmodels.robot_file import load_robot
 

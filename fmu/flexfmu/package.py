@@ -17,7 +17,7 @@ from flexfmu.interface import Interface
 from flexfmu.simulate import constant_run
 from flexfmu.source import RUNTIME, token_of
 from flexmodels.atomic import replacing
-from flexmodels.experiment import SimulationError
+from flexmodels.inputs import SimulationError
 
 Version = Literal[2, 3]
 Platforms = Literal["host", "all"]

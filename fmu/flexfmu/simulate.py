@@ -3,7 +3,9 @@
 import ctypes
 import re
 import shutil
-from collections.abc import Callable, Mapping
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
@@ -19,8 +21,8 @@ from fmpy.fmi2 import (
 )
 from fmpy.model_description import ModelDescription
 
-from flexfmu.variables import fmi_name
-from flexmodels.experiment import Experiment, SimulationError
+from flexfmu.names import fmi_name
+from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
 
@@ -204,6 +206,16 @@ class LoadedFmu:
 
     def _inputs(self, experiment: Experiment) -> np.ndarray:
         return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
+
+
+@contextmanager
+def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
+    """An FMU file's content, unpacked and ready. Raises SimulationError."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "plant.fmu"
+        path.write_bytes(content)
+        with LoadedFmu(path) as fmu:
+            yield fmu
 
 
 def constant_run(

@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from flexfmu.names import fmi_name
 from flexmodels.plant import Equations
 
 STEP = 0.5e-3  # default solver step [s]
-_AXES = {"x": "1", "y": "2", "z": "3"}
 _NEWTON = {"kg": 1, "m": 1, "s": -2}
 TYPES = {
     "rad": "Angle",
@@ -101,11 +101,6 @@ def states(equations: Equations) -> tuple[str, ...]:
 def nominals(equations: Equations) -> list[float]:
     """Typical sizes of the continuous states."""
     return [v.nominal or 1.0 for v in variables(equations) if v.name in states(equations)]
-
-
-def fmi_name(parameter: str) -> str:
-    """FMI's structured name of a parameter: link1.ms[x] -> link1.ms[1], link1.J[xy] -> link1.J[1,2]."""
-    return re.sub(r"\[([xyz]+)\]", lambda m: f"[{','.join(_AXES[a] for a in m[1])}]", parameter)
 
 
 def base_units(unit: str) -> dict[str, int]:

@@ -1,31 +1,12 @@
 """What a robot is told to do: references and feed-forward torques over time."""
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
 from flexmodels import dynamics, multisine
+from flexmodels.inputs import Experiment
 from flexmodels.robot import Line, Robot, RobotError
-
-
-class SimulationError(RuntimeError):
-    """A model that cannot be simulated over an experiment; the message says why."""
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """Sampled inputs of the closed loop.
-
-    time               (N,) [s], from 0
-    reference          (N, joints) [rad or m]
-    feedforward        (N, joints) [N m or N]
-    """
-
-    time: np.ndarray
-    reference: np.ndarray
-    feedforward: np.ndarray
 
 
 def identification(

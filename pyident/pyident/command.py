@@ -13,7 +13,7 @@ from rich.progress import Progress
 
 from flexfmu.build import BuildError
 from flexmodels.atomic import replacing
-from flexmodels.experiment import SimulationError
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.experiment_file import ExperimentError
 from pyident.log import LogError

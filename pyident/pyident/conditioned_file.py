@@ -10,16 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning import (
-    REACH,
-    Conditioned,
-    Piece,
-    Recipe,
-    condition,
-    recipe,
-    settling,
-    thinning_filter,
-)
+from pyident.conditioned import Conditioned, Piece
+from pyident.conditioning import REACH, Recipe, condition, recipe
+from pyident.filters import settling, thinning_filter
 from pyident.log import Log, read_log
 from pyident.log_file import ROWS, LogFile
 

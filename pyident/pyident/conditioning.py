@@ -12,13 +12,15 @@ and Φ, evaluated at the means, belongs to the mean torque. Without a held torqu
 central differences are taken at the samples themselves.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from flexmodels.robot import Processing, Robot
+from pyident.conditioned import Conditioned
+from pyident.filters import settling, without_phase
+from pyident.filters import thin as thin
 from pyident.log import Log, LogError, Sampled, require
 from pyident.motion import Motion
 
@@ -29,42 +31,8 @@ _SECOND = np.array([-205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
 _HAT_MEAN = np.array([194 / 240, 24 / 240, -1 / 240])
 _HAT_SECOND = np.array([-2.0, 1.0])
 _SETTLING = 50  # samples that a zero-phase filter's ends may spoil
-_FORGOTTEN = 1e-15  # share of a filter's start
 _STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill, where friction is not known
 _AROUND = 2  # samples on either side of a reversal that are left out
-
-
-@dataclass(frozen=True)
-class Conditioned:
-    """Samples ready for the regression.
-
-    motion   q, dq, ddq and the torques held from and until the samples, (N, n) and (N, joints)
-    target   right-hand side of eq. (9): torques over zeros, (N, n)
-    use      (N, n), 1 where the equation is used and 0 where its friction is not known
-    thinning factor by which filtered equations are thinned out (1: not at all)
-    """
-
-    motion: Motion
-    target: np.ndarray
-    use: np.ndarray
-    thinning: int
-
-    def pieces(self) -> "Iterator[Piece]":
-        """All of it: what is in memory is one piece."""
-        yield Piece(self, slice(0, len(self.target)))
-
-    def cut(self, samples: slice) -> "Conditioned":
-        """Some of the samples."""
-        motion: dict[str, Any] = {n: x if x is None else x[samples] for n, x in vars(self.motion).items()}
-        return Conditioned(Motion(**motion), self.target[samples], self.use[samples], self.thinning)
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Conditioned samples of which `own` belong to no other piece; the others are a margin for `thin`."""
-
-    conditioned: Conditioned
-    own: slice
 
 
 @dataclass(frozen=True)
@@ -100,7 +68,7 @@ class Recipe:
         robot, n, joints = self.robot, len(self.robot.coordinates), len(self.robot.joints)
         q, torque, time = signals[:, :n], signals[:, n : n + joints], signals[REACH:-REACH, -1]
         if self.low_pass is not None:
-            q = _without_phase(self.low_pass, q)
+            q = without_phase(self.low_pass, q)
         before = torque
         if robot.controller is not None:
             before = np.concatenate([torque[:1], torque[:-1]])
@@ -148,32 +116,6 @@ def hat_means(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.
 
 
 DERIVATIVES: dict[str, Callable] = {"central": central_differences, "hat": hat_means}
-
-
-def thin(columns: np.ndarray, factor: int) -> np.ndarray:
-    """Low-pass and keep every `factor`-th sample, along the first axis and without phase shift."""
-    if factor == 1:
-        return columns
-    return _without_phase(thinning_filter(factor), columns)[::factor]
-
-
-def thinning_filter(factor: int) -> np.ndarray:
-    """Second-order sections of the low-pass before thinning."""
-    from scipy.signal import cheby1  # here and below: half of the package's memory, for few robots
-
-    return np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
-
-
-def settling(sections: np.ndarray) -> int:
-    """Samples after which a filter has forgotten its start to rounding."""
-    slowest = max(np.abs(np.roots(section[3:])).max() for section in sections)
-    return int(np.ceil(np.log(_FORGOTTEN) / np.log(slowest)))
-
-
-def _without_phase(sections: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    from scipy.signal import sosfiltfilt
-
-    return sosfiltfilt(sections, columns, axis=0)
 
 
 def _even(q: np.ndarray, weights: np.ndarray) -> np.ndarray:

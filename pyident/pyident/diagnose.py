@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.experiment import SimulationError
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.candidates import bounds, law_of
 from pyident.detectable import limits, rows_over_floor

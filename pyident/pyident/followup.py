@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodels.experiment import SimulationError
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.candidates import Candidate, law_of
 from pyident.diagnosis import Diagnosis, Finding, Named

@@ -8,76 +8,30 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
-from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import pandas as pd
 
 from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu
-from flexfmu.variables import fmi_name
+from flexfmu.names import fmi_name
+from flexfmu.simulate import LoadedFmu, loaded_fmu
 from flexmodels.atomic import replacing
-from flexmodels.experiment import Experiment
+from flexmodels.inputs import Experiment
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
+from pyident.bench import Bench, Row, bench
 from pyident.metrics import METRICS, Metric, evaluate
-from pyident.pipeline import loaded_fmu
 from pyident.results_store import ResultsStore, StudyError
 from pyident.study_plan import StudyPlan
 from pyident.study_summary import sensitivities
-from pyident.workers import Workers, configured_scheduler, dask_workers
+from pyident.workers import Workers, configured_scheduler, dask_cluster
 
 _BATCH_SECONDS = 0.5  # of simulation per task: a hundred times what Dask spends on one
 _BATCHES = 8  # per worker at least, so that all end at about the same time
 
 Progress = Callable[[float], None]
-Row = tuple[int, dict[str, float]]
-
-
-@dataclass(frozen=True)
-class Bench:
-    """What every worker needs to turn parameters into results: the FMU and what it is measured against."""
-
-    fmu: LoadedFmu
-    experiment: Experiment
-    reference: pd.DataFrame
-    metrics: Mapping[str, Metric]
-
-    def run(self, row: Row) -> dict[str, float | str]:
-        """One line of the table; what goes wrong stands in its column `failure`."""
-        number, parameters = row
-        begin, found, failure = time.perf_counter(), {}, ""
-        try:
-            log = self.fmu.simulate(self.experiment, parameters)
-            found = evaluate(self.metrics, log, self.reference)
-        except Exception as error:
-            failure = str(error) or type(error).__name__
-        return {"run": number, **found, "seconds": time.perf_counter() - begin, "failure": failure}
-
-    def batch(self, rows: Sequence[Row]) -> pd.DataFrame:
-        return pd.DataFrame([self.run(row) for row in rows])
-
-
-@dataclass
-class BenchOf:
-    """Sets up a Bench in a worker; use as a context manager."""
-
-    content: bytes
-    experiment: Experiment
-    reference: pd.DataFrame
-    metrics: Mapping[str, Metric]
-
-    def __enter__(self) -> Bench:
-        self._stack = ExitStack()
-        fmu = self._stack.enter_context(loaded_fmu(self.content))
-        return Bench(fmu, self.experiment, self.reference, self.metrics)
-
-    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
-        self._stack.close()
 
 
 def parameter_study(
@@ -106,22 +60,22 @@ def parameter_study(
     Called from a script, it has to stand under `if __name__ == "__main__":`, because it starts processes.
     Raises StudyError, WorkersError, SimulationError, BuildError.
     """
-    content = _content(model)
-    with loaded_fmu(content) as fmu:
-        _check(design, fmu)
-        begin = time.perf_counter()
-        nominal = fmu.simulate(experiment)
-        seconds = time.perf_counter() - begin
-        reference = nominal if reference is None else reference
-        of = _fingerprint(design, fmu.description.guid or "", experiment, reference, metrics)
-    evaluate(metrics, nominal, reference)
-    store = ResultsStore(folder, of)
     design = design.reset_index(drop=True)
-    left = _left(design, store)
-    if left:
-        bench = BenchOf(content, experiment, reference, metrics)
-        with dask_workers(partial(_same, bench), scheduler or configured_scheduler(), workers) as pool:
-            _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
+    with dask_cluster(scheduler or configured_scheduler(), workers, bench.__module__) as cluster:
+        content = _content(model)  # while the workers start
+        with loaded_fmu(content) as fmu:
+            _check(design, fmu)
+            begin = time.perf_counter()
+            nominal = fmu.simulate(experiment)
+            seconds = time.perf_counter() - begin
+            reference = nominal if reference is None else reference
+            of = _fingerprint(design, fmu.description.guid or "", experiment, reference, metrics)
+        evaluate(metrics, nominal, reference)
+        store = ResultsStore(folder, of)
+        left = _left(design, store)
+        if left:
+            with cluster.holding(partial(bench, content, experiment, reference, metrics)) as pool:
+                _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
     return store.finish(design)
 
 
@@ -190,10 +144,6 @@ class _Study:
             self._keep(future.result())
         else:
             future.cancel()
-
-
-def _same(bench: BenchOf) -> BenchOf:
-    return bench
 
 
 def _content(model: Robot | str | Path) -> bytes:

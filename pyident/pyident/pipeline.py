@@ -12,7 +12,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 import pandas as pd
 
 from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu
+from flexfmu.simulate import LoadedFmu, loaded_fmu
 from flexmodels.experiment import Experiment
 from flexmodels.plant import equations
 from flexmodels.robot import Robot
@@ -33,16 +33,6 @@ def simulate_robot(
         path = export_fmu(equations(robot), Path(folder) / "plant.fmu", derivatives=False)
         with LoadedFmu(path) as fmu:
             return fmu.simulate(experiment, progress=progress)
-
-
-@contextmanager
-def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
-    """An FMU file's content, unpacked and ready. Raises SimulationError."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "plant.fmu"
-        path.write_bytes(content)
-        with LoadedFmu(path) as fmu:
-            yield fmu
 
 
 def fmu_joints(path: str | Path) -> int:

@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning import Piece, thin
+from pyident.conditioned import Piece
+from pyident.filters import thin
 from pyident.regressor import regressor_blocks
 
 Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from flexmodels.experiment import SimulationError
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.candidates import Candidate, law_of
 from pyident.evidence import solve_base

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning import condition, thin
+from pyident.conditioning import condition
+from pyident.filters import thin
 from pyident.log import Log
 from pyident.log_import import delayed
 from pyident.regressor import regressor

@@ -5,6 +5,7 @@ Both are executors of concurrent.futures. The tool goes to every process once; a
 
 import signal
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
@@ -12,7 +13,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from logging import CRITICAL
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from os import cpu_count
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
@@ -22,6 +23,7 @@ T = TypeVar("T")
 Make = Callable[[], AbstractContextManager[T]]
 
 _CONNECT_SECONDS = 15
+_START_SECONDS = 120  # of a worker on this machine, however loaded
 _MISSING = "Dask is missing, which runs parameter studies; pip install 'flexident[study]'"
 
 
@@ -66,27 +68,73 @@ def local_processes(make: Make[T]) -> Iterator[Workers[T]]:
 
 
 @contextmanager
-def dask_workers(
-    make: Make[T], scheduler: str | None = None, count: int | None = None
-) -> Iterator[Workers[T]]:
-    """The workers of the cluster at `scheduler`, or `count` (all cores) Dask workers of this machine.
+def dask_workers(make: Make[T], scheduler: str | None = None) -> Iterator[Workers[T]]:
+    """The workers of the cluster at `scheduler`, else one per core of this machine, with their tool."""
+    with dask_cluster(scheduler) as cluster, cluster.holding(make) as workers:
+        yield workers
 
-    A worker that dies is replaced by its nanny and gets the tool again. Raises WorkersError.
-    """
-    with _client(scheduler, count) as client:
+
+@dataclass(frozen=True)
+class Cluster:
+    """client: of Dask; count: of workers, some of which may still be starting."""
+
+    client: Any
+    count: int
+
+    @contextmanager
+    def holding(self, make: Make[T]) -> Iterator[Workers[T]]:
+        """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too."""
         token = uuid.uuid4().hex
         try:
-            client.register_plugin(_tool_plugin(token, make), name=token)
-        except ImportError as error:
+            self.client.wait_for_workers(self.count, timeout=_START_SECONDS)
+        except TimeoutError:
             raise WorkersError(
-                f"the workers of {scheduler} cannot run this ({error}); install flexident there"
+                f"{self.count} workers did not start within {_START_SECONDS} s; ask for fewer"
             ) from None
-        executor = client.get_executor(pure=False)
         try:
-            yield Workers(executor, len(client.nthreads()), token)
+            self.client.register_plugin(_tool_plugin(token, make), name=token)
+        except ImportError as error:
+            address = self.client.scheduler.address
+            raise WorkersError(
+                f"the workers of {address} cannot run this ({error}); install flexident there"
+            ) from None
+        executor = self.client.get_executor(pure=False)
+        try:
+            yield Workers(executor, self.count, token)
         finally:
             executor.shutdown(wait=False)
-            client.unregister_worker_plugin(token)
+            self.client.unregister_worker_plugin(token)
+
+
+@contextmanager
+def dask_cluster(
+    scheduler: str | None = None, count: int | None = None, module: str | None = None
+) -> Iterator[Cluster]:
+    """The cluster at `scheduler`, or `count` (all cores) Dask workers of this machine.
+
+    The latter start while the caller goes on, and import `module` at once. Raises WorkersError.
+    """
+    if find_spec("distributed") is None:
+        raise WorkersError(_MISSING)
+    from distributed import Client
+
+    if scheduler is None:
+        with _local_cluster(module) as local, Client(local) as client:
+            client.register_plugin(_deaf_plugin(), name="deaf")
+            count = count or cpu_count() or 1
+            _start(local, count)
+            yield Cluster(client, count)
+        return
+    try:
+        client = Client(scheduler, timeout=_CONNECT_SECONDS)
+        client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        raise WorkersError(
+            f"no Dask scheduler with workers answers at {scheduler} ({type(error).__name__}); "
+            "start one with `dask scheduler` and `dask worker`"
+        ) from None
+    with client:
+        yield Cluster(client, len(client.nthreads()))  # pyright: ignore[reportArgumentType]
 
 
 def configured_scheduler() -> str | None:
@@ -112,41 +160,31 @@ def scheduler_configured(address: str | None) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def _client(scheduler: str | None, count: int | None) -> Iterator[Any]:
-    if find_spec("distributed") is None:
-        raise WorkersError(_MISSING)
-    from distributed import Client
-
-    if scheduler is None:
-        with _local_cluster(count) as cluster, Client(cluster) as client:
-            client.register_plugin(_deaf_plugin(), name="deaf")
-            yield client
-        return
-    try:
-        client = Client(scheduler, timeout=_CONNECT_SECONDS)
-        client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
-    except (OSError, ValueError) as error:
-        raise WorkersError(
-            f"no Dask scheduler with workers answers at {scheduler} ({type(error).__name__}); "
-            "start one with `dask scheduler` and `dask worker`"
-        ) from None
-    with client:
-        yield client
-
-
-def _local_cluster(count: int | None) -> Any:
+def _local_cluster(module: str | None) -> Any:
+    """No workers yet."""
     import dask.config
     from distributed import LocalCluster
 
     with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
         return LocalCluster(
-            n_workers=count or cpu_count(),
+            n_workers=0,
             threads_per_worker=1,
             dashboard_address=":0",
             memory_limit=0,  # pyright: ignore[reportArgumentType]
             silence_logs=CRITICAL,
+            preload=[module] if module else [],
         )
+
+
+def _start(local: Any, count: int) -> None:
+    """Returns when the processes are there, though not yet at work.
+
+    A process takes over this one's working directory, which changes for a moment while an FMU is loaded.
+    """
+    others, end = len(active_children()), time.monotonic() + _START_SECONDS
+    local.scale(count)
+    while len(active_children()) < others + count and time.monotonic() < end:
+        time.sleep(0.01)
 
 
 def _tool_plugin(token: str, make: Make[Any]) -> Any:

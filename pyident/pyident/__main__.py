@@ -1,0 +1,11 @@
+"""The command `pyident`. Processes that it starts import this file once more: let it import nothing else."""
+
+
+def main() -> None:
+    from pyident.cli import main
+
+    main()
+
+
+if __name__ == "__main__":
+    main()
