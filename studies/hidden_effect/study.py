@@ -17,7 +17,7 @@ from .generator import Case, case_list
 from .scoring import Scored, score, table, unseal
 
 Progress = Callable[[float], None]
-SEED, TUNING = 2026, 11  # what is scored, and on what thresholds were chosen
+SEED, TUNING = 2027, 11  # what is scored, and one of those (11, 2026) on which thresholds were chosen
 
 
 @dataclass(frozen=True)
