@@ -44,10 +44,11 @@ def select(search: Search) -> Selection:
     """Leaves the search resting on what it selects."""
     search.rest_on(())
     first = search.step()
-    chosen = _explaining(search, first)
+    chosen, imitators = _constant(search, _explaining(search, first))  # before others can cover a change
     if chosen:
         chosen = _judged_together(search, _standing(search, chosen))
-    chosen, imitators = _constant(search, chosen)
+    chosen, more = _constant(search, chosen)
+    imitators |= more
     candidates = [step.best.candidate for step in chosen]
     explained = []
     for n in range(len(candidates)):
