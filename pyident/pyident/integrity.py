@@ -22,6 +22,7 @@ _BIN = 1e-3  # of a channel's range
 _ODD = 25.0  # robust standard deviations of fourth differences: a jump
 _BEYOND = 4.0  # times what all but one in a hundred of them are
 _STUCK = 10  # samples
+_BEHIND = 0.2  # of the way at the speed before: what a stuck channel jumps by when it is free again
 _COARSE = 0.2  # of the acceleration's rms: what rounding may make of it
 _SLOWEST = 20  # samples: the slowest update that is looked for
 _ON_THE_BEAT = 0.98  # of the changes of a channel fall on every m-th sample
@@ -33,7 +34,7 @@ def integrity(robot: Robot, log: Log) -> list[str]:
     require(log, robot, 2 * _STUCK)
     coordinates = list(robot.coordinates)
     torques = [f"joint{k}.tau" for k, _ in robot.numbered]
-    found = list(_clock(log, coordinates))
+    found = list(_clock(log, [*coordinates, *torques]))
     sound = True
     for name in [*coordinates, *torques]:
         x = log.frame[name].to_numpy(float)
@@ -63,7 +64,7 @@ def _runs(x: np.ndarray) -> _Runs:
     return _Runs(start, np.diff(np.append(start, len(x))))
 
 
-def _clock(log: Log, coordinates: list[str]) -> Iterator[str]:
+def _clock(log: Log, channels: list[str]) -> Iterator[str]:
     time = log.frame["time"].to_numpy(float)
     even = np.linspace(time[0], time[-1], len(time))
     off = float(np.abs(time - even).max() / log.period)
@@ -72,14 +73,13 @@ def _clock(log: Log, coordinates: list[str]) -> Iterator[str]:
             f"{log.source}: the clock drifts, time is up to {off:.2g} samples away from a uniform one; "
             f"resample the log to a uniform period"
         )
-    q = log.signals(coordinates)
+    q = log.signals(channels)
     same = (np.diff(q, axis=0) == 0).all(axis=1)
-    moving = np.abs(np.diff(q, axis=0)).max(axis=1) > 0
-    if len(coordinates) > 1 and moving.mean() > 0.5:
+    if len(channels) > 1 and (~same).mean() > 0.5:
         alone = np.flatnonzero(same[1:-1] & ~same[:-2] & ~same[2:]) + 1
         if len(alone) >= 3:
             yield (
-                f"{log.source}: {len(alone)} rows repeat the row before in every coordinate, first at "
+                f"{log.source}: {len(alone)} rows repeat the row before in every channel, first at "
                 f"{time[alone[0] + 1]:.4g} s; rows were recorded twice: remove them"
             )
 
@@ -97,13 +97,15 @@ def _limit(_: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
 
 
 def _stuck(_: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
-    """A value that stays while it was moving fast just before."""
+    """A value that stays while it was moving fast just before, and then catches up; or stays to the end."""
     runs = _runs(x)
     step = _step(x)
     for at in np.flatnonzero(runs.length > _STUCK):
         start, length = int(runs.start[at]), int(runs.length[at])
         speed = np.abs(np.diff(x[max(start - 5, 0) : start]))
-        if len(speed) and speed.min() > 2 * step and x[start] not in (x.max(), x.min()):
+        after = x[start + length : start + length + 1]
+        behind = len(after) == 0 or abs(after[0] - x[start]) > _BEHIND * length * speed.min(initial=np.inf)
+        if len(speed) and speed.min() > 2 * step and behind and x[start] not in (x.max(), x.min()):
             time = log.frame["time"].to_numpy(float)
             yield (
                 f"{log.source}: {name} is stuck from {time[start]:.4g} s for {length} samples; "
