@@ -16,6 +16,7 @@ import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
 from flexmodels.experiment import Experiment, identification
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning import condition
 from pyident.evidence import solve_base
@@ -90,12 +91,18 @@ def separating(
     rivals     fitted robots, each with its own effect
     simulate   one frame per rival, in their order (pyident.pipeline.RivalRuns)
     noise      channel -> standard deviation of its sensor
+    A variant that a rival cannot run is left out. Raises SimulationError when all are.
     """
     if len(rivals) < 2:
         raise ValueError("separating needs two rivals or more")
-    scores = {}
+    scores: dict[str, float] = {}
+    failed: SimulationError | None = None
     for number, (name, experiment) in enumerate(variants.items(), start=1):
-        logs = [Log(frame, name) for frame in simulate(experiment)]
+        try:
+            logs = [Log(frame, name) for frame in simulate(experiment)]
+        except SimulationError as error:
+            failed = error
+            continue
         scores[name] = min(
             distance(rivals[i], rivals[j], logs[i], noise)
             for i in range(len(rivals))
@@ -103,6 +110,8 @@ def separating(
             if i != j
         )
         progress(number / len(variants))
+    if failed and not scores:
+        raise failed
     best = max(scores, key=lambda name: scores[name])
     return Separation(best, scores[best], scores)
 

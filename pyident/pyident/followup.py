@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
-import numpy as np
-
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
-from pyident.candidates import Candidate, law_of
+from pyident.candidates import Candidate
 from pyident.diagnosis import Diagnosis, Finding, Named
+from pyident.examination import set_up, steadied
 from pyident.experiments import SimulateAll, separating, variants
 from pyident.log import LogError
 from pyident.search import Search
@@ -60,19 +59,13 @@ def _separating(
 
 
 def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
-    """The fitted robot with effects, everything fitted together."""
-    robot = search.examination.setting.simulated
-    p, x = search.fitted(chosen)
-    moved = dict(zip(search.robot.linear_parameters, p - search.examination.base.p, strict=True))
-    values = {name: robot.parameters[name] + float(change) for name, change in moved.items()}
-    at = 0
+    """The robot with effects, everything fitted to the logs."""
+    setting = search.examination.setting
+    robot = setting.simulated
     for c in chosen:
-        robot = robot.with_effect(c.joint, c.effect)
-        linear = [p.name for p in law_of(robot, c).linear]
-        own = dict(c.values) | dict(zip(linear, np.asarray(x[at : at + len(linear)]).tolist(), strict=True))
-        values |= {f"joint{c.joint}.{c.effect}.{name}": value for name, value in own.items()}
-        at += len(linear)
-    return robot.with_parameters(values)
+        names = {f"joint{c.joint}.{c.effect}.{name}": value for name, value in c.values}
+        robot = robot.with_effect(c.joint, c.effect).with_parameters(names)
+    return steadied(set_up(robot, setting.logs)).simulated
 
 
 def with_dependences(search: Search, found: Diagnosis, open_workers: Callable, draft: bool) -> Diagnosis:
