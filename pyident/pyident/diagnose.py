@@ -144,7 +144,7 @@ def _traced(search: Search, trace: Trace) -> Named:
 
 def _finding(search: Search, selection: Selection, number: int, held: Sequence[Equations]) -> Finding:
     step = selection.steps[number]
-    others = [c for i, c in enumerate(selection.candidates) if i != number]
+    others = [c for i, other in enumerate(selection.steps) if i != number for c in other.candidates]
     with_it, without = left_over(search, selection.candidates, held), left_over(search, others, held)
     return Finding(
         tie=tuple(named(search, f) for f in step.tie),
@@ -207,8 +207,17 @@ def _outcome(
             f"{name} fits in part, but with coefficients that change with {quantity}: it only imitates"
             for name, quantity in selection.imitators.items()
         ),
+        notes=tuple(_orders_of(step) for step, _ in kept if step.orders),
         noise=ex.setting.noise,
         stages=stages,
+    )
+
+
+def _orders_of(step: Step) -> str:
+    best = step.best.candidate
+    more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
+    return (
+        f"{best.effect} at joint{best.joint} has further orders, which are counted with it: {more} per turn."
     )
 
 
@@ -222,6 +231,6 @@ def _beside(search: Search, found: Found) -> Named:
 def _stages(search: Search, kept: Sequence[tuple[Step, Finding]]) -> Iterator[Stage]:
     """One finding after the other; leaves the search resting on all."""
     for n in range(len(kept) + 1):
-        search.rest_on([step.best.candidate for step, _ in kept[:n]])
+        search.rest_on([c for step, _ in kept[:n] for c in step.candidates])
         added = kept[n - 1][1].tie[0] if n else None
         yield Stage(added, 1 + search.remaining / search.floor_energy)

@@ -42,15 +42,25 @@ class Found:
 
 @dataclass(frozen=True)
 class Step:
-    """One ranking of all families. tie: the best, and what cannot be told from it; begins `ranked`."""
+    """One ranking of all families.
+
+    tie     the best, and what cannot be told from it; begins `ranked`
+    orders  further orders of the best one's law, if it is periodic: a ripple seldom has one
+    """
 
     tie: tuple[Found, ...]
     p_value: float
     others: tuple[Found, ...]
+    orders: tuple[Candidate, ...] = ()
 
     @property
     def best(self) -> Found:
         return self.tie[0]
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """What a model takes in with this step."""
+        return self.best.candidate, *self.orders
 
     @property
     def ranked(self) -> tuple[Found, ...]:

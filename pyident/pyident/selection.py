@@ -7,9 +7,9 @@ change over the logs is dropped: it stands in for something else (see `constancy
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from pyident.candidates import Candidate
+from pyident.candidates import Candidate, law_of
 from pyident.constancy import changes_with
 from pyident.search import ALPHA, Found, Search, Step
 
@@ -18,6 +18,8 @@ EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two or three eff
 PART = 0.1  # of the excess: what each must contribute
 OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away
 MOST = 4  # effects at once
+ORDERS = 2  # further ones of a periodic law ...
+ORDER = 0.3  # of what still exceeds the floor on its equations: ... that each must take away
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Selection:
 
     @property
     def candidates(self) -> list[Candidate]:
-        return [step.best.candidate for step in self.steps]
+        return _candidates(self.steps)
 
 
 def select(search: Search) -> Selection:
@@ -46,15 +48,14 @@ def select(search: Search) -> Selection:
     first = search.step()
     chosen, imitators = _constant(search, _explaining(search, first))  # before others can cover a change
     if chosen:
-        chosen = _judged_together(search, _standing(search, chosen))
+        chosen = _judged_together(search, _standing(search, _with_orders(search, chosen)))
     chosen, more = _constant(search, chosen)
     imitators |= more
-    candidates = [step.best.candidate for step in chosen]
     explained = []
-    for n in range(len(candidates)):
-        search.rest_on(candidates[: n + 1])
+    for n in range(len(chosen)):
+        search.rest_on(_candidates(chosen[: n + 1]))
         explained.append(search.explained)
-    search.rest_on(candidates)
+    search.rest_on(_candidates(chosen))
     return Selection(tuple(chosen), tuple(explained), first, imitators)
 
 
@@ -72,10 +73,45 @@ def _explaining(search: Search, step: Step) -> list[Step]:
     return []
 
 
+def _candidates(steps: Sequence[Step]) -> list[Candidate]:
+    return [c for step in steps for c in step.candidates]
+
+
+def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
+    """Periodic laws with their further orders, else these would hide what else is missing."""
+    out = list(steps)
+    for i, step in enumerate(steps):
+        law, joint = law_of(search.robot, step.best.candidate), step.best.candidate.joint
+        if not any(p.name == "order" for p in law.nonlinear):
+            continue
+        others = _candidates([s for s in out if s is not out[i]])
+        orders = [step.best.candidate]
+        for _ in range(ORDERS):
+            search.rest_on([*others, *orders])
+            more = search.best(law.name, joint)
+            if more is None or not (_counts(search, more) and _takes(search, more, ORDER)):
+                break
+            orders = _refitted(search, others, [*orders, more.candidate])
+        search.rest_on([*others, *orders[1:]])
+        main = search.best(law.name, joint)
+        out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(orders[1:]))
+    return out
+
+
+def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Candidate]) -> list[Candidate]:
+    """Each order again with the rest in the base: the first was found beside what the others now take."""
+    out = list(orders)
+    for i, order in enumerate(orders):
+        search.rest_on([*others, *out[:i], *out[i + 1 :]])
+        again = search.best(order.effect, order.joint)
+        out[i] = again.candidate if again else order
+    return out
+
+
 def _standing(search: Search, steps: list[Step]) -> list[Step]:
     """With the further effects that stand by themselves."""
     while len(steps) < MOST:
-        search.rest_on([s.best.candidate for s in steps])
+        search.rest_on(_candidates(steps))
         step = search.step()
         named = {f.candidate.family for s in steps for f in s.tie}
         others = (f for f in step.ranked if f.candidate.family not in named)
@@ -88,30 +124,32 @@ def _standing(search: Search, steps: list[Step]) -> list[Step]:
 
 def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     """Each effect ranked again with the others in the base; those that others have made needless are gone."""
-    kept = [step.best for step in steps]
-    out: list[Step] = []
-    for found in list(kept):
-        search.rest_on([f.candidate for f in kept if f is not found])
-        step = search.step()
-        again = next((f for f in step.ranked if f.candidate.family == found.candidate.family), None)
+    kept, out = list(steps), []
+    for old in steps:
+        others = [s for s in kept if s is not old]
+        search.rest_on([*_candidates(others), *old.orders])
+        step, family = search.step(), old.best.candidate.family
+        again = next((f for f in step.ranked if f.candidate.family == family), None)
         if again is None or not _counts(search, again):
-            kept.remove(found)
+            kept.remove(old)
             continue
-        rivals = [f for f in step.ranked if f.candidate.joint == found.candidate.joint and _counts(search, f)]
-        others = {f.candidate.family for f in kept if f is not found}
-        best = next(f for f in rivals if f.candidate.family not in others)
-        kept[kept.index(found)] = best
-        out.append(search.led_by(best, step.ranked))
+        named = {s.best.candidate.family for s in others}
+        rivals = [f for f in step.ranked if f.candidate.joint == again.candidate.joint and _counts(search, f)]
+        best = next(f for f in rivals if f.candidate.family not in named)
+        orders = old.orders if best.candidate.family == family else ()
+        new = replace(search.led_by(best, step.ranked), orders=orders)
+        kept[kept.index(old)] = new
+        out.append(new)
     return out
 
 
 def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
     """Those whose coefficients stay the same, if they explain enough; and what the others' change with."""
     found = {i: step.best.candidate for i, step in enumerate(steps)}
-    search.rest_on(list(found.values()))
+    search.rest_on(_candidates(steps))
     changing = {i: changes_with(search, c) for i, c in found.items()}
     kept = [step for i, step in enumerate(steps) if not changing[i]]
-    search.rest_on([step.best.candidate for step in kept])
+    search.rest_on(_candidates(kept))
     if len(kept) < len(steps) and search.explained < EXPLAINED[min(len(kept), len(EXPLAINED)) - 1]:
         kept = []
     return kept, {f"{found[i].effect} at joint{found[i].joint}": q for i, q in changing.items() if q}
@@ -124,4 +162,9 @@ def _counts(search: Search, found: Found) -> bool:
 def _owns(search: Search, found: Found) -> bool:
     """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did."""
     rows = search.rows(found.candidate)
-    return found.excess >= max(OWN * search.remaining_on(rows), PART * search.excess_on(rows))
+    return _takes(search, found, OWN) and found.excess >= PART * search.excess_on(rows)
+
+
+def _takes(search: Search, found: Found, share: float) -> bool:
+    """Whether it takes this share of what still exceeds the floor on its equations."""
+    return found.excess >= share * search.remaining_on(search.rows(found.candidate))
