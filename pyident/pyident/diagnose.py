@@ -217,7 +217,7 @@ def _orders_of(step: Step) -> str:
     best = step.best.candidate
     more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
     return (
-        f"{best.effect} at joint{best.joint} has further orders, which are counted with it: {more} per turn."
+        f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
     )
 
 
