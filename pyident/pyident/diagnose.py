@@ -216,9 +216,7 @@ def _outcome(
 def _orders_of(step: Step) -> str:
     best = step.best.candidate
     more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
-    return (
-        f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
-    )
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
 
 
 def _beside(search: Search, found: Found) -> Named:
