@@ -22,6 +22,8 @@ _BETTER = 0.75  # of the residual's energy: a shift counts when it leaves less
 _SMOOTH = 31  # bins over which a residual is averaged
 _ROUNDS = 3  # of weighting by residuals
 _SURE = 6.0  # standard deviations by which a friction or stiffness is negative
+_DETERMINED = 1e-6  # of the largest singular value: below, a direction is noise
+_PART = 1e-3  # of a direction that is noise: what a parameter that is known has of it
 _SHARE = 0.1  # of the torque: what friction must take to show its sign
 _BOX_ON_HAT = BSpline.basis_element(np.array([-1.5, -0.5, 0.5, 1.5]), extrapolate=False)
 
@@ -65,7 +67,9 @@ def signs(robot: Robot, log: Log) -> list[str]:
     for k, _ in robot.numbered:
         p, covariance = _fit(data, [k - 1])
         taken = _friction_power(data, k, names)
-        power, spread = float(taken @ p), float(np.sqrt(max(taken @ covariance @ taken, 0.0)))
+        used = np.flatnonzero(taken)
+        power, variance = float(taken @ p), taken[used] @ covariance[np.ix_(used, used)] @ taken[used]
+        spread = float(np.sqrt(max(variance, 0.0)))
         exchanged = float(np.mean(np.abs(data.part.target[:, k - 1] * data.part.motion.dq[:, k - 1])))
         if power < -_SURE * spread and power < -_SHARE * exchanged:
             found.append(
@@ -125,26 +129,31 @@ def _target(robot: Robot, log: Log, data: Equations, k: int, shift: float) -> np
 
 
 def _fit(data: Equations, rows: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Least squares of some rows by themselves: (P,) and its covariance (P, P), minimum norm."""
+    """Least squares of some rows by themselves: (P,) and its covariance (P, P), minimum norm.
+
+    What the rows do not determine has an infinite variance.
+    """
     A, y = data.A[rows], data.y[rows]
     level = np.ones_like(y)
-    p, spread = _solved(A, y)
+    p, spread, unknown = _solved(A, y)
     for _ in range(_ROUNDS):
         level = np.array([_level(r) for r in y - A @ p])
-        p, spread = _solved(A / level[:, :, None], y / level)
-    variance = float(np.mean(((y - A @ p) / level) ** 2))
-    return p, spread @ spread.T * variance
+        p, spread, unknown = _solved(A / level[:, :, None], y / level)
+    covariance = spread @ spread.T * float(np.mean(((y - A @ p) / level) ** 2))
+    covariance[unknown, unknown] = np.inf
+    return p, covariance
 
 
-def _solved(A: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _solved(A: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     A, y = A.reshape(-1, A.shape[-1]), y.ravel()
     scale = np.linalg.norm(A, axis=0)
     scale[scale == 0] = 1.0
     R = np.asarray(np.linalg.qr(np.column_stack([A / scale, y]), mode="r"))
     U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
-    kept = s > 1e-9 * s[0]
+    kept = s > _DETERMINED * s[0]
     spread = Vt[kept].T / s[kept] / scale[:, None]
-    return spread @ (U.T @ R[:, -1])[kept], spread
+    unknown = np.linalg.norm(Vt[~kept], axis=0) > _PART
+    return spread @ (U.T @ R[:, -1])[kept], spread, unknown
 
 
 def _left(A: np.ndarray, Y: np.ndarray) -> np.ndarray:
