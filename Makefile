@@ -7,7 +7,7 @@ study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
 test: lint
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto
 
 bench: .venv/ready
 	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[bench]"
