@@ -79,6 +79,7 @@ load_dependent_friction = Effect(
     title="Dry friction that grows with the torque that the transmission carries",
     forces={e: _coefficient.symbol * Abs(load) * sign(de)},
     parameters=(_coefficient,),
+    proper=_coefficient.symbol < 0.5,  # more would lock the gear; it is the torque explaining itself
     citation="Hamon, Gautier and Garrec 2010",
     needs="loads that vary as much as they are large, moved in both directions",
     confounders=("coulomb", "viscous", "position_dependent_friction"),
