@@ -11,8 +11,9 @@ from flexmodels.gearing import Transmission
 from flexmodels.robot import Processing
 from flexmodels.robot_file import load_robot
 from pyident import conditioned_file, log_file
+from pyident.conditioned import Conditioned
 from pyident.conditioned_file import ConditionedFile, prepared
-from pyident.conditioning import Conditioned, condition
+from pyident.conditioning import condition
 from pyident.identify import identify
 from pyident.log import Log, LogError, write_log
 from pyident.log_import import open_robot_log, robot_log

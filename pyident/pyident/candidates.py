@@ -7,7 +7,7 @@ import numpy as np
 
 from flexmodels.effect import Effect
 from flexmodels.effects import CATALOGUE
-from flexmodels.robot import Robot, RobotError
+from flexmodels.robot import Robot, RobotError, parameter_name
 from pyident.law_columns import effect_columns, nonlinear_grid
 from pyident.spectra import Equations
 
@@ -54,6 +54,12 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
 def law_of(robot: Robot, candidate: Candidate) -> Effect:
     """The law as it would act at its joint."""
     return robot.joints[candidate.joint - 1].law(candidate.effect)
+
+
+def with_law(robot: Robot, candidate: Candidate) -> Robot:
+    """The robot with the law, its nonlinear parameters at the candidate's values."""
+    values = {parameter_name(candidate.joint, candidate.effect, name): v for name, v in candidate.values}
+    return robot.with_effect(candidate.joint, candidate.effect).with_parameters(values)
 
 
 def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:

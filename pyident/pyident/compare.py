@@ -1,7 +1,6 @@
 """How much a model fails, where, and how much of that is the method's own doing."""
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,8 +9,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.breakdown import Bin, breakdown, joint_of
-from pyident.conditioning import thin
+from pyident.filters import thin
 from pyident.log import Log
+from pyident.replica import OpenWorkers
 from pyident.trial import TIP, Part, Progress, Trial, on_trial, run_trial
 
 REPLICAS = 6
@@ -20,8 +20,6 @@ _MATTERS = 1.25  # times the floor: less is not worth a sentence
 _CARRIES = 0.1  # of the equation's excess that the named part must hold
 _SAMPLES = 0.02  # of the data that it must hold
 _OF_SIGNAL = 5e-4  # of the equation's signal that its excess must reach
-
-Open = Callable[[Robot], AbstractContextManager[Any]]
 
 
 @dataclass(frozen=True)
@@ -115,7 +113,7 @@ class Comparison:
 
 
 def compare(
-    robot: Robot, logs: Sequence[Log], open_workers: Open, progress: Progress, replicas: int = REPLICAS
+    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, replicas: int = REPLICAS
 ) -> Comparison:
     """Hold an identified robot, with the parameters that it has, against logs.
 

@@ -20,7 +20,6 @@ import numpy as np
 from flexmodels.robot import Processing, Robot
 from pyident.conditioned import Conditioned
 from pyident.filters import settling, without_phase
-from pyident.filters import thin as thin
 from pyident.log import Log, LogError, Sampled, require
 from pyident.motion import Motion
 

@@ -14,18 +14,18 @@ import numpy as np
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
-from pyident.candidates import bounds, law_of
+from pyident.candidates import law_of
 from pyident.detectable import limits, rows_over_floor
 from pyident.diagnosis import Diagnosis, Finding, Named, Stage
-from pyident.evidence import gain
 from pyident.examination import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.followup import OpenRivals, with_dependences, with_experiments
 from pyident.heldout import left_over, whitened_heldout
 from pyident.integrity import integrity
 from pyident.log import Log, LogError
+from pyident.replica import OpenWorkers
 from pyident.search import Found, Search, Step
 from pyident.selection import MATERIAL, Selection, select
-from pyident.signature import OpenWorkers, Trace, law_values, traces
+from pyident.signature import Trace, law_values, traces
 from pyident.spectra import Equations
 from pyident.verdict import asked_for, place_of, sentence_of, verdict_of
 
@@ -221,8 +221,7 @@ def _orders_of(step: Step) -> str:
 
 def _beside(search: Search, found: Found) -> Named:
     """A candidate by itself, and what it would still take away beside those that the search rests on."""
-    left = gain(search.base, search.columns(found.candidate), *bounds(search.robot, found.candidate)).energy
-    excess = max(left - found.pretended, 0.0)
+    excess = max(search.gain_of(found.candidate).energy - found.pretended, 0.0)
     return replace(named(search, found), beside_percent=_percent(excess, search))
 
 

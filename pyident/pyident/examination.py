@@ -70,6 +70,11 @@ class Examination:
     count: np.ndarray
 
     @property
+    def floor_energies(self) -> np.ndarray:
+        """(n,) energy that replicas leave on each equation, on average."""
+        return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
+
+    @property
     def levels(self) -> list[np.ndarray]:
         return [self.floor.at(log.band) for log in self.logs]
 

@@ -17,14 +17,14 @@ import numpy as np
 from flexmodels.robot import Robot, RobotError
 from pyident.breakdown import mean_square_over_floor
 from pyident.candidates import Candidate, bounds, columns
-from pyident.compare import Error, LogErrors, Open, log_errors
+from pyident.compare import Error, LogErrors, log_errors
 from pyident.conditioning import condition
 from pyident.evidence import gain, solve_base
 from pyident.examination import Setting, set_up, unbiased
 from pyident.law_columns import nonlinear_grid
 from pyident.log import Log, LogError
 from pyident.refine import refined
-from pyident.replica import repeat
+from pyident.replica import OpenWorkers, repeat
 from pyident.spectra import equations
 from pyident.trial import Part, Progress, Trial, run_trial
 
@@ -123,7 +123,7 @@ def add_effect(
     effect: str,
     logs: Sequence[Log],
     heldout: Sequence[Log],
-    open_workers: Open,
+    open_workers: OpenWorkers,
     progress: Progress,
 ) -> Extended:
     """Fit `robot` with one more law at `joint` (from 1) and judge it on data that were held out.
@@ -156,7 +156,7 @@ class _Fit:
         )
 
 
-def _fitted(robot: Robot, parts: Split, open_workers: Open, progress: Progress) -> _Fit:
+def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
     setting = set_up(robot, parts.fitted)
     with open_workers(setting.simulated) as workers:

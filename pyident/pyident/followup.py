@@ -6,11 +6,12 @@ from dataclasses import replace
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
-from pyident.candidates import Candidate
+from pyident.candidates import Candidate, with_law
 from pyident.diagnosis import Diagnosis, Finding, Named
 from pyident.examination import set_up, steadied
 from pyident.experiments import SimulateAll, separating, variants
 from pyident.log import LogError
+from pyident.replica import OpenWorkers
 from pyident.search import Search
 from pyident.symbolic import Draft, symbolic_law
 from pyident.unexplained import depends_on
@@ -63,12 +64,11 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
     setting = search.examination.setting
     robot = setting.simulated
     for c in chosen:
-        names = {f"joint{c.joint}.{c.effect}.{name}": value for name, value in c.values}
-        robot = robot.with_effect(c.joint, c.effect).with_parameters(names)
+        robot = with_law(robot, c)
     return steadied(set_up(robot, setting.logs)).simulated
 
 
-def with_dependences(search: Search, found: Diagnosis, open_workers: Callable, draft: bool) -> Diagnosis:
+def with_dependences(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
     with open_workers(examination.setting.simulated) as workers:

@@ -14,7 +14,7 @@ from pyident.spectra import Equations
 def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
     """The equations of logs that were not used, over the floor of those that were. Raises LogError."""
     ex = search.examination
-    return [e for log in heldout for e in whitened(ex.setting.robot, [log], ex.floor)]
+    return whitened(ex.setting.robot, heldout, ex.floor)
 
 
 def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:

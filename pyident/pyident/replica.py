@@ -6,7 +6,9 @@ motion under a stabilising controller with the measured torque fed forward.
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,6 +19,7 @@ from flexmodels.robot import Controller, Robot
 from pyident.log import Log
 from pyident.regressor import Motion, regressor
 
+OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]  # processes that hold a robot's FMU
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
 _NOISE_BAND = 0.8  # of the Nyquist frequency: above, a log that differs from its simulation differs by noise

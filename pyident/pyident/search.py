@@ -147,7 +147,7 @@ class Search:
         tie = [best]
         if near:
             beside = extended(self.base, self.columns(best.candidate))
-            tie += [f for f in near if self._of(beside, f.candidate).energy < _KEPT * f.gain.energy]
+            tie += [f for f in near if self.gain_of(f.candidate, beside).energy < _KEPT * f.gain.energy]
         tie = self._simplest_first(tie)
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
@@ -160,7 +160,9 @@ class Search:
                 first = f
         return [first, *(f for f in tie if f is not first)]
 
-    def _of(self, base: Base, candidate: Candidate) -> Gain:
+    def gain_of(self, candidate: Candidate, base: Base | None = None) -> Gain:
+        """What a candidate explains of a base's residual; none: of the present base's."""
+        base = base or self.base
         return gain(base, self.columns(candidate), *bounds(self.robot, candidate))
 
     def p_value(self, found: Found) -> float:
@@ -178,7 +180,7 @@ class Search:
     @property
     def floor_energy(self) -> float:
         """Energy of the residual that replicas leave on average."""
-        return float(self._floor_energies.sum())
+        return float(self.examination.floor_energies.sum())
 
     @property
     def excess(self) -> float:
@@ -217,12 +219,7 @@ class Search:
 
     def _beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         left = sum(float(np.square(r[rows]).sum()) for r in base.residual)
-        return max(left - float(self._floor_energies[rows].sum()), 0.0)
-
-    @property
-    def _floor_energies(self) -> np.ndarray:
-        ex = self.examination
-        return (ex.replica_energy.mean(axis=0) * ex.count).sum(axis=1)
+        return max(left - float(self.examination.floor_energies[rows].sum()), 0.0)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.mean[family])
@@ -233,10 +230,10 @@ class Search:
         listed = self.examination.candidates
 
         def explained(candidate: Candidate) -> float:
-            return self._of(self.base, candidate).energy
+            return self.gain_of(candidate).energy
 
         better = refined(self.robot, found.candidate, listed, explained)
-        taken = self._of(self.base, better)
+        taken = self.gain_of(better)
         return self._found(better, taken, family) if self._proper(better, taken) else found
 
 

@@ -8,8 +8,7 @@ equation and band by band, and its course more than that of any other law. Not a
 itself starts from noise.
 """
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +16,12 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot
-from pyident.candidates import Candidate, law_of
+from flexmodels.robot import Robot, parameter_name
+from pyident.candidates import Candidate, law_of, with_law
 from pyident.evidence import solve_base
 from pyident.examination import Setting, energy, replica_of, set_up, unbiased, whitened
 from pyident.log import Log
-from pyident.replica import Repeat, repeat
+from pyident.replica import OpenWorkers, Repeat, repeat
 from pyident.search import ALPHA, Search
 from pyident.spectra import Floor
 
@@ -34,7 +33,6 @@ _ROUNDS, _PROBES = 4, 2  # of the removal of the bias
 _TRIALS = 6  # of the nonlinear parameter of the best law
 _RANGE = 2.5  # times and parts of what the regression found for it
 
-OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Residuals = list[np.ndarray]  # per log (n, E), over the floor
 
 
@@ -78,8 +76,7 @@ def traces(search: Search, heldout: Sequence[Log], open_workers: OpenWorkers) ->
 def _suspects(search: Search) -> list[Candidate]:
     """Laws on the equation with the largest excess that explain more of it than replicas pretend."""
     ex = search.examination
-    floor = (ex.replica_energy.mean(axis=0) * ex.count).sum(axis=1)
-    row = int(np.argmax(sum(np.square(r).sum(axis=1) for r in ex.base.residual) - floor))
+    row = int(np.argmax(sum(np.square(r).sum(axis=1) for r in ex.base.residual) - ex.floor_energies))
     if row < len(search.robot.joints):
         return []
     joint = int(search.robot.coordinates[row].split(".")[0].removeprefix("joint"))
@@ -104,10 +101,7 @@ class _Judge:
 
     def trace(self, candidate: Candidate) -> Trace | None:
         """None where the model with the law cannot be simulated."""
-        joint, effect = candidate.joint, candidate.effect
-        wider = self.search.examination.setting.simulated.with_effect(joint, effect)
-        wider = wider.with_parameters({f"joint{joint}.{effect}.{n}": v for n, v in candidate.values})
-        setting = set_up(wider, self.setting.logs)
+        setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
         others = tuple(repeat(setting.robot, log)[1] for log in self.heldout)
         try:
             with self.open_workers(setting.simulated) as workers:
@@ -165,15 +159,15 @@ def _distance(data: Residuals, signatures: Sequence[Residuals] = ()) -> float:
 
 def _elsewhere(plain: Robot, logs: Sequence[Log], level: Floor, p: np.ndarray) -> Residuals:
     """Residuals in logs to which p was not fitted."""
-    return [e.y - e.A @ p for log in logs for e in whitened(plain, [log], level)]
+    return [e.y - e.A @ p for e in whitened(plain, logs, level)]
 
 
 def law_values(trace: Trace) -> tuple[dict[str, float], dict[str, float]]:
     """Values and standard deviations of a trace's law."""
     c, setting = trace.candidate, trace.setting
-    prefix = f"joint{c.joint}.{c.effect}."
     law = law_of(setting.robot, c)
-    values = {p.name: setting.robot.parameters[prefix + p.name] for p in law.parameters}
+    names = {p.name: parameter_name(c.joint, c.effect, p.name) for p in law.parameters}
+    values = {name: setting.robot.parameters[full] for name, full in names.items()}
     columns, std = setting.reduced.columns, setting.solution.std
-    known = {p.name: float(std[columns.index(prefix + p.name)]) for p in law.linear}
+    known = {p.name: float(std[columns.index(names[p.name])]) for p in law.linear}
     return values, known | {p.name: float("inf") for p in law.nonlinear}

@@ -15,7 +15,7 @@ from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
 from flexmodels.robot import Processing, Robot
-from pyident.conditioning import Conditioned
+from pyident.conditioned import Conditioned
 from pyident.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged

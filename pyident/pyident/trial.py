@@ -14,7 +14,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident import replica
-from pyident.conditioning import Conditioned, condition
+from pyident.conditioned import Conditioned
+from pyident.conditioning import condition
 from pyident.indirect import seen
 from pyident.log import Log
 from pyident.physical import consistent

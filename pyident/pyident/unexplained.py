@@ -77,7 +77,7 @@ def depends_on(
     workers   processes that hold the fitted robot's FMU; none: replicas are taken as noise of their floor
     """
     base = base or examination.base
-    floor = (examination.replica_energy.mean(axis=0) * examination.count).sum(axis=1)
+    floor = examination.floor_energies
     total = max(base.energy - float(floor.sum()), 1e-300)
     found: list[Dependence] = []
     spectra: list[Spectrum] = []

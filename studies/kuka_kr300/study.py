@@ -9,9 +9,10 @@ import pandas as pd
 
 from flexmodels.robot import Robot
 from flexmodels.robot_file import load_robot
-from pyident.conditioning import condition, thin
+from pyident.conditioning import condition
 from pyident.data import fetch, shipped_mapping
 from pyident.estimate import estimate
+from pyident.filters import thin
 from pyident.instruments import STRONG, two_stage
 from pyident.log import Log, LogError
 from pyident.log_import import import_log

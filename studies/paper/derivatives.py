@@ -7,7 +7,8 @@ import pandas as pd
 
 from flexmodels.robot import Robot
 from pyident import conditioning
-from pyident.conditioning import Conditioned, condition
+from pyident.conditioned import Conditioned
+from pyident.conditioning import condition
 from pyident.estimate import estimate
 from pyident.log import Log
 from pyident.problem import Problem
