@@ -29,6 +29,7 @@ STRIBECK = Named(
     {"level": "N.m", "velocity": "rad/s"},
     91.5,
     beside_percent=0.0,
+    nonlinear=("velocity",),
 )
 PRESLIDING = Named(
     "presliding",

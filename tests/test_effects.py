@@ -300,7 +300,7 @@ def test_every_law_says_what_it_is():
 def test_grids_and_coverage_follow_the_motion():
     robot, rng = load_robot(TWO_LINK), np.random.default_rng(0)
     motion = Motion(*(rng.normal(size=(400, 8)) for _ in range(3)))
-    velocities = [values["velocity"] for values in nonlinear_grid(robot, 1, "stribeck", motion)]
+    velocities = [values["velocity"] for values in nonlinear_grid(robot, 1, "stribeck", [motion])]
     rms = np.sqrt(np.mean(motion.dq[:, 0] ** 2))
     np.testing.assert_allclose(velocities, rms * np.array([0.02, 0.05, 0.1, 0.2, 0.4]))
     share = np.mean(np.abs(motion.dq[:, 0]) < 0.3) / 0.05

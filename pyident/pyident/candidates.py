@@ -36,12 +36,13 @@ class Candidate:
 def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
     """Every effect that the robot does not have yet, over the grid of its nonlinear parameters."""
     found = []
+    motions = [log.part.motion for log in logs]
     for joint, present in robot.numbered:
         for effect in CATALOGUE.values():
             if effect.base or effect.name in present.values:
                 continue
             try:
-                grid = nonlinear_grid(robot, joint, effect.name, logs[0].part.motion)
+                grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
             scopes = range(len(logs)) if effect.body else (None,)

@@ -1,14 +1,17 @@
 """What the data could have shown: every effect's smallest detectable amplitude; and where they stand out."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from pyident.candidates import law_of
+from flexmodels.robot import Robot, parameter_name
+from pyident.candidates import Candidate, law_of
 from pyident.diagnosis import Limit, Row
+from pyident.evidence import Gain
 from pyident.examination import EDGES, Examination
 from pyident.law_columns import coverage, effect_columns
 from pyident.search import Search
+from pyident.spectra import Equations
 
 _IMITATED = 0.01  # share of a column that the base must leave, else it is not seen
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
@@ -17,31 +20,33 @@ BALANCES = {"e": "motor", "eps[1]": "transmission", "eps[2]": "link", "eps[3]": 
 
 def limits(search: Search, material: float) -> Iterator[Limit]:
     """One per effect and joint of the search; material: least gain that is named, over the floor's energy."""
-    ex, robot = search.examination, search.robot
-    motion = ex.logs[0].part.motion
+    ex = search.examination
     for number, at in enumerate(search.families.values()):
-        gains = [ex.gains[i] for i in at]
-        best = min(range(len(at)), key=lambda j: float(gains[j].std[0]))
-        c = ex.candidates[at[best]]
-        if c.log not in (None, 0):
-            continue
-        law = law_of(robot, c)
-        needed = np.sqrt(search.needed(number, material))
-        smallest = {p.name: float(needed * s) for p, s in zip(law.linear, gains[best].std, strict=True)}
-        share = _share(search, at[best], smallest[law.linear[0].name])
-        seen = coverage(robot, c.joint, c.effect, motion, dict(c.values))
-        reason = ""
-        if gains[best].left < _IMITATED:
-            reason = "the model's own parameters imitate it in these logs"
-        elif seen is not None and seen < 1:
-            reason = f"the logs do not cover what it needs: {law.needs}"
-        elif share > _WHOLE:
-            reason = "it would have to be larger than all else on its equation to be seen"
-        units = robot.with_effect(c.joint, c.effect).units
-        names = {p.name: units[f"joint{c.joint}.{c.effect}.{p.name}"] for p in law.linear}
-        yield Limit(
-            c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else ""
-        )
+        best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
+        c = ex.candidates[best]
+        if c.log in (None, 0):
+            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number, material))
+
+
+def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed: float) -> Limit:
+    """A candidate's limit along a log's motion. needed: gain that it would be named for."""
+    law = law_of(robot, c)
+    amplitudes = zip(law.linear, np.sqrt(needed) * explained.alone, strict=True)
+    smallest = {p.name: float(size) for p, size in amplitudes if np.isfinite(size)}
+    share = _share(robot, log, c, smallest)
+    seen = coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
+    reason = ""
+    if explained.left < _IMITATED:
+        reason = "the model's own parameters imitate it in these logs"
+    elif seen is not None and seen < 1:
+        reason = f"the logs do not cover what it needs: {law.needs}"
+    elif share > _WHOLE:
+        reason = "it would have to be larger than all else on its equation to be seen"
+    units = robot.with_effect(c.joint, c.effect).units
+    names = {name: units[parameter_name(c.joint, c.effect, name)] for name in smallest}
+    return Limit(
+        c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else ""
+    )
 
 
 def rows_over_floor(ex: Examination) -> list[Row]:
@@ -62,16 +67,16 @@ def rows_over_floor(ex: Examination) -> list[Row]:
     return out
 
 
-def _share(search: Search, candidate: int, amplitude: float) -> float:
-    """rms of the first column at this amplitude, of the rms of its row's own torque [%]."""
-    ex, robot = search.examination, search.robot
-    c = ex.candidates[candidate]
-    log = ex.logs[c.log or 0]
+def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, float]) -> float:
+    """rms of the least of the parameters' forces, of the rms of its row's own torque [%]."""
     slopes = effect_columns(robot, c.joint, c.effect, log.part.motion, dict(c.values))
-    row, column = next(iter(next(iter(slopes.values())).items()))
-    if row < len(robot.joints):
-        own = log.part.target[:, row]
-    else:
-        coordinate = robot.coordinates[row]
-        own = robot.parameters[coordinate.replace("eps", "k")] * log.part.motion.q[:, row]
-    return float(100 * amplitude * np.sqrt(np.mean(column**2) / np.mean(own**2)))
+    found = []
+    for name, amplitude in smallest.items():
+        row, column = next(iter(slopes[name].items()))
+        if row < len(robot.joints):
+            own = log.part.target[:, row]
+        else:
+            coordinate = robot.coordinates[row]
+            own = robot.parameters[coordinate.replace("eps", "k")] * log.part.motion.q[:, row]
+        found.append(100 * amplitude * float(np.sqrt(np.mean(column**2) / max(np.mean(own**2), 1e-300))))
+    return min(found, default=float("inf"))

@@ -18,7 +18,7 @@ from pyident.candidates import law_of
 from pyident.detectable import limits, rows_over_floor
 from pyident.diagnosis import Diagnosis, Finding, Named, Stage
 from pyident.examination import REPLICAS, Setting, examine, set_up, steadied, unbiased
-from pyident.followup import OpenRivals, with_dependences, with_experiments
+from pyident.followup import OpenRivals, with_dependences, with_experiments, with_revealing
 from pyident.heldout import left_over, whitened_heldout
 from pyident.integrity import integrity
 from pyident.log import Log, LogError
@@ -54,7 +54,8 @@ def diagnose(
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
         found = with_dependences(search, found, open_workers, draft)
-    found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.15 * share))
+    found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.1 * share))
+    found = with_revealing(search, found, open_workers, lambda share: progress(0.95 + 0.05 * share))
     progress(1.0)
     return replace(found, notes=(*notes, *found.notes))
 
@@ -139,7 +140,8 @@ def _traced(search: Search, trace: Trace) -> Named:
     values, std = law_values(trace)
     c, robot = trace.candidate, trace.setting.robot
     units = {name: robot.units[f"joint{c.joint}.{c.effect}.{name}"] for name in values}
-    return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained)
+    fixed = tuple(name for name, _ in c.values)
+    return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained, nonlinear=fixed)
 
 
 def _finding(search: Search, selection: Selection, number: int, held: Sequence[Equations]) -> Finding:
@@ -176,6 +178,7 @@ def named(search: Search, found: Found) -> Named:
         units={p.name: units[prefix + p.name] for p in law.parameters},
         gain_percent=_percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
+        nonlinear=tuple(name for name, _ in c.values),
     )
 
 

@@ -12,6 +12,7 @@ class Named:
     """An effect at a joint with the parameters that fit best.
 
     values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined)
+    nonlinear      the parameters that enter the law nonlinearly
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself
     log            the only log in which it acts, None: all
@@ -26,6 +27,7 @@ class Named:
     gain_percent: float
     log: str | None = None
     beside_percent: float | None = None
+    nonlinear: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -44,11 +44,17 @@ class Base:
 
 @dataclass(frozen=True)
 class Gain:
-    """What K columns explain. coefficients, std (K,); left: least share that the base cannot imitate."""
+    """What K columns explain.
+
+    coefficients, std   (K,); std inf: the base, or the other columns, imitate this one
+    alone               (K,) standard deviation of each column's coefficient without the others
+    left                largest share of a combination of them that the base cannot imitate
+    """
 
     energy: float
     coefficients: np.ndarray
     std: np.ndarray
+    alone: np.ndarray
     left: float
 
 
@@ -137,11 +143,13 @@ def extended(base: Base, columns: Columns) -> Base:
 
 def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
     size = np.sqrt(np.maximum(np.diag(full), 1e-300))
+    own = np.diag(G) / size**2
+    alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
     w, V = np.linalg.eigh(G / np.outer(size, size))
     left = float(w[-1])
     kept = w > _IMITATED
     if not kept.any():
-        return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), left)
+        return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), alone, left)
     half = V[:, kept] * np.sqrt(w[kept])  # G = half halfᵀ, in scaled columns
     target = V[:, kept].T @ (g / size) / np.sqrt(w[kept])
     x = V[:, kept] @ (target / np.sqrt(w[kept])) / size
@@ -150,5 +158,6 @@ def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upp
         x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
     z = half.T @ (x * size)
     spread = V[:, kept] / np.sqrt(w[kept])
-    std = np.sqrt(np.square(spread).sum(axis=1)) / size
-    return Gain(float(2 * z @ target - z @ z), x, std, left)
+    open = np.square(V[:, ~kept]).sum(axis=1) > _IMITATED
+    std = np.where(open, np.inf, np.sqrt(np.square(spread).sum(axis=1)) / size)
+    return Gain(float(2 * z @ target - z @ z), x, std, alone, left)

@@ -17,7 +17,7 @@ from pyident.problem import Problem
 from pyident.replica import Repeat, repeat
 from pyident.sensor_noise import sensor_noise
 from pyident.solve import Reduced, Solution, reduce, solve, solve_weighted
-from pyident.spectra import Equations, Floor, equations, floor
+from pyident.spectra import Band, Equations, Floor, equations, floor
 
 REPLICAS = 20
 PROBES = 4  # replicas that show the bias of the fit ...
@@ -129,7 +129,7 @@ def steadied(setting: Setting) -> Setting:
 def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
     """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
     robot, logs = setting.robot, setting.logs
-    jobs = [workers.submit(_replica, setting, seed) for seed in range(count)]
+    jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
     for i, job in enumerate(jobs):
         made, found, left = job.result()
@@ -182,7 +182,7 @@ def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
     return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p
 
 
-def _replica(fmu: Any, setting: Setting, seed: int):
+def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
     """Logs of one replica, their bands and the residuals that the regression leaves."""
     made = replica_of(fmu, setting, setting.repeats, seed)
     logs = _equations(setting.robot, made)

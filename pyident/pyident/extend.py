@@ -178,7 +178,7 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
     robot = setting.robot
     logs = setting.logs
     parts = [condition(log, robot) for log in logs]
-    grid = nonlinear_grid(robot, joint, effect, parts[0].motion)
+    grid = nonlinear_grid(robot, joint, effect, [part.motion for part in parts])
     listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
     if not listed[0].values:
         return wider

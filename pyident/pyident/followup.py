@@ -1,4 +1,4 @@
-"""What a verdict leads to: the experiment that separates rivals, and what an unexplained residual shows."""
+"""What a verdict leads to: experiments that separate rivals or show a law, leads on the unexplained."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -12,7 +12,9 @@ from pyident.examination import set_up, steadied
 from pyident.experiments import SimulateAll, separating, variants
 from pyident.log import LogError
 from pyident.replica import OpenWorkers
+from pyident.revealing import revealing
 from pyident.search import Search
+from pyident.selection import MATERIAL
 from pyident.symbolic import Draft, symbolic_law
 from pyident.unexplained import depends_on
 
@@ -43,6 +45,19 @@ def with_experiments(
             continue  # no experiment to vary, or a rival that cannot run: the laws' own words stay
         findings[i] = replace(finding, experiment=f"{sentence}; {finding.experiment}")
     return replace(found, findings=tuple(findings))
+
+
+def with_revealing(
+    search: Search, found: Diagnosis, open_workers: OpenWorkers, progress: Callable[[float], None]
+) -> Diagnosis:
+    """Every law that these logs cannot show with the motion that would, found by simulating the model."""
+    if not any(limit.reason for limit in found.limits):
+        return found
+    try:
+        with open_workers(search.examination.setting.simulated) as workers:
+            return replace(found, limits=tuple(revealing(search, found.limits, MATERIAL, workers, progress)))
+    except (RobotError, LogError):
+        return found  # no experiment to vary: the laws' own words stay
 
 
 def _separating(

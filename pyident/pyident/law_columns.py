@@ -1,6 +1,6 @@
 """Columns that one more law would add to Φ, for a search over laws and over their nonlinear parameters."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -32,21 +32,24 @@ def effect_columns(
     return columns
 
 
-def nonlinear_grid(robot: Robot, joint: int, effect_name: str, motion: Motion) -> list[dict[str, float]]:
+def nonlinear_grid(
+    robot: Robot, joint: int, effect_name: str, motions: Sequence[Motion]
+) -> list[dict[str, float]]:
     """The values that a search tries first: every combination of the grids, in the parameters' units.
 
+    motions   of the logs, over all of which a signal's size is taken
     A law without nonlinear parameters has one, the empty one. Raises as `effect_columns` does.
     """
     law, _ = _acting(robot, joint, effect_name, {})
-    known = Signals(robot, motion)
+    known = [Signals(robot, motion) for motion in motions]
     grids = []
     for p in law.nonlinear:
         size = 1.0
         if p.scale is not None:
-            name = known.named(joint, str(p.scale))
-            if name not in known.after:
+            name = known[0].named(joint, str(p.scale))
+            if name not in known[0].after:
                 raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
-            size = float(np.sqrt(np.mean(known.after[name] ** 2)))
+            size = float(np.sqrt(np.mean(np.concatenate([signals.after[name] for signals in known]) ** 2)))
         grids.append([(p.name, min(max(value * size, p.lower), p.upper)) for value in p.grid])
     return [dict(values) for values in product(*grids)]
 

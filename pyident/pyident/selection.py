@@ -14,9 +14,10 @@ from pyident.constancy import changes_with
 from pyident.search import ALPHA, Found, Search, Step
 
 MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
-EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two or three effects
+EXPLAINED = (0.65, 0.65, 0.8)  # of the excess, by a set of one, two, three or more effects
 PART = 0.1  # of the excess: what each must contribute
-OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away
+OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away ...
+WHOLE = 0.95  # ... or, where that is less than a part of what did, this much of what still exceeds the floor
 MOST = 4  # effects at once
 ORDERS = 2  # further ones of a periodic law ...
 ORDER = 0.3  # of what still exceeds the floor on its equations: ... that each must take away
@@ -109,13 +110,14 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
 
 
 def _standing(search: Search, steps: list[Step]) -> list[Step]:
-    """With the further effects that stand by themselves."""
+    """With the further effects that stand by themselves, where all together explain enough."""
     while len(steps) < MOST:
         search.rest_on(_candidates(steps))
         step = search.step()
         named = {f.candidate.family for s in steps for f in s.tie}
-        others = (f for f in step.ranked if f.candidate.family not in named)
-        further = next((f for f in others if _counts(search, f) and _owns(search, f)), None)
+        others = [f for f in step.ranked if f.candidate.family not in named and _counts(search, f)]
+        allowed = search.remaining - (1 - EXPLAINED[-1]) * search.excess
+        further = next((f for f in others if f.excess >= allowed and _owns(search, f)), None)
         if further is None:
             return steps
         steps = [*steps, search.led_by(further, step.ranked)]
@@ -135,6 +137,7 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
             continue
         named = {s.best.candidate.family for s in others}
         rivals = [f for f in step.ranked if f.candidate.joint == again.candidate.joint and _counts(search, f)]
+        rivals = [f for f in rivals if f is again or _owns(search, f)]
         best = next(f for f in rivals if f.candidate.family not in named)
         orders = old.orders if best.candidate.family == family else ()
         new = replace(search.led_by(best, step.ranked), orders=orders)
@@ -160,9 +163,13 @@ def _counts(search: Search, found: Found) -> bool:
 
 
 def _owns(search: Search, found: Found) -> bool:
-    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did."""
-    rows = search.rows(found.candidate)
-    return _takes(search, found, OWN) and found.excess >= PART * search.excess_on(rows)
+    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
+
+    A small one must leave nothing anywhere: beside an inexact law it may be that law's remainder.
+    """
+    if found.excess >= PART * search.excess_on(search.rows(found.candidate)):
+        return _takes(search, found, OWN)
+    return found.excess >= WHOLE * search.remaining
 
 
 def _takes(search: Search, found: Found, share: float) -> bool:

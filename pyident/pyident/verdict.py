@@ -6,11 +6,13 @@ from flexmodels.robot import Robot
 from pyident.candidates import Candidate, law_of
 from pyident.diagnosis import Finding, VerdictName
 
+_NEARLY_ALL = 0.9  # of the excess
+
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
     """stands_out: whether the residual exceeds the replicas' by far."""
     if findings:
-        return "missing_effect" if len(findings[0].tie) == 1 else "cannot_tell"
+        return "missing_effect" if all(len(f.tie) == 1 for f in findings) else "cannot_tell"
     return "unexplained" if stands_out else "nothing_detectable"
 
 
@@ -39,6 +41,7 @@ def sentence_of(
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
     names = " and ".join(" or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings)
     share = f"{100 * min(explained, 1.0):.0f} % of what exceeds the floor"
+    rest = "" if explained >= _NEARLY_ALL else "; the rest is unexplained"
     if verdict == "cannot_tell":
-        return f"Missing: {names}; these logs cannot tell which. It explains {share}."
-    return f"Missing: {names}. Together with the model's own parameters it explains {share}."
+        return f"Missing: {names}; these logs cannot tell which. It explains {share}{rest}."
+    return f"Missing: {names}. Together with the model's own parameters it explains {share}{rest}."

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 from pyident.diagnosis import Diagnosis, Finding, Limit, Named, Row
 from pyident.report.diagnosis_figures import band_name, colour, row_name
@@ -44,7 +43,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class ParameterRow:
-    """A parameter as the page shows it; `interval` is empty where none is known."""
+    """A parameter as the page shows it; `interval` says so where none is known."""
 
     name: str
     value: str
@@ -73,7 +72,8 @@ def parameters(d: Diagnosis) -> list[tuple[Named, list[ParameterRow]]]:
 
 def _row(n: Named, name: str) -> ParameterRow:
     value, std = n.values[name], n.std[name]
-    return ParameterRow(name, measured(value, std), interval(value, std), unit(n.units[name]))
+    known = interval(value, std) or ("best fit" if name in n.nonlinear else "not determined by itself")
+    return ParameterRow(name, measured(value, std), known, unit(n.units[name]))
 
 
 def found_twice(d: Diagnosis) -> list[Named]:
@@ -131,9 +131,5 @@ def _rivals(best: Named, others: Sequence[Named]) -> tuple[Named, ...]:
 
 def _name(n: Named) -> str:
     """With the nonlinear values, which tell apart two of a kind."""
-    fixed = [
-        f"{name} {number(v)} {unit(n.units[name])}".strip()
-        for name, v in n.values.items()
-        if not isfinite(n.std[name])
-    ]
+    fixed = [f"{name} {number(n.values[name])} {unit(n.units[name])}".strip() for name in n.nonlinear]
     return f"{n.effect} at {n.joint}" + (f" ({', '.join(fixed)})" if fixed else "")
