@@ -22,6 +22,13 @@ def four_link_fmu(four_link, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def fmus(four_link, four_link_fmu, tmp_path_factory):
+    """The FMU by version of the standard, with derivatives."""
+    newer = tmp_path_factory.mktemp("fmu3") / "four_link.fmu"
+    return {2: four_link_fmu, 3: export_fmu(equations(four_link), newer, fmi=3)}
+
+
+@pytest.fixture(scope="session")
 def identification_log(four_link, four_link_fmu):
     """Noise-free log of the paper's identification experiment."""
     with LoadedFmu(four_link_fmu) as fmu:

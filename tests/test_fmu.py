@@ -1,67 +1,28 @@
-"""The FMU as a citizen: both standards, both kinds, states, derivatives, refusals, energy."""
+"""The FMU as a citizen: its contents, both standards, both kinds, states, the recorded run."""
 
-import ctypes
 import io
 import zipfile
-from typing import Any
 
 import matplotlib.image
 import numpy as np
 import pandas as pd
 import pytest
-from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2EventInfo
-from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
+from fmpy import simulate_fmu
+from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
+from fmu_by_hand import Opened
 
-from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu, _callbacks
+from flexfmu.simulate import LoadedFmu
 from flexfmu.variables import arrays, base_units, states, variables
-from flexmodels.experiment import Experiment, identification
+from flexmodels.experiment import identification
 from flexmodels.plant import equations
 
 TIP = ["tip.x", "tip.y", "tip.z"]
 
 
 @pytest.fixture(scope="module")
-def fmus(four_link, tmp_path_factory):
-    """Both versions, with derivatives."""
-    folder, eq = tmp_path_factory.mktemp("fmus"), equations(four_link)
-    return {fmi: export_fmu(eq, folder / f"arm{fmi}.fmu", fmi=fmi) for fmi in (2, 3)}
-
-
-@pytest.fixture(scope="module")
 def plan(four_link):
     return identification(four_link, duration=0.5)
-
-
-class Opened:
-    """An instance driven by hand through FMPy's thin layer."""
-
-    def __init__(self, path, kind, reference):
-        self.description = read_model_description(str(path))
-        assert self.description.coSimulation is not None
-        self.vr = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.fmu = kind(
-            guid=self.description.guid,
-            unzipDirectory=str(extract(str(path))),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="arm",
-        )
-        self.start(reference)
-
-    def start(self, reference):
-        self.fmu.instantiate()
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-        self.set({f"joint{k + 1}.r": r for k, r in enumerate(reference)})
-        self.fmu.exitInitializationMode()
-
-    def set(self, values):
-        self.fmu.setReal([self.vr[n] for n in values], list(values.values()))
-
-    def get(self, names):
-        return np.array(self.fmu.getReal([self.vr[n] for n in names]))
 
 
 def test_descriptions_are_valid(fmus):
@@ -164,100 +125,6 @@ def test_steps_of_any_length_are_accepted(fmus):
     assert opened.get(["joint1.e"]) == pytest.approx(0.1, abs=0.02)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("joint1.k[1]", -1.0),
-        ("joint2.J_m", 0.0),
-        ("link2.m", -0.1),
-        ("joint3.coulomb", float("nan")),
-        ("joint1.e", 0.3),
-    ],
-)
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_wrong_values_are_refused_with_a_sentence(fmus, fmi, name, value):
-    said = []
-    opened = OPENED[fmi](fmus[fmi], said)
-    vr = opened.vr[name]
-    before = opened.read(vr)
-    with pytest.raises(Exception, match="status"):
-        opened.write(vr, value)
-    assert opened.read(vr) == before
-    assert len(said) == 1
-    assert name in said[0]
-    assert said[0].endswith(".")
-
-
-class Listening2:
-    """FMI 2.0 co-simulation in initialisation mode, with what the FMU logs."""
-
-    def __init__(self, path, said):
-        description = read_model_description(str(path))
-        assert description.coSimulation is not None
-        self.vr = {v.name: v.valueReference for v in description.modelVariables}
-        self.fmu = self.kind(
-            guid=description.guid,
-            unzipDirectory=str(extract(str(path))),
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName="arm",
-        )
-        self.begin(said)
-
-    kind: Any = FMU2Slave
-
-    def begin(self, said):
-        self.fmu.instantiate(callbacks=_callbacks(said))
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-
-    def read(self, vr):
-        return self.fmu.getReal([vr])[0]
-
-    def write(self, vr, value):
-        self.fmu.setReal([vr], [value])
-
-
-class Listening3(Listening2):
-    """The same in FMI 3.0."""
-
-    kind: Any = FMU3Slave
-
-    def begin(self, said):
-        self.keep = fmi3LogMessageCallback(lambda *words: said.append(words[-1].decode()))
-        self.fmu.instantiate(logMessage=self.keep)
-        self.fmu.enterInitializationMode()
-
-    def read(self, vr):
-        return self.fmu.getFloat64([vr])[0]
-
-    def write(self, vr, value):
-        self.fmu.setFloat64([vr], [value])
-
-
-OPENED = {2: Listening2, 3: Listening3}
-
-
-@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_a_stuck_arm_under_gravity_stays(fmus, four_link, fmi, interface):
-    """60 s, controller gains off, gravity carried by the integral less what dry friction holds."""
-    off = {f"joint{k}.{gain}": 0.0 for k in range(1, 5) for gain in ("Kp", "Kd", "Ki")}
-    names = [f"joint{k}.e" for k in range(1, 5)]
-    pose = {f"joint{k}.r": r for k, r in zip(range(1, 5), (0.0, 1.2, -0.5, 0.0), strict=True)}
-    push = {f"joint{k}.tau_ff": t for k, t in zip(range(1, 5), (29.9, -44.9, 17.9, -7.9), strict=True)}
-    result = simulate_fmu(
-        str(fmus[fmi]),
-        fmi_type=interface,
-        stop_time=60.0,
-        output_interval=0.1,
-        start_values=off | pose | push,
-        relative_tolerance=1e-8,
-        output=names,
-    )
-    drift = np.column_stack([result[n] for n in names]) - list(pose.values())
-    assert np.abs(drift).max() < 1e-9
-
-
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_recorded_run_is_reproduced(fmus, fmi):
     """documentation/*_ref.csv by the inputs and options beside it, co-simulation and CVode."""
@@ -292,130 +159,6 @@ def test_the_icon_is_a_picture(fmus):
         assert png == three.read("terminalsAndIcons/icon.png")
         assert b"<svg" in three.read("terminalsAndIcons/icon.svg")
     assert matplotlib.image.imread(io.BytesIO(png)).shape == (256, 256, 4)
-
-
-class Exchange(Opened):
-    """Model exchange at a moving state with a torque."""
-
-    def __init__(self, path):
-        super().__init__(path, FMU2Model, [0.4, 0.9, -0.6, 0.3])
-        rng = np.random.default_rng(6)
-        info = fmi2EventInfo()
-        self.fmu.fmi2NewDiscreteStates(self.fmu.component, ctypes.byref(info))
-        self.names = list(states_of(self.description))
-        x = np.r_[
-            0.4, 0.9, -0.6, 0.3, 1e-3 * rng.normal(size=12), rng.uniform(0.5, 1, 4), 0.1 * rng.normal(size=12)
-        ]
-        self.put(x)
-        self.fmu.fmi2NewDiscreteStates(self.fmu.component, ctypes.byref(info))
-        self.set({"joint1.r": 0.5, "joint2.r": 1.0})
-        self.put(x)
-        self.x = x
-
-    def put(self, x):
-        x = np.ascontiguousarray(x)
-        self.fmu.fmi2SetContinuousStates(
-            self.fmu.component, x.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), 32
-        )
-
-
-def states_of(description):
-    return [v.derivative.name for v in description.modelVariables if v.derivative]
-
-
-def test_directional_derivatives_are_those_of_finite_differences(fmus):
-    opened = Exchange(fmus[2])
-    opened.fmu.enterContinuousTimeMode()
-    known = [*opened.names, "joint1.viscous", "link3.m", "joint2.k[1]"]
-    unknown = [*(f"der({n})" for n in opened.names), *TIP]
-    steps = {n: 1e-7 for n in opened.names} | {"joint1.viscous": 1e-3, "link3.m": 1e-4, "joint2.k[1]": 1.0}
-    for i, name in enumerate(known):
-        exact = opened.fmu.getDirectionalDerivative([opened.vr[n] for n in unknown], [opened.vr[name]], [1.0])
-        values = []
-        for sign in (1, -1):
-            if i < 32:
-                x = opened.x.copy()
-                x[i] += sign * steps[name]
-                opened.put(x)
-                values.append(opened.get(unknown))
-                opened.put(opened.x)
-            else:
-                start = opened.get([name])[0]
-                opened.set({name: start + sign * steps[name]})
-                values.append(opened.get(unknown))
-                opened.set({name: start})
-        numeric = (values[0] - values[1]) / (2 * steps[name])
-        np.testing.assert_allclose(exact, numeric, rtol=2e-5, atol=2e-6 * np.abs(numeric).max() + 1e-9)
-
-
-def test_the_adjoint_is_the_transpose(fmus):
-    from fmpy.fmi3 import FMU3Model
-
-    description = read_model_description(str(fmus[3]))
-    assert description.modelExchange is not None
-    vr = {v.name: v.valueReference for v in description.modelVariables}
-    fmu = FMU3Model(
-        guid=description.guid,
-        unzipDirectory=str(extract(str(fmus[3]))),
-        modelIdentifier=description.modelExchange.modelIdentifier,
-        instanceName="arm",
-    )
-    fmu.instantiate()
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
-    fmu.updateDiscreteStates()
-    fmu.enterContinuousTimeMode()
-    names = states_of(description)
-    known = [vr[n] for n in (*names, "joint2.viscous", "link4.m")]
-    unknown = [vr[f"der({n})"] for n in names] + [vr[n] for n in TIP]
-    rng = np.random.default_rng(1)
-    v, w = rng.normal(size=len(known)), rng.normal(size=len(unknown))
-    forward = np.zeros(len(unknown))
-    backward = np.zeros(len(known))
-
-    def vector(values, kind):
-        return (kind * len(values))(*values)
-
-    u32, f64 = ctypes.c_uint32, ctypes.c_double
-    jv, wj = vector(forward, f64), vector(backward, f64)
-    a, b = vector(unknown, u32), vector(known, u32)
-    fmu.fmi3GetDirectionalDerivative(fmu.component, a, len(a), b, len(b), vector(v, f64), len(v), jv, len(jv))
-    fmu.fmi3GetAdjointDerivative(fmu.component, a, len(a), b, len(b), vector(w, f64), len(w), wj, len(wj))
-    left, right = float(w @ np.array(jv)), float(v @ np.array(wj))
-    assert left == pytest.approx(right, rel=1e-10)
-    assert abs(left) > 1.0
-
-
-def test_energy_is_kept_without_losses(four_link, fmus):
-    """Friction, damping and controller off: the swinging arm keeps its energy over 10 s."""
-    lossy = ("coulomb", "viscous", "d[1]", "d[2]", "d[3]")
-    off = {n: 0.0 for n in four_link.parameters if n.endswith(lossy)}
-    off |= {f"joint{k}.{gain}": 0.0 for k in range(1, 5) for gain in ("Kp", "Kd", "Ki")}
-    time = np.arange(2501) * 0.004
-    pose = np.tile([0.3, np.pi - 0.1, 0.1, 0.2], (len(time), 1))  # hanging
-    speeds = tuple(n.replace(".e", ".de", 1) for n in four_link.coordinates)
-    push = np.zeros_like(pose)
-    push[1:50] = [20.0, 30.0, 10.0, 5.0]
-    with LoadedFmu(fmus[2]) as fmu:
-        log = fmu.simulate(Experiment(time, pose, push), off, outputs=speeds)
-    energy = total_energy(four_link, log, speeds)
-    assert np.abs(log["joint1.e"]).max() > 1.0
-    assert np.ptp(energy) / np.abs(energy).max() < 1e-6
-
-
-def total_energy(robot, log, speeds):
-    """Kinetic, elastic and potential energy minus the work of the torques, by Pinocchio."""
-    pinocchio_model = pytest.importorskip("pinocchio_model", reason="Pinocchio is not installed")
-    oracle = pinocchio_model.PinocchioRobot(robot)
-    q, v = log[list(robot.coordinates)].to_numpy(), log[list(speeds)].to_numpy()
-    armature = np.r_[[robot.parameters[f"joint{k}.J_m"] for k in range(1, 5)], np.zeros(12)]
-    stiffness = np.array([robot.parameters[n.replace("eps", "k")] for n in robot.coordinates[4:]])
-    kinetic = [0.5 * b @ (oracle.mass_matrix(a) + np.diag(armature)) @ b for a, b in zip(q, v, strict=True)]
-    elastic = 0.5 * (q[:, 4:] ** 2 @ stiffness)
-    potential = [oracle.potential_energy(a) for a in q]
-    tau = log[[f"joint{k}.tau" for k in range(1, 5)]].to_numpy()
-    work = np.concatenate([[0.0], np.cumsum((tau[:-1] * np.diff(q[:, :4], axis=0)).sum(axis=1))])
-    return np.array(kinetic) + elastic + np.array(potential) - work
 
 
 def test_names_units_and_order(four_link):

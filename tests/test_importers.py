@@ -28,7 +28,6 @@ import pytest
 from importers.environment import CannotInstall, scripts_of
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
-from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexfmu.ssp import export_ssp
 from flexmodels.experiment import Experiment, identification
@@ -79,13 +78,6 @@ VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 @pytest.fixture(scope="module")
 def plan(four_link):
     return identification(four_link, duration=0.5)
-
-
-@pytest.fixture(scope="module")
-def fmus(four_link, four_link_fmu, tmp_path_factory):
-    """The FMU by version of the standard."""
-    newer = tmp_path_factory.mktemp("importers") / "four_link.fmu"
-    return {2: four_link_fmu, 3: export_fmu(equations(four_link), newer, fmi=3)}
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,8 @@ from pyident.pipeline import FmuRuns, RivalRuns
 from pyident.report.comparison import write_comparison
 from pyident.report.diagnosis_page import write_diagnosis
 
+_SHOWN = 4  # names in a line
+
 
 @click.command(name="compare")
 @click.argument("models_and_logs", nargs=-1, required=True, metavar="MODEL [MODEL] LOG...")
@@ -189,6 +191,11 @@ def _print_diagnosis(found: Diagnosis) -> None:
         *(f"to separate: {f.experiment}" for f in found.findings if f.experiment),
     ):
         click.echo(sentence)
+    hidden = [f"{x.effect} at {x.joint}" for x in found.limits if x.reason]
+    if hidden:
+        more = f" and {len(hidden) - _SHOWN} more" if len(hidden) > _SHOWN else ""
+        named = ", ".join(hidden[:_SHOWN])
+        click.echo(f"these logs cannot show {named}{more}; the page (-o) says why, and which motion would")
 
 
 def _print_waterfall(found: Extended) -> None:

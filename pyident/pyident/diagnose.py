@@ -207,8 +207,7 @@ def _outcome(
         remaining=stages[-1].over_floor,
         ranking=ranking,
         depends_on=tuple(
-            f"{name} fits in part, but with coefficients that change with {quantity}: it only imitates"
-            for name, quantity in selection.imitators.items()
+            f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
         ),
         notes=tuple(_orders_of(step) for step, _ in kept if step.orders),
         noise=ex.setting.noise,

@@ -90,6 +90,13 @@ class Search:
         for candidate in chosen:
             self.base = extended(self.base, self.columns(candidate))
 
+    def base_without(self, candidate: Candidate) -> Base:
+        """The present base without one of those that it rests on."""
+        base = self.examination.base
+        for c in self._chosen:
+            base = base if c == candidate else extended(base, self.columns(c))
+        return base
+
     def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
         """The model's parameters (P,) and the candidates' coefficients, all fitted together."""
         base = self.examination.base

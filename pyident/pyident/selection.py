@@ -3,18 +3,20 @@
 A set is looked for first, one effect, then two ... that takes away most of the excess. Once there is one, a
 further effect must take away most of what still exceeds the floor on its own equations: what an inexact law
 leaves behind is shared among many candidates, a true effect is taken by one. At last a law whose coefficients
-change over the logs is dropped: it stands in for something else (see `constancy`).
+change over the logs is dropped, and one that leaves what depends on a signal that it does not know: they
+stand in for something else (see `constancy`, `imitation`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pyident.candidates import Candidate, law_of
 from pyident.constancy import changes_with
+from pyident.imitation import stands_in_for
 from pyident.search import ALPHA, Found, Search, Step
 
 MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
-EXPLAINED = (0.65, 0.65, 0.8)  # of the excess, by a set of one, two, three or more effects
+EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two, three or more effects
 PART = 0.1  # of the excess: what each must contribute
 OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away ...
 WHOLE = 0.95  # ... or, where that is less than a part of what did, this much of what still exceeds the floor
@@ -30,7 +32,7 @@ class Selection:
     steps      one per effect, each ranked with all others in the base
     explained  share of the excess after the first of them, the first two ...
     first      the ranking with none selected
-    imitators  what was dropped: effect and joint -> the quantity that its coefficients change with
+    imitators  what was dropped: effect and joint -> why
     """
 
     steps: tuple[Step, ...]
@@ -51,7 +53,8 @@ def select(search: Search) -> Selection:
     if chosen:
         chosen = _judged_together(search, _standing(search, _with_orders(search, chosen)))
     chosen, more = _constant(search, chosen)
-    imitators |= more
+    chosen, others = _of_its_own(search, chosen)
+    imitators |= more | others
     explained = []
     for n in range(len(chosen)):
         search.rest_on(_candidates(chosen[: n + 1]))
@@ -148,14 +151,36 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
 
 def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
     """Those whose coefficients stay the same, if they explain enough; and what the others' change with."""
+
+    def changing(candidate: Candidate) -> str:
+        quantity = changes_with(search, candidate)
+        return f"its coefficients change with {quantity}" if quantity else ""
+
+    return _without(search, steps, changing)
+
+
+def _of_its_own(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
+    """Those that stand in for nothing else, if they explain enough; and what the others stand in for."""
+
+    def imitated(candidate: Candidate) -> str:
+        words = stands_in_for(search, candidate)
+        return f"what it leaves depends on {words}, beside which it explains little" if words else ""
+
+    return _without(search, steps, imitated)
+
+
+def _without(
+    search: Search, steps: Sequence[Step], fault: Callable[[Candidate], str]
+) -> tuple[list[Step], dict[str, str]]:
+    """Those without a fault, if they explain enough; and the faults of the others."""
     found = {i: step.best.candidate for i, step in enumerate(steps)}
     search.rest_on(_candidates(steps))
-    changing = {i: changes_with(search, c) for i, c in found.items()}
-    kept = [step for i, step in enumerate(steps) if not changing[i]]
+    faults = {i: fault(c) for i, c in found.items()}
+    kept = [step for i, step in enumerate(steps) if not faults[i]]
     search.rest_on(_candidates(kept))
     if len(kept) < len(steps) and search.explained < EXPLAINED[min(len(kept), len(EXPLAINED)) - 1]:
         kept = []
-    return kept, {f"{found[i].effect} at joint{found[i].joint}": q for i, q in changing.items() if q}
+    return kept, {f"{found[i].effect} at joint{found[i].joint}": why for i, why in faults.items() if why}
 
 
 def _counts(search: Search, found: Found) -> bool:

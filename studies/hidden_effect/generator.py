@@ -29,10 +29,13 @@ from .generator_run import (
     Hidden,
     Noise,
     Plan,
+    UnstableLoop,
     simulate,
     simulate_all,
     standard,
 )
+
+_DRAWS = 5  # of a case whose loop is unstable
 
 __all__ = [
     "LAWS",
@@ -69,11 +72,7 @@ def generate(case: Case, folder: Path, jobs: int = 1) -> list[Path]:
     the hidden force [N m] and its share of the rms of the row's torque (motor torque or stiffness times
     deformation).
     """
-    if jobs > 1:
-        with ProcessPoolExecutor(jobs) as pool:
-            runs = list(pool.map(_run, repeat(case), range(len(LOGS))))
-    else:
-        runs = [_run(case, i) for i in range(len(LOGS))]
+    case, runs = _running(case, jobs)
     open_folder, sealed = Path(folder) / "logs" / case.id, Path(folder) / "sealed" / case.id
     for place in (open_folder, sealed):
         place.mkdir(parents=True, exist_ok=True)
@@ -94,6 +93,23 @@ def generate(case: Case, folder: Path, jobs: int = 1) -> list[Path]:
     with replacing(sealed / "key.json") as file:
         file.write_text(json.dumps(key, indent=2), encoding="utf-8")
     return paths
+
+
+def _running(case: Case, jobs: int) -> tuple[Case, list[tuple[pd.DataFrame, pd.DataFrame]]]:
+    """The case and its runs; drawn again where the hidden law makes the loop unstable."""
+    for _ in range(_DRAWS - 1):
+        try:
+            return case, _runs(case, jobs)
+        except UnstableLoop:
+            case = generator_cases.redrawn(case)
+    return case, _runs(case, jobs)
+
+
+def _runs(case: Case, jobs: int) -> list[tuple[pd.DataFrame, pd.DataFrame]]:
+    if jobs == 1:
+        return [_run(case, i) for i in range(len(LOGS))]
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(pool.map(_run, repeat(case), range(len(LOGS))))
 
 
 def _run(case: Case, i: int) -> tuple[pd.DataFrame, pd.DataFrame]:

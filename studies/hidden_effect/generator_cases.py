@@ -17,6 +17,16 @@ DECAY = 0.999  # per controller period, of the slowest oscillation of a true rob
 
 
 @dataclass(frozen=True)
+class Origin:
+    """What a case was drawn from: its text, the plain robot, seed and amplitude."""
+
+    spec: str
+    robot: Robot
+    seed: int
+    amplitude: float
+
+
+@dataclass(frozen=True)
 class Case:
     """One robot with its secret. `id` says nothing; everything else is for scoring only.
 
@@ -34,6 +44,7 @@ class Case:
     plans: tuple[Plan, ...]
     seed: int
     noise: Noise
+    origin: Origin
 
 
 def perturbed(robot: Robot, rng: np.random.Generator, low: float = 0.10, high: float = 0.25) -> Robot:
@@ -137,7 +148,14 @@ def single(spec: str, basis: Basis, seed: int, amplitude: float = 1.0) -> Case:
             own = (replace(own[0], payload=False), *own[1:])
     kind = kind or _kind(laws)
     secret = hashlib.sha256(f"{seed} {spec} {amplitude}".encode()).hexdigest()
-    return Case(secret[:8], kind, tuple(laws), true, own, int(secret[8:15], 16), Noise())
+    origin = Origin(spec, basis.robot, seed, amplitude)
+    return Case(secret[:8], kind, tuple(laws), true, own, int(secret[8:15], 16), Noise(), origin)
+
+
+def redrawn(case: Case) -> Case:
+    """Another robot and other constants for the same text, under the same id."""
+    origin = case.origin
+    return replace(single(origin.spec, Basis.of(origin.robot), origin.seed + 1, origin.amplitude), id=case.id)
 
 
 def case_list(basis: Basis, seed: int, nulls: int = 12, amplitude: float = 1.0) -> list[Case]:

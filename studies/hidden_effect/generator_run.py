@@ -15,6 +15,10 @@ from .generator_model import Arm
 STEPS = 40  # per controller period: 0.1 ms at 250 Hz
 
 
+class UnstableLoop(RuntimeError):
+    """The arm with its hidden law runs away under its controller: nobody could have measured it."""
+
+
 @dataclass(frozen=True)
 class Noise:
     """Standard deviations of the sensors: motor encoder, deformations [rad], tip [m]."""
@@ -201,7 +205,7 @@ class _Loop:
             acting[i] = u[0]
             self.machine.advance(float(t), h, x, u, self.p)
             if not np.isfinite(x).all():
-                raise RuntimeError(f"the loop is unstable at {t:.3f} s")
+                raise UnstableLoop(f"the loop is unstable at {t:.3f} s")
         tips = np.array(self.machine.tip.map(len(time))(states.T, np.tile(self.p, (len(time), 1)).T)).T
         sensors[:, n:] = tips + noise[:, n:]
         hidden = self.machine.hidden.map(len(time))(

@@ -1,8 +1,9 @@
 """Friction at the motor hinge: torque that opposes its speed."""
 
-from sympy import Abs, Symbol, cos, exp, sign, sin
+from sympy import Abs, cos, exp, sign, sin
 
-from flexmodels.effect import Coverage, Effect, Parameter, State
+from flexmodels.effect import Coverage, Effect, Parameter
+from flexmodels.effects.dahl import dahl
 from flexmodels.signals import de, e, load, time
 
 _coulomb = Parameter("coulomb", "N.m", lower=0)
@@ -87,8 +88,7 @@ load_dependent_friction = Effect(
 )
 
 _travel = Parameter("travel", "rad", start=0.01, lower=1e-5, grid=(0.001, 0.003, 0.01, 0.03))
-_bristle_now = Symbol("bristle", real=True)
-_bristle = State("bristle", (de - Abs(de) * _bristle_now) / _travel.symbol)
+_bristle = dahl("bristle", de, _travel)
 
 presliding = Effect(
     name="presliding",

@@ -2,7 +2,8 @@
 
 from sympy import Abs, Max, Min, Symbol, cos, sin
 
-from flexmodels.effect import Coverage, Effect, Parameter, State
+from flexmodels.effect import Coverage, Effect, Parameter
+from flexmodels.effects.dahl import dahl
 from flexmodels.signals import deps, e, eps
 
 _k = {i: Parameter(f"k[{i}]", "N.m/rad", lower=0) for i in eps}
@@ -68,8 +69,7 @@ backlash = Effect(
 
 _level = Parameter("level", "N.m", lower=0)
 _travel = Parameter("travel", "rad", start=1e-4, lower=1e-8, grid=(0.1, 0.3, 1.0, 3.0), scale=eps[1])
-_strain_now = Symbol("strain", real=True)
-_strain = State("strain", (deps[1] - Abs(deps[1]) * _strain_now) / _travel.symbol)
+_strain = dahl("strain", deps[1], _travel)
 
 transmission_hysteresis = Effect(
     name="transmission_hysteresis",

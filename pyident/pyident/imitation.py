@@ -1,0 +1,57 @@
+"""Whether a law stands in for something else: what it leaves depends on a signal that it does not know.
+
+Friction that grows with the bending of the next bearing looks like friction that grows with the load, in
+part. What is left then is still a smooth function of that bending, and with such a function in the base the
+law has little to explain. A true law that an unknown force accompanies keeps what it explains beside it.
+"""
+
+from flexmodels import signals
+from flexmodels.effect import Effect
+from pyident.candidates import Candidate, law_of
+from pyident.evidence import extended
+from pyident.search import Search
+from pyident.terms import Dependence, RowSearch, pretended_by_noise
+
+_LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
+_MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
+_KEPT = 0.5  # of the law's gain, beside that signal
+
+
+def stands_in_for(search: Search, candidate: Candidate) -> str:
+    """The dependence, in words, that a candidate imitates; empty when there is none.
+
+    The search must rest on the candidate and all others that are named.
+    """
+    rows = search.rows(candidate)
+    if candidate.log is not None or search.remaining_on(rows) < _LEFT * search.excess_on(rows):
+        return ""
+    row = max(rows, key=lambda row: search.remaining_on([row]))
+    pretended = pretended_by_noise(search.examination, row)
+    found = RowSearch(search.examination, search.base, row, pretended).strongest()
+    if found is None:
+        return ""
+    dependence, columns = found
+    known = _known(law_of(search.robot, candidate), candidate.joint)
+    if dependence.gain < _MOST * search.remaining_on([row]) or not _foreign(dependence, known):
+        return ""
+    without = search.base_without(candidate)
+    by_itself = search.gain_of(candidate, without).energy
+    beside = search.gain_of(candidate, extended(without, columns)).energy
+    return dependence.said if beside < _KEPT * by_itself else ""
+
+
+def _foreign(dependence: Dependence, known: frozenset[str]) -> bool:
+    """Whether it is, and whatever explains nearly as much, of a signal that the law does not know."""
+    return dependence.form == "misread" or known.isdisjoint((dependence.on, *dependence.rival_signals))
+
+
+def _known(law: Effect, joint: int) -> frozenset[str]:
+    """The names of a law's signals, of what follows from them included."""
+    names = {str(s) for s in law.symbols & signals.ALL}
+    if names & {"load", "eps1"}:
+        names |= {"load", "eps1"}
+    found = {
+        f"joint{joint + 1}.{n.removeprefix('beyond.')}" if n.startswith("beyond.") else f"joint{joint}.{n}"
+        for n in names
+    }
+    return frozenset(found | ({"time"} & names) | ({"travel"} if law.states else set()))
