@@ -16,9 +16,11 @@ from pyident.constancy import changes_with
 from pyident.diagnose import concluded, searched
 from pyident.diagnosis import Diagnosis
 from pyident.followup import with_experiments
+from pyident.imitation import stands_in_for
 from pyident.log import Log, write_log
 from pyident.search import Search
 from pyident.signature import _Judge
+from pyident.terms import RowSearch, pretended_by_noise
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +87,46 @@ def test_an_imitator_does_not(folder):
     assert changes_with(search, candidate) == "speed"
     found = concluded(search, inline(folder), logs[2:])
     assert "torque_ripple" not in {n.effect for f in found.findings for n in f.tie}
+
+
+@pytest.fixture(scope="module")
+def foreign(folder):
+    """Friction of joint 1 that grows with the bending of joint 2, which no law of the catalogue does."""
+    made = []
+    for log in logs_of(two_link(), folder):
+        speed = np.gradient(log.frame["joint1.e"].to_numpy(), log.frame["time"].to_numpy())
+        bending = np.abs(log.frame["joint2.eps[2]"].to_numpy())
+        more = 4 * np.sign(speed) * bending / bending.mean()
+        made.append(replace(log, frame=log.frame.assign(**{"joint1.tau": log.frame["joint1.tau"] + more})))
+    return made
+
+
+def test_a_law_that_leaves_a_foreign_signal_stands_in_for_it(foreign, folder):
+    search = searched(two_link(), foreign[:2], inline(folder))
+    candidate = Candidate("load_dependent_friction", 1)
+    search.rest_on([candidate])
+    assert stands_in_for(search, candidate) == "friction with deformation 2 of joint 2"
+    found = concluded(search, inline(folder), foreign[2:])
+    assert found.verdict == "unexplained"
+
+
+def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
+    logs = []
+    for log in logs_of(hidden(), folder):
+        bending = log.frame["joint1.eps[2]"].to_numpy()
+        tau = log.frame["joint2.tau"] + 4 * np.tanh(bending / bending.std())
+        logs.append(replace(log, frame=log.frame.assign(**{"joint2.tau": tau})))
+    search = searched(two_link(), logs[:2], inline(folder))
+    candidate = Candidate("asymmetric_coulomb", 2)
+    search.rest_on([candidate])
+    row = search.robot.coordinates.index("joint2.e")
+    pretended = pretended_by_noise(search.examination, row)
+    unknown = RowSearch(search.examination, search.base, row, pretended).strongest()
+    assert unknown is not None
+    assert unknown[0].on == "joint1.eps2"
+    assert search.remaining_on([row]) > 0.1 * search.excess_on([row])
+    assert unknown[0].gain > 0.5 * search.remaining_on([row])
+    assert stands_in_for(search, candidate) == ""
 
 
 def _with_torque(log: Log) -> Log:

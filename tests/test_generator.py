@@ -7,6 +7,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 import pytest
+from studies.hidden_effect import generator
 from studies.hidden_effect import generator_model as model
 from studies.hidden_effect.generator import main
 from studies.hidden_effect.generator_cases import UNOBSERVABLE, Basis, draw, perturbed, plans, running, single
@@ -258,3 +259,20 @@ def test_data_that_cannot_show_an_effect_do_not(log):
     stiffness = case.robot.parameters[f"joint{hardening.joint}.k[1]"]
     assert float(np.abs(forces[f"joint{hardening.joint}.eps[1]"].to_numpy()).max()) < 0.5 * stiffness * 1e-6
     assert set(UNOBSERVABLE) > {"payload_in_every_log", "viscous_drift_too_slow"}
+
+
+def test_a_case_whose_loop_is_unstable_is_drawn_again(monkeypatch):
+    (case,) = generator.cases_of(["torque_delay@2"], 3)
+    tried = []
+
+    def runs(case, jobs):
+        tried.append(case)
+        if len(tried) == 1:
+            raise generator.UnstableLoop("it runs away")
+        return []
+
+    monkeypatch.setattr(generator, "_runs", runs)
+    drawn, _ = generator._running(case, 1)
+    assert drawn.id == case.id
+    assert [(law.law, law.joint) for law in drawn.laws] == [("torque_delay", 2)]
+    assert drawn.robot.parameters != case.robot.parameters
