@@ -12,7 +12,7 @@ from flexmodels.robot_file import load_robot, save_robot, shipped
 from pyident.command import console, json_option, output_option, progress_bar, reported, write_json
 from pyident.compare import Comparison, Error, compare
 from pyident.diagnose import diagnose
-from pyident.diagnosis import Diagnosis
+from pyident.diagnosis import Diagnosis, Named
 from pyident.extend import Extended, add_effect, split
 from pyident.log import Log
 from pyident.log_import import robot_log
@@ -182,7 +182,7 @@ def _print_diagnosis(found: Diagnosis) -> None:
         best = finding.tie[0]
         names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
         held = "-" if finding.heldout_gain_percent is None else f"{finding.heldout_gain_percent:.0f} %"
-        values = ", ".join(f"{name} {value:.4g} {best.units[name]}" for name, value in best.values.items())
+        values = ", ".join(_value(best, name) for name in best.values)
         table.add_row(names, f"{finding.share_percent:.0f} %", held, values)
     if found.findings:
         console.print(table)
@@ -196,6 +196,12 @@ def _print_diagnosis(found: Diagnosis) -> None:
         more = f" and {len(hidden) - _SHOWN} more" if len(hidden) > _SHOWN else ""
         named = ", ".join(hidden[:_SHOWN])
         click.echo(f"these logs cannot show {named}{more}; the page (-o) says why, and which motion would")
+
+
+def _value(n: Named, name: str) -> str:
+    if n.std[name] == float("inf") and name not in n.nonlinear:
+        return f"{name} not determined by itself"
+    return f"{name} {n.values[name]:.4g} {n.units[name]}"
 
 
 def _print_waterfall(found: Extended) -> None:

@@ -1,8 +1,9 @@
 """Whether a law stands in for something else: what it leaves depends on a signal that it does not know.
 
 Friction that grows with the bending of the next bearing looks like friction that grows with the load, in
-part. What is left then is still a smooth function of that bending, and with such a function in the base the
-law has little to explain. A true law that an unknown force accompanies keeps what it explains beside it.
+part. What is left then is still a smooth function of that bending; such a function by itself leaves much less
+than the law does, and with it in the base the law has little to explain. A true law that an unknown force
+accompanies keeps what it explains beside it.
 """
 
 from flexmodels import signals
@@ -14,6 +15,7 @@ from pyident.terms import Dependence, RowSearch, pretended_by_noise
 
 _LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
 _MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
+_RICHER = 0.5  # of what the law leaves: a smooth function has many parameters and must leave less by itself
 _KEPT = 0.5  # of the law's gain, beside that signal
 
 
@@ -35,8 +37,11 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     if dependence.gain < _MOST * search.remaining_on([row]) or not _foreign(dependence, known):
         return ""
     without = search.base_without(candidate)
-    by_itself = search.gain_of(candidate, without).energy
-    beside = search.gain_of(candidate, extended(without, columns)).energy
+    instead = extended(without, columns)
+    left = search.beyond_floor(instead, [row])
+    if left > _RICHER * search.remaining_on([row]):
+        return ""
+    by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
     return dependence.said if beside < _KEPT * by_itself else ""
 
 

@@ -201,11 +201,11 @@ class Search:
 
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
-        return self._beyond_floor(self.examination.base, rows)
+        return self.beyond_floor(self.examination.base, rows)
 
     def remaining_on(self, rows: Sequence[int]) -> float:
         """`remaining` on some equations only."""
-        return self._beyond_floor(self.base, rows)
+        return self.beyond_floor(self.base, rows)
 
     @property
     def explained(self) -> float:
@@ -224,7 +224,8 @@ class Search:
         peak = float(np.quantile(self.peaks, 1 - ALPHA))
         return float(self.mean[family] + max(peak * self.spread[family], material * self.floor_energy))
 
-    def _beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+        """Energy that a base leaves on some equations beyond what replicas leave."""
         left = sum(float(np.square(r[rows]).sum()) for r in base.residual)
         return max(left - float(self.examination.floor_energies[rows].sum()), 0.0)
 
