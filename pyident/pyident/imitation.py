@@ -10,6 +10,7 @@ from flexmodels import signals
 from flexmodels.effect import Effect
 from pyident.candidates import Candidate, law_of
 from pyident.evidence import extended
+from pyident.laws import Signals
 from pyident.search import Search
 from pyident.terms import Dependence, RowSearch, pretended_by_noise
 
@@ -55,8 +56,5 @@ def _known(law: Effect, joint: int) -> frozenset[str]:
     names = {str(s) for s in law.symbols & signals.ALL}
     if names & {"load", "eps1"}:
         names |= {"load", "eps1"}
-    found = {
-        f"joint{joint + 1}.{n.removeprefix('beyond.')}" if n.startswith("beyond.") else f"joint{joint}.{n}"
-        for n in names
-    }
-    return frozenset(found | ({"time"} & names) | ({"travel"} if law.states else set()))
+    found = frozenset(Signals.named(joint, name) for name in names)
+    return found | {"travel"} if law.states else found

@@ -77,7 +77,8 @@ class Signals:
         self.before = self.after | named["before"]
         self.after = self.after | named["after"]
 
-    def named(self, k: int, symbol: str) -> str:
+    @staticmethod
+    def named(k: int, symbol: str) -> str:
         """Where a law of joint k finds its symbol."""
         if symbol.startswith("beyond."):
             return f"joint{k + 1}.{symbol.removeprefix('beyond.')}"
