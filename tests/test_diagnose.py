@@ -20,7 +20,7 @@ from pyident.imitation import stands_in_for
 from pyident.log import Log, write_log
 from pyident.search import Search
 from pyident.signature import _Judge
-from pyident.terms import RowSearch, pretended_by_noise
+from pyident.terms import RowSearch
 
 
 @pytest.fixture(scope="module")
@@ -120,12 +120,12 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     candidate = Candidate("asymmetric_coulomb", 2)
     search.rest_on([candidate])
     row = search.robot.coordinates.index("joint2.e")
-    pretended = pretended_by_noise(search.examination, row)
-    unknown = RowSearch(search.examination, search.base, row, pretended).strongest()
+    left = search.remaining_on([row])
+    unknown = RowSearch(search.examination, search.base, row, left).strongest()
     assert unknown is not None
     assert unknown[0].on == "joint1.eps2"
-    assert search.remaining_on([row]) > 0.1 * search.excess_on([row])
-    assert unknown[0].gain > 0.5 * search.remaining_on([row])
+    assert left > 0.1 * search.excess_on([row])
+    assert unknown[0].gain > 0.5 * left
     assert stands_in_for(search, candidate) == ""
 
 

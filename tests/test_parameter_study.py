@@ -94,7 +94,9 @@ def test_a_killed_worker_loses_nothing(fmu, tmp_path):
     """SIGKILL in the middle of a batch, in the middle of 500 rows."""
     killed = tmp_path / "killed"
 
-    def once(log, reference, calls=[]):  # noqa: B006 (it counts within its process)
+    calls: list[int] = []  # every process has its own
+
+    def once(log, reference):
         calls.append(1)
         if len(calls) == 60 and not killed.exists():
             killed.touch()

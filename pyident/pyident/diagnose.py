@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot
+from flexmodels.robot import Robot, parameter_name
 from pyident.candidates import law_of
 from pyident.detectable import limits, rows_over_floor
 from pyident.diagnosis import Diagnosis, Finding, Named, Stage
@@ -139,7 +139,7 @@ def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> D
 def _traced(search: Search, trace: Trace) -> Named:
     values, std = law_values(trace)
     c, robot = trace.candidate, trace.setting.robot
-    units = {name: robot.units[f"joint{c.joint}.{c.effect}.{name}"] for name in values}
+    units = {name: robot.units[parameter_name(c.joint, c.effect, name)] for name in values}
     fixed = tuple(name for name, _ in c.values)
     return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained, nonlinear=fixed)
 
@@ -169,13 +169,12 @@ def named(search: Search, found: Found) -> Named:
     law = law_of(robot, c)
     linear = [p.name for p in law.linear]
     units = robot.with_effect(c.joint, c.effect).units
-    prefix = f"joint{c.joint}.{c.effect}."
     return Named(
         effect=c.effect,
         joint=f"joint{c.joint}",
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
-        units={p.name: units[prefix + p.name] for p in law.parameters},
+        units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},
         gain_percent=_percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
         nonlinear=tuple(name for name, _ in c.values),

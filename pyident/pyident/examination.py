@@ -142,7 +142,7 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
     listed = candidates(robot, data)
     jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
     base = solve_base(data)
-    gains = _gains(robot, data, base, level, listed)
+    gains = gains_of(robot, data, base, level, listed)
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
@@ -194,7 +194,7 @@ def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[B
 def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
     data = whitened(robot, logs, level)
     base = solve_base(data)
-    return [g.energy for g in _gains(robot, data, base, level, listed)], energy(data, base)[0]
+    return [g.energy for g in gains_of(robot, data, base, level, listed)], energy(data, base)[0]
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
@@ -206,9 +206,10 @@ def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]
     return [e.over(level.at(e.band)) for e in _equations(robot, logs)]
 
 
-def _gains(
+def gains_of(
     robot: Robot, data: Sequence[Equations], base: Base, level: Floor, listed: Sequence[Candidate]
 ) -> list[Gain]:
+    """What each candidate would explain of the base's residual."""
     levels = [level.at(e.band) for e in data]
     return [gain(base, columns(robot, c, data, levels), *bounds(robot, c)) for c in listed]
 

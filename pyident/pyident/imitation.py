@@ -12,7 +12,7 @@ from pyident.candidates import Candidate, law_of
 from pyident.evidence import extended
 from pyident.laws import Signals
 from pyident.search import Search
-from pyident.terms import Dependence, RowSearch, pretended_by_noise
+from pyident.terms import Dependence, RowSearch
 
 _LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
 _MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
@@ -26,21 +26,20 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     The search must rest on the candidate and all others that are named.
     """
     rows = search.rows(candidate)
-    if candidate.log is not None or search.remaining_on(rows) < _LEFT * search.excess_on(rows):
+    if candidate.log is not None or search.remaining_on(rows) <= _LEFT * search.excess_on(rows):
         return ""
     row = max(rows, key=lambda row: search.remaining_on([row]))
-    pretended = pretended_by_noise(search.examination, row)
-    found = RowSearch(search.examination, search.base, row, pretended).strongest()
+    left = search.remaining_on([row])
+    found = RowSearch(search.examination, search.base, row, left).strongest()
     if found is None:
         return ""
     dependence, columns = found
     known = _known(law_of(search.robot, candidate), candidate.joint)
-    if dependence.gain < _MOST * search.remaining_on([row]) or not _foreign(dependence, known):
+    if dependence.gain < _MOST * left or not _foreign(dependence, known):
         return ""
     without = search.base_without(candidate)
     instead = extended(without, columns)
-    left = search.beyond_floor(instead, [row])
-    if left > _RICHER * search.remaining_on([row]):
+    if search.beyond_floor(instead, [row]) > _RICHER * left:
         return ""
     by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
     return dependence.said if beside < _KEPT * by_itself else ""

@@ -13,11 +13,11 @@ import numpy as np
 
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
-from pyident.candidates import Candidate, bounds, columns
+from pyident.candidates import Candidate
 from pyident.detectable import limit_of
 from pyident.diagnosis import Limit
-from pyident.evidence import Gain, gain, solve_base
-from pyident.examination import Setting, replicated, whitened
+from pyident.evidence import solve_base
+from pyident.examination import Setting, gains_of, replicated, whitened
 from pyident.experiments import variants
 from pyident.law_columns import nonlinear_grid
 from pyident.replica import Repeat
@@ -41,8 +41,6 @@ def revealing(
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
     asked = [(e, k) for e, k, log in search.families if (e, f"joint{k}") in hidden and log in (None, 0)]
-    if not asked:
-        return list(limits)
     needed = float(np.median([search.needed(family, material) for family in range(len(search.families))]))
     setting = search.examination.setting
     plans = variants(setting.simulated, setting.logs[0])
@@ -72,17 +70,13 @@ def _along(
         return []
     level = floor([b for _, bands, _ in made for b in bands], [r for *_, left in made for r in left])
     (along,) = whitened(robot, made[0][0], level)
-    base, levels = solve_base([along]), [level.at(along.band)]
-
-    def explained(candidate: Candidate) -> Gain:
-        return gain(base, columns(robot, candidate, [along], levels), *bounds(robot, candidate))
-
-    found = []
+    base, found = solve_base([along]), []
     for effect, joint in asked:
         grid = nonlinear_grid(robot, joint, effect, [along.part.motion])
-        gains = {c: explained(c) for c in (Candidate(effect, joint, tuple(v.items())) for v in grid)}
-        best = min(gains, key=lambda c: float(gains[c].alone.min()))
-        found.append(limit_of(robot, along, best, gains[best], needed))
+        listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
+        gains = gains_of(robot, [along], base, level, listed)
+        best = min(range(len(listed)), key=lambda i: float(gains[i].alone.min()))
+        found.append(limit_of(robot, along, listed[best], gains[best], needed))
     return found
 
 

@@ -86,15 +86,16 @@ class Search:
 
     def rest_on(self, chosen: Sequence[Candidate]) -> None:
         """Take the examination's base with these candidates joined to it."""
-        self.base, self._chosen = self.examination.base, tuple(chosen)
-        for candidate in chosen:
-            self.base = extended(self.base, self.columns(candidate))
+        self.base, self._chosen = self._base_with(chosen), tuple(chosen)
 
     def base_without(self, candidate: Candidate) -> Base:
         """The present base without one of those that it rests on."""
+        return self._base_with([c for c in self._chosen if c != candidate])
+
+    def _base_with(self, chosen: Sequence[Candidate]) -> Base:
         base = self.examination.base
-        for c in self._chosen:
-            base = base if c == candidate else extended(base, self.columns(c))
+        for candidate in chosen:
+            base = extended(base, self.columns(candidate))
         return base
 
     def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:

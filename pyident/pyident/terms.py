@@ -58,16 +58,24 @@ class RowSearch:
     """The terms of one equation, one after the other.
 
     row         of the equation, as in `robot.coordinates`
-    pretended   (replicas, variables) energies that the splines explain of replicas, see `pretended_by_noise`
+    total       energy of the excess that shares are of
+    pretended   (replicas, variables) energies that the splines explain of replicas; none: of noise
     """
 
-    def __init__(self, examination: Examination, base: Base, row: int, pretended: np.ndarray):
+    def __init__(
+        self,
+        examination: Examination,
+        base: Base,
+        row: int,
+        total: float,
+        pretended: np.ndarray | None = None,
+    ):
         self.robot: Robot = examination.setting.robot
         self.logs, self.levels = examination.logs, examination.levels
-        self.base, self.row, self.pretended = base, row, pretended
+        self.base, self.row, self.total = base, row, total
         self.variables = variables(self.robot, self.logs, row)
-        left = sum(float(np.square(r[row]).sum()) for r in base.residual)
-        self.total = max(left - float(examination.floor_energies[row]), 1e-300)
+        of_noise = np.array([[float(len(v.knots)) for v in self.variables]])
+        self.pretended = of_noise if pretended is None else pretended
         self.spectra: list[Spectrum] = []
 
     def strongest(self) -> tuple[Dependence, Columns] | None:
@@ -75,12 +83,11 @@ class RowSearch:
         better = [d for d in (self._smooth(), self._periodic()) if d is not None]
         return max(better, key=lambda d: d[0].gain - d[0].pretended, default=None)
 
-    def run(self, total: float, floor: float) -> list[Dependence]:
-        """total: energy of the excess; floor: of what replicas leave."""
-        self.total = total
+    def run(self, floor: float) -> list[Dependence]:
+        """floor: energy of what replicas leave."""
         level, share = self._constant()
         found: list[Dependence] = []
-        while len(found) < MOST and self.base.energy - floor > _MATERIAL * total:
+        while len(found) < MOST and self.base.energy - floor > _MATERIAL * self.total:
             best = self.strongest()
             if best is None:
                 break
@@ -211,12 +218,6 @@ def spline_gains(
         free = np.full(columns[0][row].shape[1], np.inf)
         out.append(gain(base, columns, -free, free).energy)
     return np.array(out)
-
-
-def pretended_by_noise(examination: Examination, row: int) -> np.ndarray:
-    """(1, variables) what splines explain of residuals at the floor: their number."""
-    listed = variables(examination.setting.robot, examination.logs, row)
-    return np.array([[float(len(v.knots)) for v in listed]])
 
 
 def _said(variable: Variable) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.dependence import constant_columns, variables
 from pyident.evidence import Base, extended, solve_base
-from pyident.examination import Examination, Setting, whitened
+from pyident.examination import Examination, Setting, replica_of, whitened
 from pyident.orders import Spectrum
 from pyident.spectra import Floor
-from pyident.terms import Dependence, RowSearch, pretended_by_noise, spline_gains
+from pyident.terms import Dependence, RowSearch, spline_gains
 
 REPLICAS = 3
 _ROWS = 2
@@ -55,10 +55,9 @@ def depends_on(
         if row in rows or excess[row] < _ROW * total:
             break
         rows.append(row)
-        search = RowSearch(
-            examination, base, row, _pretended_by_replicas(examination, workers, row, replicas)
-        )
-        own = search.run(total, float(floor.sum()))
+        pretended = _pretended_by_replicas(examination, workers, row, replicas) if workers else None
+        search = RowSearch(examination, base, row, total, pretended)
+        own = search.run(float(floor.sum()))
         base = search.base
         found += own
         spectra = spectra or search.spectra
@@ -68,8 +67,6 @@ def depends_on(
 
 def _pretended_by_replicas(examination: Examination, workers: Any, row: int, count: int) -> np.ndarray:
     """(count, variables) energies that the splines explain of replicas."""
-    if workers is None:
-        return pretended_by_noise(examination, row)
     arguments = examination.setting, examination.floor, row
     jobs = [workers.submit(_pretended, *arguments, _FIRST_SEED + i) for i in range(count)]
     return np.array([job.result() for job in jobs])
@@ -77,12 +74,7 @@ def _pretended_by_replicas(examination: Examination, workers: Any, row: int, cou
 
 def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
     """The energies of one replica."""
-    seeds = np.random.default_rng(seed).integers(2**31, size=len(setting.repeats))
-    made = [
-        r.replica(fmu.simulate, setting.robot.parameters, setting.noise, int(s))
-        for r, s in zip(setting.repeats, seeds, strict=True)
-    ]
-    data = whitened(setting.robot, made, level)
+    data = whitened(setting.robot, replica_of(fmu, setting, setting.repeats, seed), level)
     listed = variables(setting.robot, data, row)
     levels = [level.at(e.band) for e in data]
     base = extended(solve_base(data), constant_columns(data, levels, row))
