@@ -10,7 +10,7 @@ from benchmarks.closed_loop import Start, run, static_start
 from benchmarks.reference import EventExact
 
 from flexmodels.experiment import Experiment, identification
-from flexmodels.plant import Equations, equations
+from flexmodels.mechanics.plant import Equations, equations
 from flexmodels.robot import Robot
 
 REPEATS = 3

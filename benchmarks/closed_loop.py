@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from flexmodels.experiment import Experiment
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 from flexmodels.robot import Robot
 
 

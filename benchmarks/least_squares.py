@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from benchmarks.measure import on_one_core, peak_memory
 
-from flexmodels.robot_file import load_robot
-from pyident.conditioned import Conditioned
-from pyident.problem import Problem
-from pyident.regressor import Motion, regressor_blocks
-from pyident.solve import reduce, solve
+from flexmodels.files.robot_file import load_robot
+from pyident.conditioning.samples import Conditioned
+from pyident.estimation.least_squares import reduce, solve
+from pyident.regression.equations import Problem
+from pyident.regression.regressor import Motion, regressor_blocks
 
 TOOLS = ("ours", "numpy lstsq", "scipy lstsq")
 _RCOND = 1e-10
@@ -69,8 +69,8 @@ def job(tool: str, samples: int) -> dict[str, Any]:
 
 def file_job(path: str) -> dict[str, Any]:
     """From the file to the solution."""
-    from pyident.conditioned_file import prepared
-    from pyident.log_file import log_file
+    from pyident.conditioning.windows import prepared
+    from pyident.logs.disk import log_file
 
     on_one_core()
     robot = load_robot("four_link")

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 
 from flexmodels.experiment import identification
 from flexmodels.robot import Robot
-from pyident.pipeline import simulate_robot
+from pyident.simulation.fmu_runs import simulate_robot
 
 PERIOD = 1025  # samples: 4.1 s at 250 Hz
 SETTLED = 5  # periods until the motion repeats itself

@@ -32,7 +32,7 @@ MEASURED = ("all [s]", "runs [ms each]", "bare [ms each]")
 
 def design(robot, runs: int) -> pd.DataFrame:
     """Stiffnesses and friction, plus and minus 25 %."""
-    from pyident.sampling import latin_hypercube
+    from pyident.sweep.sampling import latin_hypercube
 
     own = {name: value for name, value in robot.parameters.items() if any(v in name for v in VARIED)}
     return latin_hypercube({n: ((1 - SHARE) * v, (1 + SHARE) * v) for n, v in own.items()}, runs)
@@ -40,7 +40,7 @@ def design(robot, runs: int) -> pd.DataFrame:
 
 def study(sets: pd.DataFrame, robot, experiment: Experiment, workers: int) -> tuple[float, float]:
     """Wall-clock seconds of the whole call, and seconds per row between the first and the last batch."""
-    from pyident.parameter_study import parameter_study
+    from pyident.sweep.run import parameter_study
 
     arrived: list[tuple[float, float]] = []
     begin = time.perf_counter()
@@ -83,8 +83,8 @@ def measured(runs: int, rounds: int, numbers: list[int]) -> pd.DataFrame:
     """A row per round and number of workers."""
     from flexfmu.build import export_fmu
     from flexmodels.experiment import identification
-    from flexmodels.plant import equations
-    from flexmodels.robot_file import load_robot
+    from flexmodels.files.robot_file import load_robot
+    from flexmodels.mechanics.plant import equations
 
     robot = load_robot("four_link")
     experiment, sets = identification(robot, duration=SECONDS), design(robot, runs)

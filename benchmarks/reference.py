@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 _AT_REST = 1e-13  # rad/s by which a joint may have overshot the reversal
 

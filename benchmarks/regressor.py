@@ -18,10 +18,10 @@ import pandas as pd
 from benchmarks.measure import best, on_one_core
 from benchmarks.results import command, drawn, keep
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.link_columns import LinkColumns
-from pyident.regressor import Motion, regressor_blocks
+from pyident.regression.links import LinkColumns
+from pyident.regression.regressor import Motion, regressor_blocks
 
 
 def random_motion(robot: Robot, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

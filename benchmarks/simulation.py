@@ -24,7 +24,7 @@ from benchmarks.cases import Case, Point, case, timed, without_coulomb
 from benchmarks.closed_loop import Plant, run
 from benchmarks.fmu_points import fmu_costs, fmu_points
 
-from flexmodels.robot_file import load_robot
+from flexmodels.files.robot_file import load_robot
 
 GOAL = 10.0  # um
 RK4_STEPS = (1e-3, 0.8e-3, 0.5e-3, 0.2e-3, 0.1e-3)  # s

@@ -21,7 +21,7 @@ from benchmarks.long_log import one_period, write_long_log
 from benchmarks.measure import in_own_process
 from benchmarks.results import command, drawn, keep
 
-from flexmodels.robot_file import load_robot
+from flexmodels.files.robot_file import load_robot
 
 
 def rows(samples: int, lengths: list[int], tools: tuple[str, ...] = TOOLS) -> list[dict[str, Any]]:

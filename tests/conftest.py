@@ -6,9 +6,9 @@ import pytest
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import identification
-from flexmodels.plant import equations
-from flexmodels.robot_file import load_robot
-from pyident.log import Log
+from flexmodels.files.robot_file import load_robot
+from flexmodels.mechanics.plant import equations
+from pyident.logs.log import Log
 
 
 @pytest.fixture(scope="session")

@@ -17,9 +17,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Joint, Link, Robot
-from flexmodels.robot_file import load_robot
 
 pin = pytest.importorskip("pinocchio", reason="Pinocchio (package pin) is the oracle and is not installed")
 

@@ -10,11 +10,11 @@ PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": R
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
 # where robot, FMU and identification are put together
 COMPOSERS = {
-    "pyident/bench.py",
-    "pyident/cli.py",
-    "pyident/command.py",
-    "pyident/parameter_study.py",
-    "pyident/pipeline.py",
+    "pyident/sweep/worker.py",
+    "pyident/cli/main.py",
+    "pyident/cli/shared.py",
+    "pyident/sweep/run.py",
+    "pyident/simulation/fmu_runs.py",
 }
 
 
@@ -45,7 +45,7 @@ def test_packages_import_only_what_they_may(package):
 
 
 def test_identification_never_sees_the_plants_dynamics():
-    forbidden = {"flexmodels.dynamics", "flexmodels.plant"}
+    forbidden = {"flexmodels.mechanics.dynamics", "flexmodels.mechanics.plant"}
     for file in sources("pyident"):
         if file.relative_to(PACKAGES["pyident"]).as_posix() not in COMPOSERS:
             assert not imports(file) & forbidden, file

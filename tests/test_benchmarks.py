@@ -7,7 +7,7 @@ import pytest
 
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import identification
-from flexmodels.plant import equations
+from flexmodels.mechanics.plant import equations
 
 LOOSE = {f"joint{k}.coulomb": 0.0 for k in range(1, 5)}
 

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from flexmodels.robot_file import load_robot, shipped
-from pyident.cli import main
-from pyident.log import write_log
+from flexmodels.files.robot_file import load_robot, shipped
+from pyident.cli.main import main
+from pyident.logs.log import write_log
 
 
 def run(*words):

@@ -10,11 +10,11 @@ import numpy as np
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment
-from flexmodels.plant import equations
+from flexmodels.files.robot_file import load_robot
+from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.log import Log
-from pyident.replica import Repeat
+from pyident.logs.log import Log
+from pyident.simulation.replica import Repeat
 
 TWO_LINK = Path(__file__).parent / "robots" / "two_link.toml"
 _PERIOD = 1 / 250

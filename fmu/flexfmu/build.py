@@ -11,7 +11,7 @@ from flexfmu.package import Package, Platforms, Version, write_fmu
 from flexfmu.source import controller_sources, model_sources
 from flexfmu.variables import states
 from flexmodels.compiler import BuildError
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 __all__ = ["BuildError", "export_controller", "export_fmu"]
 

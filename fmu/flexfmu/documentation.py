@@ -5,7 +5,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader
 
 from flexfmu.interface import Interface
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 
 def plant_page(equations: Equations, interface: Interface) -> str:

@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 from matplotlib.figure import Figure
 
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 _BEND = 1.0  # [rad] so that a stretched arm shows its joints
 _SIZE = 2.56  # [inch]

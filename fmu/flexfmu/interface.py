@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexfmu.variables import Variable, controller_variables, states, variables
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 _STEP_WITHOUT_CONTROLLER = 1e-3  # [s]
 

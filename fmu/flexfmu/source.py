@@ -11,7 +11,7 @@ import casadi as ca
 
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.variables import nominals
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 _FUNCTIONS = ("rates", "breakaway", "laws", "balance", "start", "tip")
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))

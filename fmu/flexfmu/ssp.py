@@ -11,7 +11,7 @@ from flexfmu.package import Platforms, zip_folder
 from flexfmu.simulate import constant_run
 from flexfmu.variables import Variable, base_units
 from flexmodels.atomic import replacing
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from flexfmu.names import fmi_name
-from flexmodels.plant import Equations
+from flexmodels.mechanics.plant import Equations
 
 STEP = 0.5e-3  # default solver step [s]
 _NEWTON = {"kg": 1, "m": 1, "s": -2}

@@ -4,8 +4,9 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
-from flexmodels import dynamics, multisine
+from flexmodels import multisine
 from flexmodels.inputs import Experiment
+from flexmodels.mechanics import dynamics
 from flexmodels.robot import Line, Robot, RobotError
 
 

@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from flexmodels.effect import Effect
 from flexmodels.effects import BASE, CATALOGUE, load_effects
+from flexmodels.effects.effect import Effect
+from flexmodels.effects.restriction import objection, restricted
 from flexmodels.gearing import Transmission
 from flexmodels.linkage import Closure, PassiveJoint
-from flexmodels.restriction import objection, restricted
 
 LINK_PARAMETERS: dict[str, str] = {
     "m": "kg",

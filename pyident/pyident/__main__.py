@@ -2,7 +2,7 @@
 
 
 def main() -> None:
-    from pyident.cli import main
+    from pyident.cli.main import main
 
     main()
 

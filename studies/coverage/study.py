@@ -8,14 +8,14 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.experiment import identification
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.identify import Identified, identify
-from pyident.indirect import correct_by_replicas
-from pyident.log import Log
-from pyident.output_error import output_error
-from pyident.pipeline import FmuRuns
-from pyident.studies import StudyResult, row
+from pyident.estimation.identify import Identified, identify
+from pyident.logs.log import Log
+from pyident.refinement.output_error import output_error
+from pyident.refinement.remove_bias import correct_by_replicas
+from pyident.simulation.fmu_runs import FmuRuns
+from pyident.sweep.studies import StudyResult, row
 
 NOISE = {".e": 2e-6, ".eps": 1e-6}  # rad; torques: 0.2 % of their maximum
 RUNS = 50

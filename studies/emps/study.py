@@ -4,11 +4,11 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.identify import Identified, identify
-from pyident.log import read_log
-from pyident.studies import StudyResult, row
+from pyident.estimation.identify import Identified, identify
+from pyident.logs.log import read_log
+from pyident.sweep.studies import StudyResult, row
 
 # Janot, Gautier and Brunot, Data set and reference models of EMPS, 2019.
 SYMMETRIC = {"M": 95.1089, "Fv": 203.5034, "Fc": 20.3935, "offset": -3.1648}

@@ -19,15 +19,15 @@ import pyident
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.atomic import replacing
-from flexmodels.plant import equations
+from flexmodels.files.robot_file import load_robot
+from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.diagnose import concluded, searched
-from pyident.diagnosis import Diagnosis
-from pyident.heldout import whitened_heldout
-from pyident.log import Log, read_log
-from pyident.search import Search
-from pyident.workers import workers_with
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.search.held_out import whitened_heldout
+from pyident.diagnosis.search.search import Search
+from pyident.logs.log import Log, read_log
+from pyident.simulation.workers import workers_with
 
 from .generator import LOGS, generate
 from .generator_cases import Case

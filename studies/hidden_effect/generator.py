@@ -18,8 +18,8 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.atomic import replacing
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
 
 from . import generator_cases
 from .generator_cases import LOGS, UNOBSERVABLE, Basis, Case

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyident.candidates import bounds
-from pyident.diagnosis import Diagnosis
-from pyident.evidence import Base, Columns, gain
-from pyident.followup import candidate_of
-from pyident.heldout import heldout_gain
-from pyident.search import Found, Search
-from pyident.spectra import Equations
+from pyident.diagnosis.base.candidates import bounds
+from pyident.diagnosis.base.projection import Base, Columns, gain
+from pyident.diagnosis.next_steps import candidate_of
+from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.search.held_out import heldout_gain
+from pyident.diagnosis.search.search import Found, Search
+from pyident.regression.spectrum import Equations
 
 Name = tuple[str, int]  # an effect and its joint, from 1
 ALIKE = 0.99  # of a force's energy: what imitates it this far is the same in these logs

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
-from pyident.studies import row
+from pyident.sweep.studies import row
 
 from .oracle import Name
 

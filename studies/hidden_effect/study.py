@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from flexmodels.atomic import replacing
-from pyident.examination import REPLICAS
-from pyident.studies import StudyResult
+from pyident.diagnosis.base.residual_over_floor import REPLICAS
+from pyident.sweep.studies import StudyResult
 
 from .blind import ROBOT, solve_all
 from .confusion import confusion, figure

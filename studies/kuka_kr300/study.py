@@ -7,20 +7,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.conditioning import condition
-from pyident.data import fetch, shipped_mapping
-from pyident.estimate import estimate
-from pyident.filters import thin
-from pyident.instruments import STRONG, two_stage
-from pyident.log import Log, LogError
-from pyident.log_import import import_log
-from pyident.problem import Problem
-from pyident.regressor import regressor
+from pyident.checks.encoder_delay import Skew, encoder_skews, without_skew
+from pyident.conditioning.filters import thin
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimate import estimate
+from pyident.estimation.instrumental import STRONG, two_stage
+from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.foreign import import_log
+from pyident.logs.log import Log, LogError
+from pyident.regression.equations import Problem
+from pyident.regression.regressor import regressor
 from pyident.report.page import Section, write_page
-from pyident.skew import Skew, encoder_skews, without_skew
-from pyident.studies import StudyResult, row
+from pyident.sweep.studies import StudyResult, row
 
 AUTHORS = (4.58e6, 7.52e6, 4.10e6)  # [N m/rad], axes 1 to 3
 _LAGS = 25  # of 20 ms: half a second of correlated residuals

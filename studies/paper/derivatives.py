@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
-from pyident import conditioning
-from pyident.conditioned import Conditioned
-from pyident.conditioning import condition
-from pyident.estimate import estimate
-from pyident.log import Log
-from pyident.problem import Problem
-from pyident.solve import Solution, reduce, solve
+from pyident.conditioning import weak_form as conditioning
+from pyident.conditioning.samples import Conditioned
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimate import estimate
+from pyident.estimation.least_squares import Solution, reduce, solve
+from pyident.logs.log import Log
+from pyident.regression.equations import Problem
 
 _KINDS = ("J_m", "coulomb", "viscous", "k[1]", "k[2]", "k[3]")
 EXPLANATION = """

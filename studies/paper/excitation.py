@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from flexmodels.experiment import Experiment
 from flexmodels.multisine import crest_factor
 from flexmodels.robot import Robot
-from pyident.pipeline import simulate_robot
+from pyident.simulation.fmu_runs import simulate_robot
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from flexmodels.robot import Robot
-from pyident.identify import Identified
-from pyident.regressor import Motion, regressor
-from pyident.solve import reduce, solve
+from pyident.estimation.identify import Identified
+from pyident.estimation.least_squares import reduce, solve
+from pyident.regression.regressor import Motion, regressor
 
 
 def explanation(found: Identified, structural: np.ndarray) -> str:

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
-from flexmodels.plant import equations
+from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 
 

@@ -7,15 +7,15 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.experiment import identification, line
+from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot, save_robot
-from pyident.base_parameters import weakest_directions
-from pyident.identify import Identified, identify
-from pyident.indirect import correct_by_replicas
-from pyident.log import Log, write_log
-from pyident.pipeline import FmuRuns, simulate_robot
+from pyident.estimation.base_parameters import weakest_directions
+from pyident.estimation.identify import Identified, identify
+from pyident.logs.log import Log, write_log
+from pyident.refinement.remove_bias import correct_by_replicas
 from pyident.report.page import Picture, Section, write_page
-from pyident.studies import StudyResult, row
+from pyident.simulation.fmu_runs import FmuRuns, simulate_robot
+from pyident.sweep.studies import StudyResult, row
 
 from . import derivatives, excitation, identifiability, response, validation
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pyident.parameter_study import run_plan
-from pyident.studies import StudyResult, row
-from pyident.study_plan import StudyPlan, load_study_plan
-from pyident.study_summary import failures
+from pyident.sweep.plan import StudyPlan, load_study_plan
+from pyident.sweep.run import run_plan
+from pyident.sweep.studies import StudyResult, row
+from pyident.sweep.summary import failures
 
 PLAN = Path(__file__).with_name("plan.toml")
 # result -> title, unit, factor from SI

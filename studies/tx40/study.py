@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from flexmodels.robot_file import load_robot
-from pyident.conditioning import condition
-from pyident.data import fetch, shipped_mapping
-from pyident.estimate import estimate
-from pyident.identify import Identified, identified, identify
-from pyident.log import Log, LogError
-from pyident.log_import import import_log
-from pyident.problem import Problem
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimate import estimate
+from pyident.estimation.identify import Identified, identified, identify
+from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.foreign import import_log
+from pyident.logs.log import Log, LogError
+from pyident.regression.equations import Problem
 from pyident.report.page import Section, write_page
-from pyident.studies import StudyResult, row
+from pyident.sweep.studies import StudyResult, row
 
 # Weighted least squares of the data's authors: viscous [N m s/rad] and Coulomb [N m] friction, joints 1 to 6.
 VISCOUS = (8.08729, 5.593924, 1.98261, 1.112374, 1.854047, 0.647663)

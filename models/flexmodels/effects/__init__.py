@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
-from flexmodels.effect import Effect, EffectError
 from flexmodels.effects import drive, friction, loading, structure, transmission
+from flexmodels.effects.effect import Effect, EffectError
 
 CATALOGUE: dict[str, Effect] = {
     effect.name: effect

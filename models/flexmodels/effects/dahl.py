@@ -2,7 +2,7 @@
 
 from sympy import Abs, Expr, Symbol
 
-from flexmodels.effect import Parameter, State
+from flexmodels.effects.effect import Parameter, State
 
 
 def dahl(name: str, rate: Expr, travel: Parameter) -> State:

@@ -2,8 +2,8 @@
 
 from sympy import Abs, Max, Symbol, cos, sign, sin
 
-from flexmodels.effect import Coverage, Effect, Parameter, State
-from flexmodels.signals import dde, e, tau
+from flexmodels.effects.effect import Coverage, Effect, Parameter, State
+from flexmodels.effects.signals import dde, e, tau
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
 

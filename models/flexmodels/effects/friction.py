@@ -2,9 +2,9 @@
 
 from sympy import Abs, cos, exp, sign, sin
 
-from flexmodels.effect import Coverage, Effect, Parameter
 from flexmodels.effects.dahl import dahl
-from flexmodels.signals import de, e, load, time
+from flexmodels.effects.effect import Coverage, Effect, Parameter
+from flexmodels.effects.signals import de, e, load, time
 
 _coulomb = Parameter("coulomb", "N.m", lower=0)
 _viscous = Parameter("viscous", "N.m.s/rad", lower=0)

@@ -7,7 +7,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from flexmodels.effect import Effect, EffectError
+from flexmodels.effects.effect import Effect, EffectError
 
 GROUP = "flexident.effects"
 

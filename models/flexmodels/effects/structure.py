@@ -2,8 +2,8 @@
 
 from sympy import cos, pi, sign, sin, sqrt
 
-from flexmodels.effect import Effect, Parameter
-from flexmodels.signals import beyond, dde, de, e, eps, tip
+from flexmodels.effects.effect import Effect, Parameter
+from flexmodels.effects.signals import beyond, dde, de, e, eps, tip
 
 _angle = e + eps[1]  # of the link relative to the joint's base side: it loads motor and transmission alike
 

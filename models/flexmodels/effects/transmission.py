@@ -2,9 +2,9 @@
 
 from sympy import Abs, Max, Min, Symbol, cos, sin
 
-from flexmodels.effect import Coverage, Effect, Parameter
 from flexmodels.effects.dahl import dahl
-from flexmodels.signals import deps, e, eps
+from flexmodels.effects.effect import Coverage, Effect, Parameter
+from flexmodels.effects.signals import deps, e, eps
 
 _k = {i: Parameter(f"k[{i}]", "N.m/rad", lower=0) for i in eps}
 _d = {i: Parameter(f"d[{i}]", "N.m.s/rad", lower=0) for i in eps}

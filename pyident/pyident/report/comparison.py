@@ -11,8 +11,8 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
-from pyident.breakdown import Bin
-from pyident.compare import Comparison, LogErrors
+from pyident.comparison.bins import Bin
+from pyident.comparison.compare import Comparison, LogErrors
 
 _KINDS = {
     "frequency": "Frequency",

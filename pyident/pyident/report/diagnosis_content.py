@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pyident.diagnosis import Diagnosis, Finding, Limit, Named, Row
+from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
 from pyident.report.diagnosis_figures import band_name, colour, row_name
 from pyident.report.wording import interval, measured, number, unit
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 from plotly.colors import sample_colorscale
 
-from pyident.diagnosis import Diagnosis, Named, Row
+from pyident.diagnosis.result import Diagnosis, Named, Row
 from pyident.report.wording import MINUS, number, times
 
 EXCESS, EXPLAINED, QUIET = "#b5480d", "#2b6ca3", "#59616b"

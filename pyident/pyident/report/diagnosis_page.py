@@ -9,7 +9,7 @@ from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
 from flexmodels.effects import CATALOGUE
-from pyident.diagnosis import Diagnosis, Named
+from pyident.diagnosis.result import Diagnosis, Named
 from pyident.report import wording
 from pyident.report.diagnosis_content import (
     findings,

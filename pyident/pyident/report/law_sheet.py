@@ -6,8 +6,8 @@ from latex2mathml.converter import convert
 from markupsafe import Markup
 from sympy import Expr, Symbol, latex
 
-from flexmodels import signals
-from flexmodels.effect import Effect
+from flexmodels.effects import signals
+from flexmodels.effects.effect import Effect
 from pyident.report.wording import unit
 
 _PLACES = {

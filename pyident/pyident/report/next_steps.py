@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from shlex import join
 
-from pyident.diagnosis import Diagnosis, Named
+from pyident.diagnosis.result import Diagnosis, Named
 
 
 def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:

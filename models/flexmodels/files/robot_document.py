@@ -1,0 +1,99 @@
+"""A robot as the nested tables of its file."""
+
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from flexmodels.effects import BASE
+from flexmodels.linkage import PassiveJoint
+from flexmodels.robot import Joint, Processing, Robot
+
+_PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
+
+
+def document(robot: Robot, folder: Path) -> dict[str, Any]:
+    """What `flexmodels.files.robot_file` reads back from a file in `folder` as the same robot."""
+    document: dict[str, Any] = {
+        "name": robot.name,
+        "description": robot.description,
+        "gravity": list(robot.gravity),
+        "tip": list(robot.tip),
+    }
+    if robot.effect_files:
+        document["effects"] = [_seen_from(folder, file) for file in robot.effect_files]
+    if robot.controller:
+        c = robot.controller
+        document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
+    if robot.columns:
+        document["columns"] = {
+            s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
+            for s, c in robot.columns.items()
+        }
+    if robot.transmission:
+        t = robot.transmission
+        rows, own = [list(row) for row in t.ratio], [row[i] for i, row in enumerate(t.ratio)]
+        coupled = any(v for i, row in enumerate(rows) for j, v in enumerate(row) if i != j)
+        document["transmission"] = {"ratio": rows if coupled else own, "offset": list(t.offset)}
+        if t.drive:
+            document["transmission"]["drive"] = list(t.drive)
+    if robot.processing != Processing():
+        p = robot.processing
+        document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
+    if robot.identification:
+        document["identification"] = _plain(asdict(robot.identification))
+    if robot.line:
+        document["line"] = _plain(asdict(robot.line))
+    if robot.tip_link is not None:
+        document["tip_link"] = robot.tip_link
+    document["joint"] = [
+        *(_joint_document(joint) for joint in robot.joints),
+        *(_passive_document(joint) for joint in robot.passive),
+    ]
+    document["link"] = [{"m": link.m, "ms": list(link.ms), "J": list(link.J)} for link in robot.links]
+    if robot.closures:
+        document["closure"] = [_plain(asdict(closure)) for closure in robot.closures]
+    return document
+
+
+def _seen_from(folder: Path, file: str) -> str:
+    """A relative path with forward slashes where there is one (on Windows not to another drive)."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return Path(file).as_posix()
+
+
+def _plain(value: Any) -> Any:
+    """Tuples as lists, for TOML."""
+    if isinstance(value, dict):
+        return {key: _plain(v) for key, v in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
+    parent = {} if joint.parent is None else {"parent": joint.parent}
+    return parent | {"origin": list(joint.origin), "x": list(joint.x), "y": list(joint.y)}
+
+
+def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
+    follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
+    return {"passive": True} | _place(joint) | {"follows": follows}
+
+
+def _joint_document(joint: Joint) -> dict[str, Any]:
+    named = {"name": joint.name} if joint.name else {}
+    table: dict[str, Any] = named | {"kind": joint.kind} | _place(joint)
+    if joint.limits:
+        table["limits"] = {key: _plain(v) for key, v in asdict(joint.limits).items() if v is not None}
+    others = {}
+    for effect, values in joint.values.items():
+        if effect in _PREFIXES:
+            table[next(iter(values))[0]] = list(values.values())
+        elif effect in BASE:
+            table |= values
+        else:
+            others[effect] = dict(values)
+    if others:
+        table["effects"] = others
+    return table

@@ -1,0 +1,218 @@
+"""Robot files: TOML in and out. A wrong file gets one sentence that names the key."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from flexmodels.atomic import replacing
+from flexmodels.effects import load_effects
+from flexmodels.effects.effect import EffectError
+from flexmodels.files.joint_tables import read_closures, read_joints
+from flexmodels.files.robot_document import document
+from flexmodels.files.toml_table import Table, number
+from flexmodels.gearing import Transmission
+from flexmodels.linkage_check import check_linkage
+from flexmodels.robot import (
+    Column,
+    Controller,
+    Identification,
+    Line,
+    Link,
+    Multisine,
+    Processing,
+    Robot,
+    RobotError,
+)
+
+
+def shipped() -> dict[str, Path]:
+    """Names and files of the robots that come with the package."""
+    folder = Path(str(resources.files("flexmodels") / "robots"))
+    return {file.stem: file for file in sorted(folder.glob("*.toml"))}
+
+
+def load_robot(model: str | Path) -> Robot:
+    """A shipped robot by name, or a TOML file by path. Raises RobotError."""
+    path = shipped().get(str(model), Path(model))
+    if not path.is_file():
+        names = ", ".join(shipped())
+        raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
+    try:
+        return _robot(tomllib.loads(path.read_text(encoding="utf-8")), path)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RobotError(f"{path}: not a TOML file ({error})") from None
+    except (RobotError, EffectError) as error:
+        raise RobotError(f"{path}: {error}") from None
+
+
+def save_robot(robot: Robot, path: str | Path) -> None:
+    """Write a robot file."""
+    with replacing(path) as file:
+        file.write_text(tomli_w.dumps(document(robot, Path(path).resolve().parent)), encoding="utf-8")
+
+
+def _robot(data: Mapping[str, Any], path: Path) -> Robot:
+    table = Table(data, "")
+    effect_files = _effect_files(table, path) if "effects" in table else ()
+    load_effects(effect_files)
+    joints, passive = read_joints(table.tables("joint"))
+    links = tuple(_link(t) for t in table.tables("link"))
+    count = len(joints) + len(passive)
+    if len(links) != count:
+        raise RobotError(f"link: {count} joints need as many links, found {len(links)}")
+    controller = _controller(table.table("controller"), len(joints)) if "controller" in table else None
+    columns = _columns(table.table("columns")) if "columns" in table else {}
+    processing = _processing(table.table("processing")) if "processing" in table else Processing()
+    robot = Robot(
+        name=str(table.get("name", path.stem)),
+        joints=joints,
+        links=links,
+        tip=table.vector("tip", 3, (0.0, 0.0, 0.0)),
+        gravity=table.vector("gravity", 3, (0.0, 0.0, -9.81)),
+        controller=controller,
+        columns=columns,
+        processing=processing,
+        identification=_identification(table.table("identification"), len(joints))
+        if "identification" in table
+        else None,
+        line=_line(table.table("line"), len(joints)) if "line" in table else None,
+        description=str(table.get("description", " ")).strip(),
+        passive=passive,
+        closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
+        transmission=_transmission(table.table("transmission"), len(joints))
+        if "transmission" in table
+        else None,
+        tip_link=table.whole(table.get("tip_link"), "tip_link", 1, count) if "tip_link" in table else None,
+        effect_files=effect_files,
+    )
+    table.done()
+    check_linkage(robot)
+    return robot
+
+
+def _effect_files(table: Table, path: Path) -> tuple[str, ...]:
+    """Absolute paths of the listed files, which stand relative to the robot file."""
+    listed = table.get("effects")
+    if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
+        raise RobotError("effects must be a list of Python files")
+    return tuple(str((path.parent / name).resolve()) for name in listed)
+
+
+def _link(table: Table) -> Link:
+    m = table.number("m", lower=0.0)
+    if "com" in table:
+        com = np.array(table.vector("com", 3))
+        J = table.get("J_com")
+        size = 3 if isinstance(J, list) and len(J) == 3 else 6
+        J_com = _symmetric(table.vector("J_com", size))
+        link = Link.of_centre(m, com, J_com)
+    else:
+        link = Link(m, table.vector("ms", 3), table.vector("J", 6))
+    if np.linalg.eigvalsh(_symmetric(link.J)).min() < -1e-9 * max(np.abs(link.J)):
+        raise RobotError(f"{table.where}: the inertia has a negative principal value")
+    table.done()
+    return link
+
+
+def _symmetric(J: tuple[float, ...]) -> np.ndarray:
+    if len(J) == 3:
+        return np.diag(J)
+    xx, xy, xz, yy, yz, zz = J
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _controller(table: Table, n: int) -> Controller:
+    controller = Controller(
+        rate=table.number("rate", lower=0.0, above=True),
+        Kp=table.vector("Kp", n),
+        Kd=table.vector("Kd", n),
+        Ki=table.vector("Ki", n),
+    )
+    table.done()
+    return controller
+
+
+def _columns(table: Table) -> dict[str, Column]:
+    columns = {}
+    for signal, value in table.data.items():
+        if isinstance(value, str):
+            columns[signal] = Column(value)
+        else:
+            entry = Table(value, table.place(signal))
+            columns[signal] = Column(str(entry.get("source")), entry.number("gain", 1.0))
+            entry.done()
+    return columns
+
+
+def _transmission(table: Table, n: int) -> Transmission:
+    """ratio: a number per joint, or the rows of a matrix."""
+    rows = table.get("ratio")
+    if isinstance(rows, list) and rows and isinstance(rows[0], list):
+        if len(rows) != n or any(not isinstance(row, list) or len(row) != n for row in rows):
+            raise RobotError(f"{table.place('ratio')} must be {n} rows of {n} numbers, or {n} numbers")
+        places = [f"{table.place('ratio')}[{i + 1}]" for i in range(n)]
+        ratio = [[number(v, place) for v in row] for row, place in zip(rows, places, strict=True)]
+    else:
+        ratio = np.diag(table.vector("ratio", n)).tolist()
+    if np.linalg.matrix_rank(ratio) < n:
+        raise RobotError(f"{table.place('ratio')} cannot be inverted; every joint needs its motor")
+    transmission = Transmission(
+        ratio=tuple(tuple(row) for row in ratio),
+        offset=table.vector("offset", n, (0.0,) * n),
+        drive=table.vector("drive", n) if "drive" in table else None,
+    )
+    table.done()
+    return transmission
+
+
+def _processing(table: Table) -> Processing:
+    decimate = table.number("decimate", 1, lower=1)
+    derivative = table.get("derivative") if "derivative" in table else None
+    if derivative not in (None, "central", "hat"):
+        raise RobotError(f"{table.place('derivative')} must be central or hat, not {derivative!r}")
+    processing = Processing(
+        derivative=derivative,
+        cutoff=table.number("cutoff", lower=0.0, above=True) if "cutoff" in table else None,
+        order=int(table.number("order", 4, lower=1)),
+        decimate=int(decimate),
+        dead_zone=table.number("dead_zone", 0.0, lower=0.0),
+    )
+    table.done()
+    return processing
+
+
+def _identification(table: Table, n: int) -> Identification:
+    multisine = table.table("multisine")
+    experiment = Identification(
+        swing=table.vector("swing", n),
+        period=table.number("period", lower=0.0, above=True),
+        duration=table.number("duration", lower=0.0, above=True),
+        multisine=Multisine(
+            rms=multisine.vector("rms", n, lower=0.0),
+            lines=int(multisine.number("lines", lower=1)),
+            lowest=multisine.number("lowest", lower=0.0, above=True),
+            highest=multisine.number("highest", lower=0.0, above=True),
+        ),
+    )
+    multisine.done()
+    table.done()
+    return experiment
+
+
+def _line(table: Table, n: int) -> Line:
+    locked = tuple(int(k) for k in table.get("locked", ()))
+    if any(not 1 <= k <= n for k in locked):
+        raise RobotError(f"{table.place('locked')} must name joints from 1 to {n}")
+    line = Line(
+        start=table.vector("start", 3),
+        end=table.vector("end", 3),
+        duration=table.number("duration", lower=0.0, above=True),
+        locked=locked,
+    )
+    table.done()
+    return line

@@ -1,0 +1,84 @@
+"""`pyident log` and `pyident data`: other people's recordings."""
+
+import click
+from rich.table import Table
+
+from flexmodels.files.robot_file import load_robot
+from pyident.checks.encoder_delay import encoder_skews, without_skew
+from pyident.cli.shared import console, json_option, output_option, reported, write_json
+from pyident.logs.datasets import DATA_SETS, fetch
+from pyident.logs.foreign import import_log
+from pyident.logs.log import write_log
+from pyident.logs.mapping import read_mapping
+
+
+@click.group()
+def log() -> None:
+    """Read recordings of other tools.
+
+    Example: pyident log import raw.mat --mapping my_columns.toml -o log.parquet
+    """
+
+
+@log.command(name="import")
+@click.argument("files", nargs=-1, required=True)
+@click.option(
+    "--mapping", required=True, metavar="FILE", help="Names, units and signs of the columns (TOML)."
+)
+@click.option("--robot", "model", metavar="MODEL", help="Refer motor-side columns to this robot's joints.")
+@click.option("--skew", is_flag=True, help="Estimate and correct the delay of link encoders (needs --robot).")
+@output_option
+@json_option
+@reported
+def import_command(
+    files: tuple[str, ...], mapping: str, model: str | None, skew: bool, output: str, json_file: str | None
+) -> None:
+    """Join FILES of one recording and write them as a log.
+
+    Example: pyident log import positions.csv torques.csv --mapping tx40.toml --robot tx40 -o log.parquet
+    """
+    if skew and model is None:
+        raise click.UsageError("--skew needs --robot")
+    robot = load_robot(model) if model else None
+    read = import_log(files, read_mapping(mapping), robot)
+    notes = list(read.notes)
+    if skew and robot is not None:
+        read, sentences = without_skew(read, encoder_skews(robot, read))
+        notes += sentences
+    write_log(read, output)
+    for note in notes:
+        click.echo(f"note: {note}")
+    click.echo(f"wrote {output}: {len(read)} samples at {1 / read.period:g} Hz")
+    write_json(json_file, {"log": output, "samples": len(read), "notes": notes})
+
+
+@click.group()
+def data() -> None:
+    """Public measurements of real robots.
+
+    Example: pyident data list
+    """
+
+
+@data.command(name="list")
+@json_option
+@reported
+def list_command(json_file: str | None) -> None:
+    """List the data sets. Example: pyident data list"""
+    table = Table("data set", "what", "licence")
+    for name, found in DATA_SETS.items():
+        table.add_row(name, found.title, found.licence)
+    console.print(table)
+    write_json(json_file, {name: found.title for name, found in DATA_SETS.items()})
+
+
+@data.command(name="fetch")
+@click.argument("name")
+@json_option
+@reported
+def fetch_command(name: str, json_file: str | None) -> None:
+    """Fetch a data set, or find it in the folder PYIDENT_DATA. Example: pyident data fetch tx40"""
+    files = fetch(name)
+    for file in files:
+        click.echo(str(file))
+    write_json(json_file, [str(file) for file in files])

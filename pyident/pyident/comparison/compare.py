@@ -1,0 +1,294 @@
+"""How much a model fails, where, and how much of that is the method's own doing."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.comparison.bins import Bin, breakdown, joint_of
+from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
+from pyident.conditioning.filters import thin
+from pyident.logs.log import Log
+from pyident.simulation.replica import OpenWorkers
+
+REPLICAS = 6
+_CERTAIN = 1.25  # times the deviations that a replica shows among the others: what is no chance
+_MATTERS = 1.25  # times the floor: less is not worth a sentence
+_CARRIES = 0.1  # of the equation's excess that the named part must hold
+_SAMPLES = 0.02  # of the data that it must hold
+_OF_SIGNAL = 5e-4  # of the equation's signal that its excess must reach
+
+
+@dataclass(frozen=True)
+class Error:
+    """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves."""
+
+    rmse: float
+    signal: float
+    floor: float
+    unit: str
+
+    @property
+    def nrmse_percent(self) -> float:
+        return 100 * self.rmse / max(self.signal, 1e-300)
+
+    @property
+    def floor_percent(self) -> float:
+        return 100 * self.floor / max(self.signal, 1e-300)
+
+    @property
+    def ratio(self) -> float:
+        return self.rmse / max(self.floor, 1e-300)
+
+    def json(self) -> dict[str, Any]:
+        return {
+            "rmse": self.rmse,
+            "unit": self.unit,
+            "nrmse_percent": self.nrmse_percent,
+            "floor_percent": self.floor_percent,
+            "over_floor": self.ratio,
+        }
+
+
+@dataclass(frozen=True)
+class LogErrors:
+    """Errors on one log. equations: coordinate -> Error;  simulation: signal -> Error, and `tip`.
+
+    time, missed   (S,) [s] and signal -> (S,), log less simulation
+    """
+
+    log: str
+    equations: dict[str, Error]
+    simulation: dict[str, Error]
+    time: np.ndarray
+    missed: dict[str, np.ndarray]
+
+    def json(self) -> dict[str, Any]:
+        """The contract of `compare --json` for a log, and more."""
+        torque = {name.split(".")[0]: e.json() for name, e in self.equations.items() if name.endswith(".e")}
+        balances = {name: e.json() for name, e in self.equations.items() if not name.endswith(".e")}
+        e_rmse = {n.split(".")[0]: e.rmse for n, e in self.simulation.items() if n.endswith(".e")}
+        tip = {"tip_rmse_m": self.simulation["tip"].rmse} if "tip" in self.simulation else {}
+        signals = {name: e.json() for name, e in self.simulation.items()}
+        return {
+            "torque": torque,
+            "deformation_balance": balances,
+            "simulation": tip | {"e_rmse": e_rmse, "signals": signals},
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model against logs.
+
+    where       the part that fails most, None where nothing stands out
+    structural  whether it stands out under refitted parameters too: the structure fails, not the values
+    bins, refitted   every part, under the model's own parameters and under refitted ones
+    tracks      whether the simulations track the measured motion, so that torques tell and positions do not
+    """
+
+    robot: str
+    sentence: str
+    where: Bin | None
+    structural: bool
+    logs: tuple[LogErrors, ...]
+    bins: tuple[Bin, ...]
+    refitted: tuple[Bin, ...]
+    tracks: bool
+
+    def json(self) -> dict[str, Any]:
+        """The contract of `compare --json`, and more."""
+        return {
+            "model": self.robot,
+            "sentence": self.sentence,
+            "where": _bin_json(self.where) | {"structural": self.structural} if self.where else None,
+            "tracks_measured_motion": self.tracks,
+            "logs": {log.log: log.json() for log in self.logs},
+            "breakdown": [_bin_json(b) for b in self.bins],
+            "breakdown_refitted": [_bin_json(b) for b in self.refitted],
+        }
+
+
+def compare(
+    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, replicas: int = REPLICAS
+) -> Comparison:
+    """Hold an identified robot, with the parameters that it has, against logs.
+
+    open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
+    replicas       how many stand for the floor, 3 or more
+    Raises LogError, and what the simulation raises.
+    """
+    trial = on_trial(robot, logs)
+    with open_workers(trial.simulated) as workers:
+        data, made = run_trial(trial, workers, progress, replicas)
+    return compared(trial, data, made)
+
+
+def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Part]]) -> Comparison:
+    """Errors, their floors and where they stand out most."""
+    names = [r.log.source for r in trial.judged]
+    errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
+    short = [Path(n).name for n in names]
+    own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
+    values, structure = (
+        _worst(bins, errors, _chance(trial.robot, replicas, short, r))
+        for bins, r in ((own, False), (refitted, True))
+    )
+    where = structure or values
+    sentence = f"{_first(where, structure is not None)} {_simulated(trial, errors)}"
+    return Comparison(
+        trial.robot.name,
+        sentence,
+        where,
+        structure is not None,
+        errors,
+        tuple(own),
+        tuple(refitted),
+        trial.tracks,
+    )
+
+
+def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:
+    """Of the judged log number i."""
+    robot, log = trial.robot, trial.judged[i].log
+    equations = {}
+    for c, name in enumerate(robot.coordinates):
+        unit = _force_unit(robot, name)
+        floor = _rms([_left(p, p.residual, c) for p in replicas])
+        equations[name] = Error(
+            _left(data, data.residual, c),
+            _left(data, _signal(robot, data, c), c),
+            floor,
+            unit,
+        )
+    late = log.frame.iloc[-len(data.time) :]
+    simulation = {
+        name: Error(
+            _rms(missed),
+            _rms(late[name].to_numpy()),
+            _rms([_rms(p.missed[name]) for p in replicas]),
+            _force_unit(robot, name) if name.endswith("tau") else _length_unit(robot, name),
+        )
+        for name, missed in data.missed.items()
+    }
+    tip = [simulation[name] for name in TIP if name in simulation]
+    if len(tip) == len(TIP):
+        move = late[list(TIP)].to_numpy() - late[list(TIP)].to_numpy().mean(axis=0)
+        simulation["tip"] = Error(
+            float(np.hypot.reduce([e.rmse for e in tip])),
+            float(np.sqrt(np.mean(np.sum(move**2, axis=1)))),
+            float(np.hypot.reduce([e.floor for e in tip])),
+            "m",
+        )
+    return LogErrors(log.source, equations, simulation, data.time, data.missed)
+
+
+def _left(part: Part, values: np.ndarray, c: int) -> float:
+    """rms over the samples that are used, as the regression sees them."""
+    factor = part.part.thinning
+    used = part.part.use[::factor, c]
+    thinned = thin(values[:, [c]], factor)[:, 0] * used
+    return float(np.sqrt(np.sum(thinned**2) / max(float(np.sum(used)), 1e-300)))
+
+
+def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:
+    """(N, n) whose column c is what the equation's error is measured by: motor torque or elastic moment."""
+    name, kind = robot.coordinates[c].split(".")
+    if kind == "e":
+        return part.part.target * part.part.use
+    k = robot.parameters[f"{name}.{kind.replace('eps', 'k')}"]
+    return k * part.part.motion.q
+
+
+def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float) -> Bin | None:
+    """The largest ratio among the parts that are no chance and that matter."""
+    telling = [
+        b
+        for b in bins
+        if b.deviations > _CERTAIN * chance
+        and b.ratio > _MATTERS
+        and b.share > _CARRIES
+        and b.data_share > _SAMPLES
+        and _excess(b.coordinate, errors) > _OF_SIGNAL
+    ]
+    return max(telling, key=lambda b: b.ratio, default=None)
+
+
+def _chance(robot: Robot, replicas: Sequence[Sequence[Part]], names: Sequence[str], refitted: bool) -> float:
+    """The largest deviation of any part of a replica from the others, taken for the data."""
+    found = []
+    for i, made in enumerate(replicas):
+        others = [*replicas[:i], *replicas[i + 1 :]]
+        found += [b.deviations for b in breakdown(robot, made, others, names, refitted)]
+    return max(found)
+
+
+def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:
+    """rms beyond the floor, of the signal's, on the worst log."""
+    found = [log.equations[coordinate] for log in errors]
+    return max(np.sqrt(max(e.rmse**2 - e.floor**2, 0.0)) / max(e.signal, 1e-300) for e in found)
+
+
+def _first(where: Bin | None, structural: bool) -> str:
+    if where is None:
+        return "Nothing stands out: the equations leave what the method itself leaves."
+    place = f"joint {joint_of(where.coordinate)}, {where.balance} side"
+    place += f", {where.label}" if where.label else ""
+    if structural:
+        return f"It fails most at {place}: {where.ratio:.2g} times the floor."
+    return (
+        f"The values of its parameters are off, most at {place}: {where.ratio:.2g} times the floor, and "
+        "other values take that away; identify it with --refine."
+    )
+
+
+def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
+    kinds = (".tau",) if trial.tracks else ("tip", ".e")
+    missed = [
+        (e.simulation[n], n) for kind in kinds for e in errors for n in e.simulation if n.endswith(kind)
+    ]
+    name = missed[0][1] if missed[0][1] == "tip" else max(missed, key=lambda pair: pair[0].ratio)[1]
+    error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
+    what = "the tip" if name == "tip" else f"joint {joint_of(name)}"
+    what += "'s torque" if trial.tracks else ""
+    by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
+    return f"In simulation {what} misses by {by}."
+
+
+def _force_unit(robot: Robot, name: str) -> str:
+    return "N" if _slides(robot, name) else "N m"
+
+
+def _length_unit(robot: Robot, name: str) -> str:
+    return "m" if name.startswith("tip") or _slides(robot, name) else "rad"
+
+
+def _slides(robot: Robot, name: str) -> bool:
+    """Whether a signal is measured along an axis."""
+    return "eps" not in name and robot.joints[joint_of(name) - 1].kind == "prismatic"
+
+
+def _rms(values: Any) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _bin_json(b: Bin) -> dict[str, Any]:
+    edges = {
+        name: value if np.isfinite(value) else None for name, value in (("low", b.low), ("high", b.high))
+    }
+    return {
+        "coordinate": b.coordinate,
+        "joint": b.joint,
+        "balance": b.balance,
+        "kind": b.kind,
+        "label": b.label,
+        **edges,
+        "unit": b.unit,
+        "over_floor": b.ratio,
+        "deviations": b.deviations,
+        "share_of_excess": b.share,
+        "share_of_data": b.data_share,
+    }

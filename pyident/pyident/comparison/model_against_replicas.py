@@ -1,0 +1,186 @@
+"""A model on trial: what its equations leave of logs, what its simulation misses, both on replicas too.
+
+Each is judged twice: under the model's own parameters, which tells how good the model is, and under those
+that the regression finds in that log or replica, which tells how good its structure is. A replica's errors
+are the floor, what the method itself leaves where the model is right; its own parameters are the model's
+with the scatter of the fits among replicas.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.samples import Conditioned
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.least_squares import Reduced, Solution, reduce, solve_weighted
+from pyident.estimation.physical import consistent
+from pyident.logs.log import Log
+from pyident.refinement.remove_bias import seen
+from pyident.regression.equations import Problem
+from pyident.regression.regressor import regressor_blocks
+from pyident.simulation import replica
+from pyident.simulation.replica import Repeat, repeat
+from pyident.simulation.sensor_noise import sensor_noise
+
+Progress = Callable[[float], None]
+TIP = ("tip.x", "tip.y", "tip.z")
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is left of one log, N samples.
+
+    part       the conditioned log
+    residual   (N, n) of the equations, 0 where they are not used
+    refitted   (N, n) the same under what the regression finds
+    time, missed   (S,) [s] and signal -> (S,), log less simulation
+    """
+
+    part: Conditioned
+    period: float
+    residual: np.ndarray
+    refitted: np.ndarray
+    time: np.ndarray
+    missed: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A model and the logs that it is held against.
+
+    robot       the model;  simulated: with the controller that its simulations run under
+    fitted      logs from which parameters are found;  judged: those on which errors are taken
+    since       per judged log the time [s] from which on it counts
+    noise       signal -> standard deviation of its sensor
+    """
+
+    robot: Robot
+    simulated: Robot
+    fitted: tuple[Repeat, ...]
+    judged: tuple[Repeat, ...]
+    since: tuple[float, ...]
+    noise: dict[str, float]
+
+    @property
+    def tracks(self) -> bool:
+        """Whether a stand-in controller makes the simulation follow the measured motion."""
+        return self.simulated.controller is not self.robot.controller
+
+
+def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
+    """A model with its own parameters against logs. Raises LogError."""
+    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    noise = sensor_noise(robot, logs, solve_weighted(reduced).p)
+    pairs = [repeat(robot, log) for log in logs]
+    repeats = tuple(r for _, r in pairs)
+    return Trial(robot, pairs[0][0], repeats, repeats, (0.0,) * len(logs), noise)
+
+
+@dataclass(frozen=True)
+class Refit:
+    """The judged logs, or a replica of them, and what the regression finds in the fitted ones."""
+
+    judged: list[Log]
+    reduced: Reduced
+    solution: Solution
+
+    def robot(self, like: Robot, p: np.ndarray) -> Robot:
+        """The robot with the physically consistent parameters nearest to p (P,)."""
+        p = consistent(like, self.reduced, replace(self.solution, p=p))
+        return like.with_parameters(dict(zip(self.reduced.columns, p, strict=True)))
+
+
+def run_trial(
+    trial: Trial, workers: Any, progress: Progress, replicas: int
+) -> tuple[list[Part], list[list[Part]]]:
+    """What the model leaves of the judged logs, and of each of their replicas.
+
+    workers   processes that hold the FMU of `trial.simulated`
+    """
+    data = workers.submit(_of_logs, trial).result()
+    trial = _with_tip_noise(trial, data)
+    share = 1 / (2 * replicas + 1)
+    jobs = [workers.submit(_refit, trial, seed) for seed in range(replicas)]
+    refits = [_counted(job, progress, (i + 2) * share) for i, job in enumerate(jobs)]
+    middle = np.mean([f.solution.p for f in refits], axis=0)
+    widen = np.sqrt(replicas / (replicas - 1))  # the middle is one of their own
+    jobs = [workers.submit(_of_replica, trial, f, widen * (f.solution.p - middle)) for f in refits]
+    return data, [_counted(job, progress, (i + 2 + replicas) * share) for i, job in enumerate(jobs)]
+
+
+def _counted(job: Any, progress: Progress, fraction: float) -> Any:
+    result = job.result()
+    progress(fraction)
+    return result
+
+
+def _of_logs(fmu: Any, trial: Trial) -> list[Part]:
+    found = _fit(trial, [r.log for r in trial.fitted], [r.log for r in trial.judged])
+    return _judge(fmu, trial, trial.robot, found)
+
+
+def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
+    rng = np.random.default_rng(seed)
+    parameters = trial.robot.parameters
+    repeats = {id(r): r for r in (*trial.fitted, *trial.judged)}
+    made = {
+        key: r.replica(fmu.simulate, parameters, trial.noise, int(rng.integers(2**31)))
+        for key, r in repeats.items()
+    }
+    return _fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged])
+
+
+def _of_replica(fmu: Any, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
+    """scatter (P,): of the fit among those of all replicas."""
+    own = np.array(list(trial.robot.linear_parameters.values()))
+    robot = refit.robot(trial.robot, own + seen(refit.solution, scatter))
+    return _judge(fmu, trial, robot, refit)
+
+
+def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
+    problem = Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted))
+    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    return Refit(judged, reduced, solve_weighted(reduced))
+
+
+def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
+    """The trial that knows the noise of the tip's sensor, from where the simulations cannot follow it."""
+    found: dict[str, list[float]] = {}
+    for r, left in zip(trial.judged, parts, strict=True):
+        seen = tuple(name for name in TIP if name in left.missed)
+        simulated = r.log.frame.iloc[-len(left.time) :].reset_index(drop=True).copy()
+        cut = replace(r, log=Log(simulated.copy(), r.log.source))
+        for name in seen:
+            simulated[name] = simulated[name] - left.missed[name]
+        for name, sigma in replica.sensor_noise(cut, simulated, seen).items():
+            found.setdefault(name, []).append(sigma)
+    return replace(trial, noise=trial.noise | {name: float(np.mean(s)) for name, s in found.items()})
+
+
+def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
+    fitted = refit.robot(robot, refit.solution.p)
+    found = []
+    for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):
+        frame = fmu.simulate(r.plan, robot.parameters)
+        late = r.plan.time >= since
+        names = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered), *TIP]
+        missed = {
+            name: (log.frame[name] - frame[name]).to_numpy()[late]
+            for name in names
+            if name in log.frame and name in frame and name in r.log.frame
+        }
+        part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
+        left = residual(robot, part), residual(fitted, part)
+        found.append(Part(part, log.period, *left, r.plan.time[late], missed))
+    return found
+
+
+def residual(robot: Robot, part: Conditioned) -> np.ndarray:
+    """(N, n): torque less Φ p, not thinned, 0 where an equation is not used."""
+    p = np.array(list(robot.linear_parameters.values()))
+    left = np.concatenate([part.target[at] - Phi @ p for at, Phi in regressor_blocks(robot, part.motion)])
+    return left * part.use

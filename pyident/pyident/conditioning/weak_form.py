@@ -1,0 +1,179 @@
+"""From logged signals to what the regression needs: q and its derivatives, torques at the same instants.
+
+A digital controller holds its torque: τ_k acts from t_k to t_{k+1}, so accelerations jump at every sample
+and a derivative "at t_k" does not exist. What does exist is the mean under the hat function that rises from
+t_{k−1} to t_k and falls to t_{k+1}. With the hat as test function of the weak form
+
+    mean of q̈ = (q_{k−1} − 2 q_k + q_{k+1}) / T²      exactly, whatever happens between the samples,
+    mean of τ = (τ_{k−1} + τ_k) / 2                    exactly, for a held torque,
+    mean of q = (−q_{k−2} + 24 q_{k−1} + 194 q_k + 24 q_{k+1} − q_{k+2}) / 240 + O(T⁶),
+
+and Φ, evaluated at the means, belongs to the mean torque. Without a held torque the paper's eighth-order
+central differences are taken at the samples themselves.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.robot import Processing, Robot
+from pyident.conditioning.filters import settling, without_phase
+from pyident.conditioning.motion import Motion
+from pyident.conditioning.samples import Conditioned
+from pyident.logs.log import Log, LogError, Sampled, require
+
+REACH = 4  # samples that the widest difference needs on either side
+# Central differences of eighth order (Khan and Ohba 2003): offsets 0 to 4.
+_FIRST = np.array([0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+_SECOND = np.array([-205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+_HAT_MEAN = np.array([194 / 240, 24 / 240, -1 / 240])
+_HAT_SECOND = np.array([-2.0, 1.0])
+_SETTLING = 50  # samples that a zero-phase filter's ends may spoil
+_STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill, where friction is not known
+_AROUND = 2  # samples on either side of a reversal that are left out
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How the signals of a robot's log with period [s] become equations."""
+
+    robot: Robot
+    period: float
+    low_pass: np.ndarray | None
+
+    @property
+    def names(self) -> list[str]:
+        """The signals that it needs, in their order: coordinates, torques, time."""
+        return [*self.robot.coordinates, *(f"joint{k}.tau" for k, _ in self.robot.numbered), "time"]
+
+    @property
+    def border(self) -> int:
+        """Samples that the filter spoils at either end of a log."""
+        return _SETTLING if self.low_pass is not None else 0
+
+    @property
+    def reach(self) -> int:
+        """Samples on either side on which an aligned sample depends."""
+        return REACH + (settling(self.low_pass) if self.low_pass is not None else 0)
+
+    @property
+    def mask_reach(self) -> int:
+        """Aligned samples on either side on which the mask of one depends."""
+        return _AROUND + 1
+
+    def aligned(self, signals: np.ndarray) -> Conditioned:
+        """Signals (N, names) -> N − 2 REACH samples, every equation in use."""
+        robot, n, joints = self.robot, len(self.robot.coordinates), len(self.robot.joints)
+        q, torque, time = signals[:, :n], signals[:, n : n + joints], signals[REACH:-REACH, -1]
+        if self.low_pass is not None:
+            q = without_phase(self.low_pass, q)
+        before = torque
+        if robot.controller is not None:
+            before = np.concatenate([torque[:1], torque[:-1]])
+        scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
+        q, dq, ddq = scheme(q, self.period)
+        torque, before, target = torque[REACH:-REACH], before[REACH:-REACH], np.zeros_like(q)
+        target[:, :joints] = (torque + before) / 2
+        motion = Motion(q, dq, ddq, torque, time, before if robot.controller is not None else None)
+        return Conditioned(motion, target, np.ones_like(target), robot.processing.decimate)
+
+    def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
+        """Without the equations in which friction is not known; mean square speeds of the log (joints,)."""
+        moving = _off_rest if part.thinning > 1 else _moving
+        use = part.use.copy()
+        use[:, : len(self.robot.joints)] = moving(self.robot, part.motion.dq, mean_square)
+        return replace(part, use=use)
+
+
+def recipe(log: Sampled, robot: Robot) -> Recipe:
+    """What the robot's [processing] asks of a log. Raises LogError."""
+    plan = robot.processing
+    require(log, robot, _needed(plan, len(robot.linear_parameters)))
+    return Recipe(robot, log.period, None if plan.cutoff is None else _low_pass(plan, log))
+
+
+def condition(log: Log, robot: Robot) -> Conditioned:
+    """Differentiate the coordinates and align the torques, as the robot's [processing] says.
+
+    Raises LogError.
+    """
+    plan = recipe(log, robot)
+    whole = plan.aligned(log.signals(plan.names))
+    part = whole.cut(slice(plan.border, len(whole.target) - plan.border))
+    return plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
+
+
+def central_differences(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q, dq, ddq at the samples, of eighth order: the paper's scheme. q (N, n) -> three (N - 8, n)."""
+    return q[REACH:-REACH], _odd(q, _FIRST) / period, _even(q, _SECOND) / period**2
+
+
+def hat_means(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means of q, dq, ddq under the hat function of each sample. q (N, n) -> three (N - 8, n)."""
+    return _even(q, _HAT_MEAN), _odd(q, _FIRST) / period, _even(q, _HAT_SECOND) / period**2
+
+
+DERIVATIVES: dict[str, Callable] = {"central": central_differences, "hat": hat_means}
+
+
+def _even(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Symmetric stencil: weights of offsets 0, ±1, ±2 ..."""
+    n = len(q) - 2 * REACH
+    out = weights[0] * q[REACH : REACH + n]
+    for i, weight in enumerate(weights[1:], start=1):
+        out += weight * (q[REACH + i : REACH + i + n] + q[REACH - i : REACH - i + n])
+    return out
+
+
+def _odd(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Antisymmetric stencil: weights of offsets +1, +2 ..."""
+    n = len(q) - 2 * REACH
+    out = np.zeros((n, *q.shape[1:]))
+    for i, weight in enumerate(weights[1:], start=1):
+        out += weight * (q[REACH + i : REACH + i + n] - q[REACH - i : REACH - i + n])
+    return out
+
+
+def _moving(robot: Robot, dq: np.ndarray, mean_square: np.ndarray) -> np.ndarray:
+    """(N, joints): 0 near reversals and standstill of a joint with dry friction, 1 elsewhere."""
+    moving = np.ones((len(dq), len(robot.joints)))
+    for k, joint in enumerate(robot.joints):
+        if any(effect.holds_still for effect in joint.effects):
+            v = dq[:, k]
+            slow = np.abs(v) < _STANDSTILL * np.sqrt(mean_square[k])
+            turning = np.append(v[1:] * v[:-1] <= 0, False)
+            near = slow | turning | np.roll(turning, 1)
+            for _ in range(_AROUND - 1):
+                near[1:-1] = near[1:-1] | near[2:] | near[:-2]
+            moving[near, k] = 0.0
+    return moving
+
+
+def _off_rest(robot: Robot, dq: np.ndarray, _: np.ndarray) -> np.ndarray:
+    """(N, joints): 0 below the dead zone of a joint with dry friction; a reversal is a small part of what
+    is thinned out and stays, with the mean sign of its speeds."""
+    moving = np.ones((len(dq), len(robot.joints)))
+    for k, joint in enumerate(robot.joints):
+        if any(effect.holds_still for effect in joint.effects):
+            moving[:, k] = np.abs(dq[:, k]) >= robot.processing.dead_zone
+    return moving
+
+
+def _low_pass(plan: Processing, log: Sampled) -> np.ndarray:
+    from scipy.signal import butter
+
+    nyquist = 0.5 / log.period
+    assert plan.cutoff is not None
+    if plan.cutoff >= nyquist:
+        raise LogError(
+            f"{log.source}: the cutoff of {plan.cutoff:g} Hz needs more than {2 * plan.cutoff:g} samples a "
+            f"second, the log has {2 * nyquist:g}; lower processing.cutoff in the robot file"
+        )
+    return np.asarray(butter(plan.order, plan.cutoff / nyquist, output="sos"))
+
+
+def _needed(plan: Processing, parameters: int) -> int:
+    """Samples without which the equations cannot be more than the unknowns."""
+    border = 2 * REACH + (2 * _SETTLING if plan.cutoff is not None else 0)
+    return border + max(50, parameters) * plan.decimate

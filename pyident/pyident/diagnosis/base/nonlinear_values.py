@@ -1,0 +1,63 @@
+"""Nonlinear values of a law between those of its grid, by variable projection.
+
+At each value the linear parameters are eliminated (Golub and Pereyra 1973); Nelder and Mead move the rest.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate, law_of
+
+_TRIALS = 60
+_PRECISION = 0.01  # of the range between neighbours
+
+
+def refined(
+    robot: Robot, start: Candidate, listed: Sequence[Candidate], explained: Callable[[Candidate], float]
+) -> Candidate:
+    """The candidate that explains most between the neighbours of `start` on the grid `listed`."""
+    if not start.values:
+        return start
+    names, middle, low, high = _range(robot, start, listed)
+
+    def candidate(x: np.ndarray) -> Candidate:
+        return start.at(dict(zip(names, (middle + x * (high - low)).tolist(), strict=True)))
+
+    ranges = list(zip((low - middle) / (high - low), (high - middle) / (high - low), strict=True))
+    options = {
+        "maxfev": _TRIALS,
+        "initial_simplex": np.vstack([np.zeros(len(names)), 0.2 * np.eye(len(names))]),
+        "xatol": _PRECISION,
+        "fatol": 1e-4 * explained(start),
+    }
+    found: Any = minimize(
+        lambda x: -explained(candidate(x)),
+        np.zeros(len(names)),
+        method="Nelder-Mead",
+        bounds=ranges,
+        options=options,
+    )
+    return candidate(np.asarray(found.x))
+
+
+def _range(
+    robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
+) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
+    """Names, values, lower and upper ends of the nonlinear parameters: the ends are the grid's neighbours."""
+    grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
+    start, low, high = [], [], []
+    for j, parameter in enumerate(law_of(robot, candidate).nonlinear):
+        value = candidate.values[j][1]
+        others = np.unique(np.append(grid[:, j], value))
+        at = int(np.searchsorted(others, value))
+        reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
+        below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
+        above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
+        start.append(value)
+        low.append(max(below, parameter.lower))
+        high.append(min(above, parameter.upper))
+    return [name for name, _ in candidate.values], np.array(start), np.array(low), np.array(high)

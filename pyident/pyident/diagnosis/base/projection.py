@@ -1,0 +1,163 @@
+"""What further columns would explain of a residual, once the base model has taken what it can.
+
+With A p = y the base equations (whitened: their floor is one), r their residual and X further columns, the
+part of X that the base cannot imitate is X⊥ = X − A A⁺X. The columns then explain
+
+    gain = rᵀX⊥ (X⊥ᵀX⊥)⁻¹ X⊥ᵀr      of the energy rᵀr,   at the coefficients (X⊥ᵀX⊥)⁻¹ X⊥ᵀr,
+
+where only coefficients within their physical bounds count (Frisch and Waugh 1933; Lovell 1963).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from pyident.regression.spectrum import Equations
+
+_IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
+_ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
+
+Columns = Sequence[Mapping[int, np.ndarray]]  # per log: row -> (E, K) whitened columns
+
+
+@dataclass(frozen=True)
+class Base:
+    """The base equations of all logs, solved.
+
+    p           (P,) smallest solution
+    directions  (P, R): parameters per unit of the basis' first R vectors
+    basis       per log (n, E, R or more): an orthonormal basis of what the base can imitate
+    residual    per log (n, E)
+    """
+
+    p: np.ndarray
+    directions: np.ndarray
+    basis: list[np.ndarray]
+    residual: list[np.ndarray]
+
+    @property
+    def energy(self) -> float:
+        return float(sum(np.square(r).sum() for r in self.residual))
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What K columns explain.
+
+    coefficients, std   (K,); std inf: the base, or the other columns, imitate this one
+    alone               (K,) standard deviation of each column's coefficient without the others
+    left                largest share of a combination of them that the base cannot imitate
+    """
+
+    energy: float
+    coefficients: np.ndarray
+    std: np.ndarray
+    alone: np.ndarray
+    left: float
+
+
+def solve_base(whitened: Sequence[Equations]) -> Base:
+    """Least squares over all logs."""
+    P = whitened[0].A.shape[2]
+    A = [e.A.reshape(-1, P) for e in whitened]
+    y = [e.y.ravel() for e in whitened]
+    scale = np.sqrt(sum(np.square(a).sum(axis=0) for a in A))
+    scale[scale == 0] = 1.0
+    each = [np.linalg.qr(np.column_stack([a / scale, b]), mode="r") for a, b in zip(A, y, strict=True)]
+    R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
+    U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
+    kept = s > _ROUNDING * s[0]
+    directions = Vt[kept].T / s[kept] / scale[:, None]
+    p = directions @ (U.T @ R[:, -1])[kept]
+    return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
+
+
+def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> Gain:
+    """Of K columns, with bounds (K,) on their coefficients."""
+    K = len(lower)
+    G, g, b = np.zeros((K, K)), np.zeros(K), np.zeros((base.basis[0].shape[2], K))
+    for rows, basis, residual in zip(columns, base.basis, base.residual, strict=True):
+        for c, X in rows.items():
+            G += X.T @ X
+            g += X.T @ residual[c]
+            b += basis[c].T @ X
+    return _gain(G, G - b.T @ b, g, lower, upper)
+
+
+def taken_over(base: Base, columns: Columns) -> np.ndarray:
+    """(P, K) parameters with which the base imitates K columns as well as it can."""
+    R = base.directions.shape[1]
+    inside = sum(
+        basis[c][:, :R].T @ X
+        for rows, basis in zip(columns, base.basis, strict=True)
+        for c, X in rows.items()
+    )
+    return base.directions @ np.asarray(inside)
+
+
+def joined(several: Sequence[Columns]) -> Columns:
+    """The columns of several candidates side by side."""
+    out = []
+    for logs in zip(*several, strict=True):
+        shapes = [next(iter(rows.values())).shape for rows in logs]
+        present = {c for rows in logs for c in rows}
+        out.append(
+            {
+                c: np.hstack([rows.get(c, np.zeros(s)) for rows, s in zip(logs, shapes, strict=True)])
+                for c in present
+            }
+        )
+    return out
+
+
+def extended(base: Base, columns: Columns) -> Base:
+    """The base with K columns joined to it (`p` stays that of the base's own columns)."""
+    R = base.basis[0].shape[2]
+    K = next(X.shape[1] for rows in columns for X in rows.values())
+    b, G = np.zeros((R, K)), np.zeros((K, K))
+    for rows, basis in zip(columns, base.basis, strict=True):
+        for c, X in rows.items():
+            b += basis[c].T @ X
+            G += X.T @ X
+    new = []
+    for rows, basis in zip(columns, base.basis, strict=True):
+        dense = -(basis @ b)
+        for c, X in rows.items():
+            dense[c] += X
+        new.append(dense)
+    size = np.sqrt(np.maximum(np.diag(G), 1e-300))
+    w, V = np.linalg.eigh(sum(np.einsum("cek,cel->kl", d, d) for d in new) / np.outer(size, size))
+    kept = w > _IMITATED
+    directions = V[:, kept] / np.sqrt(w[kept]) / size[:, None]
+    new = [d @ directions for d in new]
+    part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
+    return Base(
+        base.p,
+        base.directions,
+        [np.concatenate([old, d], axis=2) for old, d in zip(base.basis, new, strict=True)],
+        [r - d @ part for d, r in zip(new, base.residual, strict=True)],
+    )
+
+
+def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
+    size = np.sqrt(np.maximum(np.diag(full), 1e-300))
+    own = np.diag(G) / size**2
+    alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
+    w, V = np.linalg.eigh(G / np.outer(size, size))
+    left = float(w[-1])
+    kept = w > _IMITATED
+    if not kept.any():
+        return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), alone, left)
+    half = V[:, kept] * np.sqrt(w[kept])  # G = half halfᵀ, in scaled columns
+    target = V[:, kept].T @ (g / size) / np.sqrt(w[kept])
+    x = V[:, kept] @ (target / np.sqrt(w[kept])) / size
+    if (x < lower).any() or (x > upper).any():
+        lo, hi = lower * size, upper * size
+        x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
+    z = half.T @ (x * size)
+    spread = V[:, kept] / np.sqrt(w[kept])
+    open = np.square(V[:, ~kept]).sum(axis=1) > _IMITATED
+    std = np.where(open, np.inf, np.sqrt(np.square(spread).sum(axis=1)) / size)
+    return Gain(float(2 * z @ target - z @ z), x, std, alone, left)

@@ -1,0 +1,176 @@
+"""Which motion would tell rival models apart, found by simulating the rivals over variants of an experiment.
+
+Along the motion of rival i, the forces of rival j differ by  Δ = Φ_i p_i − Φ_j p_j.  What a refit of
+the linear parameters that both have could take up is projected away; what is left is counted in the
+noise that the sensors leave on the same equations. The effects in which they differ stay as they are
+fitted, and the two motions of the closed loop are not compared, only the forces along one: an
+approximation, good for rivals that fit the same logs. To ask which motion would show an effect, let one
+rival have it and the other not.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from scipy.ndimage import uniform_filter1d
+
+from flexmodels.experiment import Experiment, identification
+from flexmodels.inputs import SimulationError
+from flexmodels.robot import Robot, RobotError
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.projection import solve_base
+from pyident.logs.log import Log
+from pyident.regression.regressor import regressor
+from pyident.regression.spectrum import Band, equations
+from pyident.simulation.replay import replay_of
+
+DURATION = 8.0  # s: of every variant
+LARGER, SMALLER = 1.5, 0.5  # of the multisine
+_SMOOTH = 31  # bins over which the noise of an equation is averaged
+
+SimulateAll = Callable[[Experiment], Sequence[pd.DataFrame]]
+
+
+@dataclass(frozen=True)
+class Separation:
+    """name: of the variant that separates the rivals best;  score: distance of the closest two under it,
+    in standard deviations of the sensors' noise;  scores: of every variant."""
+
+    name: str
+    score: float
+    scores: Mapping[str, float]
+
+    @property
+    def sentence(self) -> str:
+        if self.score < 1:
+            return "none of the motions tried would separate them"
+        return f"run {self.name}: there they differ by {self.score:.3g} standard deviations of sensor noise"
+
+
+def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -> dict[str, Experiment]:
+    """Phrase -> experiment: slower, with more or less multisine, one joint at a time.
+
+    Of the robot's own identification experiment, or of a log's references where it has none; no variant goes
+    further or faster than that. Raises RobotError, and LogError for a log without references.
+    """
+    if robot.identification is not None:
+        whole, name = identification(robot), "the identification experiment"
+    elif log is not None:
+        whole, name = replay_of(robot, log).plan, f"the motion of {log.source}"
+    else:
+        raise RobotError(
+            f"robot {robot.name} has no [identification] experiment and no log was given; add one"
+        )
+    plan = _first(whole, duration)
+    found = {
+        name: plan,
+        f"{name} at half the speed": _slower(whole, plan, 0.5),
+        f"{name} at a quarter of the speed": _slower(whole, plan, 0.25),
+    }
+    if plan.feedforward.any():
+        found |= {
+            f"{name} with a multisine {LARGER:g} times as large": _wave(plan, LARGER),
+            f"{name} with a multisine {SMALLER:g} times as large": _wave(plan, SMALLER),
+            f"{name} without its multisine": _wave(plan, 0.0),
+        }
+    if len(robot.joints) > 1:
+        found |= {f"{name} with joint {k} alone": _alone(plan, k - 1) for k, _ in robot.numbered}
+    return found
+
+
+def separating(
+    rivals: Sequence[Robot],
+    variants: Mapping[str, Experiment],
+    simulate: SimulateAll,
+    noise: Mapping[str, float],
+    progress: Callable[[float], None] = lambda _: None,
+) -> Separation:
+    """The variant under which the two closest rivals are farthest apart.
+
+    rivals     fitted robots, each with its own effect
+    simulate   one frame per rival, in their order (pyident.simulation.fmu_runs.RivalRuns)
+    noise      channel -> standard deviation of its sensor
+    A variant that a rival cannot run is left out. Raises SimulationError when all are.
+    """
+    if len(rivals) < 2:
+        raise ValueError("separating needs two rivals or more")
+    scores: dict[str, float] = {}
+    failed: SimulationError | None = None
+    for number, (name, experiment) in enumerate(variants.items(), start=1):
+        try:
+            logs = [Log(frame, name) for frame in simulate(experiment)]
+        except SimulationError as error:
+            failed = error
+            continue
+        scores[name] = min(
+            distance(rivals[i], rivals[j], logs[i], noise)
+            for i in range(len(rivals))
+            for j in range(len(rivals))
+            if i != j
+        )
+        progress(number / len(variants))
+    if failed and not scores:
+        raise failed
+    best = max(scores, key=lambda name: scores[name])
+    return Separation(best, scores[best], scores)
+
+
+def distance(true: Robot, rival: Robot, log: Log, noise: Mapping[str, float]) -> float:
+    """How far the forces along a log of `true` are from those of `rival` and any refit of what both have.
+
+    In standard deviations of the sensors' noise.
+    """
+    part = condition(log, rival)
+    problem = equations(rival, [part], [log.period])[0]
+    level = _noise_level(rival, log, noise, problem.band, part.use)
+    difference = (_forces(true, log) - _forces(rival, log)) * part.use
+    shared = [i for i, name in enumerate(rival.linear_parameters) if name in true.linear_parameters]
+    asked = replace(problem, A=problem.A[:, :, shared], y=problem.band.transform(difference).T).over(level)
+    return float(np.sqrt(solve_base([asked]).energy))
+
+
+def _forces(robot: Robot, log: Log) -> np.ndarray:
+    """(N, n) what the model's laws and bodies take along the log's motion."""
+    motion = condition(log, robot).motion
+    return regressor(robot, motion).matrix @ np.array(list(robot.linear_parameters.values()))
+
+
+def _noise_level(
+    robot: Robot, log: Log, noise: Mapping[str, float], band: Band, use: np.ndarray
+) -> np.ndarray:
+    """(n, E) rms that the sensors' noise leaves on each equation, smoothed over frequency."""
+    rng = np.random.default_rng(0)
+    frame = log.frame.copy()
+    for name, sigma in noise.items():
+        frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
+    noisy = replace(log, frame=frame)
+    torque = condition(noisy, robot).target - condition(log, robot).target
+    left = band.transform((torque - _forces(robot, noisy) + _forces(robot, log)) * use).T
+    power = (left[:, : band.bins] ** 2 + left[:, band.bins :] ** 2) / 2
+    rms = np.sqrt(uniform_filter1d(power, min(_SMOOTH, band.bins), axis=1, mode="nearest"))
+    return np.tile(np.maximum(rms, 1e-9 * rms.max()), (1, 2))
+
+
+def _first(plan: Experiment, duration: float) -> Experiment:
+    kept = plan.time <= duration * (1 + 1e-9)
+    return Experiment(plan.time[kept], plan.reference[kept], plan.feedforward[kept])
+
+
+def _slower(whole: Experiment, plan: Experiment, speed: float) -> Experiment:
+    """The same way, later; the multisine keeps its frequencies."""
+    reference = [np.interp(plan.time * speed, whole.time, r) for r in whole.reference.T]
+    return replace(plan, reference=np.column_stack(reference))
+
+
+def _wave(plan: Experiment, share: float) -> Experiment:
+    return replace(plan, feedforward=share * plan.feedforward)
+
+
+def _alone(plan: Experiment, joint: int) -> Experiment:
+    """The others stay where they start."""
+    still = np.broadcast_to(plan.reference[:1], plan.reference.shape).copy()
+    still[:, joint] = plan.reference[:, joint]
+    wave = np.zeros_like(plan.feedforward)
+    wave[:, joint] = plan.feedforward[:, joint]
+    return Experiment(plan.time, still, wave)

@@ -1,0 +1,98 @@
+"""What a verdict leads to: experiments that separate rivals or show a law, leads on the unexplained."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+
+from flexmodels.inputs import SimulationError
+from flexmodels.robot import Robot, RobotError
+from pyident.diagnosis.base.candidates import Candidate, with_law
+from pyident.diagnosis.base.residual_over_floor import set_up, steadied
+from pyident.diagnosis.motions.revealing import revealing
+from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
+from pyident.diagnosis.result import Diagnosis, Finding, Named
+from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.search.selection import MATERIAL
+from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
+from pyident.diagnosis.unexplained.unexplained import depends_on
+from pyident.logs.log import LogError
+from pyident.simulation.replica import OpenWorkers
+
+OpenRivals = Callable[[Sequence[Robot]], AbstractContextManager[SimulateAll]]
+
+
+def candidate_of(search: Search, name: Named) -> Candidate:
+    """What a diagnosis has named, as the search knows it."""
+    joint = int(name.joint.removeprefix("joint"))
+    law = search.robot.joints[joint - 1].law(name.effect)
+    values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
+    sources = [log.source for log in search.examination.setting.logs]
+    return Candidate(name.effect, joint, values, None if name.log is None else sources.index(name.log))
+
+
+def with_experiments(
+    search: Search, found: Diagnosis, open_rivals: OpenRivals, progress: Callable[[float], None]
+) -> Diagnosis:
+    """Every tie with the motion that separates its first two rivals best, found by simulating both."""
+    findings = list(found.findings)
+    for i, finding in enumerate(findings):
+        if len(finding.tie) < 2:
+            continue
+        others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
+        try:
+            sentence = _separating(search, finding, others, open_rivals, progress)
+        except (RobotError, LogError, SimulationError):
+            continue  # no experiment to vary, or a rival that cannot run: the laws' own words stay
+        findings[i] = replace(finding, experiment=f"{sentence}; {finding.experiment}")
+    return replace(found, findings=tuple(findings))
+
+
+def with_revealing(
+    search: Search, found: Diagnosis, open_workers: OpenWorkers, progress: Callable[[float], None]
+) -> Diagnosis:
+    """Every law that these logs cannot show with the motion that would, found by simulating the model."""
+    if not any(limit.reason for limit in found.limits):
+        return found
+    try:
+        with open_workers(search.examination.setting.simulated) as workers:
+            return replace(found, limits=tuple(revealing(search, found.limits, MATERIAL, workers, progress)))
+    except (RobotError, LogError):
+        return found  # no experiment to vary: the laws' own words stay
+
+
+def _separating(
+    search: Search,
+    finding: Finding,
+    others: Sequence[Candidate],
+    open_rivals: OpenRivals,
+    progress: Callable[[float], None],
+) -> str:
+    setting = search.examination.setting
+    rivals = [_having(search, [*others, candidate_of(search, n)]) for n in finding.tie[:2]]
+    plans = variants(rivals[0], setting.logs[0])
+    with open_rivals(rivals) as simulate:
+        return separating(rivals, plans, simulate, setting.noise, progress).sentence
+
+
+def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
+    """The robot with effects, everything fitted to the logs."""
+    setting = search.examination.setting
+    robot = setting.simulated
+    for c in chosen:
+        robot = with_law(robot, c)
+    return steadied(set_up(robot, setting.logs)).simulated
+
+
+def with_dependences(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
+    """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
+    examination = search.examination
+    with open_workers(examination.setting.simulated) as workers:
+        leads = depends_on(examination, search.base, workers)
+    if not draft or not leads.dependences:
+        return replace(found, depends_on=(*found.depends_on, *leads.sentences))
+    proposal = symbolic_law(examination, leads.dependences)
+    if not isinstance(proposal, Draft):
+        return replace(found, depends_on=(*found.depends_on, *leads.sentences, proposal))
+    said = f"a draft: {proposal.formula} takes {proposal.share_percent:.0f} % of it"
+    said = f"{said}; {proposal.note}" if proposal.note else said
+    return replace(found, depends_on=(*found.depends_on, *leads.sentences, said), draft=proposal.text)

@@ -1,0 +1,50 @@
+"""Whether a law's coefficients are the same throughout: an imitator's are not.
+
+An effect that stands in for another may explain much of a residual, but with other coefficients when the
+joint is fast than when it is slow, under much torque than under little, early than late. So the law is split
+at the median of such a quantity into two halves with coefficients of their own (Chow 1960). What a true law
+gains by that is chance.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.projection import gain
+from pyident.diagnosis.search.search import Search
+from pyident.regression.spectrum import Equations
+
+CHANGES = 0.1  # of what exceeds the floor on the law's equations: a gain by which the law is no law
+
+Quantity = Callable[[Equations, int], np.ndarray]
+QUANTITIES: dict[str, Quantity] = {
+    "speed": lambda log, joint: np.abs(log.part.motion.dq[:, joint]),
+    "torque": lambda log, joint: np.abs(log.part.target[:, joint]),
+    "position": lambda log, joint: log.part.motion.q[:, joint],
+    "direction": lambda log, joint: np.sign(log.part.motion.dq[:, joint]),
+    "time": lambda log, _: np.arange(len(log.part.target), dtype=float),
+}
+
+
+def changes_with(search: Search, candidate: Candidate) -> str:
+    """The quantity that the coefficients of a candidate change with most, empty when they do not.
+
+    The search must rest on the candidate and all others that are named.
+    """
+    if candidate.log is not None:
+        return ""  # a body's parameters cannot change within a log
+    shares = {name: _gained(search, candidate, quantity) for name, quantity in QUANTITIES.items()}
+    worst = max(shares, key=lambda name: shares[name])
+    return worst if shares[worst] > CHANGES else ""
+
+
+def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
+    """By coefficients of their own above the median, of what exceeds the floor on the law's equations."""
+    logs = search.examination.logs
+    values = [quantity(log, candidate.joint - 1) for log in logs]
+    middle = np.median(np.concatenate(values))
+    high = [(v > middle).astype(float) for v in values]
+    X = columns(search.robot, candidate, logs, search.levels, high)
+    free = np.full(len(bounds(search.robot, candidate)[0]), np.inf)
+    return gain(search.base, X, -free, free).energy / max(search.excess_on(search.rows(candidate)), 1e-300)

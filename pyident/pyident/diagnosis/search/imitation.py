@@ -1,0 +1,59 @@
+"""Whether a law stands in for something else: what it leaves depends on a signal that it does not know.
+
+Friction that grows with the bending of the next bearing looks like friction that grows with the load, in
+part. What is left then is still a smooth function of that bending; such a function by itself leaves much less
+than the law does, and with it in the base the law has little to explain. A true law that an unknown force
+accompanies keeps what it explains beside it.
+"""
+
+from flexmodels.effects import signals
+from flexmodels.effects.effect import Effect
+from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.projection import extended
+from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
+from pyident.regression.laws import Signals
+
+_LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
+_MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
+_RICHER = 0.5  # of what the law leaves: a smooth function has many parameters and must leave less by itself
+_KEPT = 0.5  # of the law's gain, beside that signal
+
+
+def stands_in_for(search: Search, candidate: Candidate) -> str:
+    """The dependence, in words, that a candidate imitates; empty when there is none.
+
+    The search must rest on the candidate and all others that are named.
+    """
+    rows = search.rows(candidate)
+    if candidate.log is not None or search.remaining_on(rows) <= _LEFT * search.excess_on(rows):
+        return ""
+    row = max(rows, key=lambda row: search.remaining_on([row]))
+    left = search.remaining_on([row])
+    found = RowSearch(search.examination, search.base, row, left).strongest()
+    if found is None:
+        return ""
+    dependence, columns = found
+    known = _known(law_of(search.robot, candidate), candidate.joint)
+    if dependence.gain < _MOST * left or not _foreign(dependence, known):
+        return ""
+    without = search.base_without(candidate)
+    instead = extended(without, columns)
+    if search.beyond_floor(instead, [row]) > _RICHER * left:
+        return ""
+    by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
+    return dependence.said if beside < _KEPT * by_itself else ""
+
+
+def _foreign(dependence: Dependence, known: frozenset[str]) -> bool:
+    """Whether it is, and whatever explains nearly as much, of a signal that the law does not know."""
+    return dependence.form == "misread" or known.isdisjoint((dependence.on, *dependence.rival_signals))
+
+
+def _known(law: Effect, joint: int) -> frozenset[str]:
+    """The names of a law's signals, of what follows from them included."""
+    names = {str(s) for s in law.symbols & signals.ALL}
+    if names & {"load", "eps1"}:
+        names |= {"load", "eps1"}
+    found = frozenset(Signals.named(joint, name) for name in names)
+    return found | {"travel"} if law.states else found

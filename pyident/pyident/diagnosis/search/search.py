@@ -1,0 +1,257 @@
+"""Which of the candidates explain the residual, beyond what replicas pretend."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, proper
+from pyident.diagnosis.base.nonlinear_values import refined
+from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, joined, taken_over
+from pyident.diagnosis.base.residual_over_floor import Examination
+
+ALPHA = 0.05  # chance of a name when nothing is missing
+_WORTH_REFINING = 0.3  # of the best gain
+_TIE = 0.9  # of the best gain: what explains as much cannot be told from it ...
+_KEPT = 0.5  # of its own gain: ... unless this much of it stays beside the best: then it is another effect
+_WORTH_A_PARAMETER = 0.5  # of what a law with fewer parameters leaves: a richer law must leave less
+_CHANCE = 5.0  # standard deviations by which a gain may differ by chance
+_STANDS_OUT = 1.0  # of the floor's energy: less may be noise that is not known well enough
+_OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's own trace is known
+
+
+@dataclass(frozen=True)
+class Found:
+    """A candidate at its best nonlinear values. `pretended`: its family's mean gain in replicas; z: score."""
+
+    candidate: Candidate
+    gain: Gain
+    pretended: float
+    z: float
+
+    @property
+    def excess(self) -> float:
+        return self.gain.energy - self.pretended
+
+    @property
+    def freedom(self) -> int:
+        """Number of parameters: of laws that explain alike, the one with fewer comes first."""
+        return len(self.gain.coefficients) + len(self.candidate.values)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One ranking of all families.
+
+    tie     the best, and what cannot be told from it; begins `ranked`
+    orders  further orders of the best one's law, if it is periodic: a ripple seldom has one
+    """
+
+    tie: tuple[Found, ...]
+    p_value: float
+    others: tuple[Found, ...]
+    orders: tuple[Candidate, ...] = ()
+
+    @property
+    def best(self) -> Found:
+        return self.tie[0]
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """What a model takes in with this step."""
+        return self.best.candidate, *self.orders
+
+    @property
+    def ranked(self) -> tuple[Found, ...]:
+        return self.tie + self.others
+
+
+class Search:
+    """The candidates of an examination against its base, which may rest on some of them."""
+
+    def __init__(self, examination: Examination):
+        self.examination = examination
+        self.robot: Robot = examination.setting.robot
+        self.base: Base = examination.base
+        self._chosen: tuple[Candidate, ...] = ()
+        self.levels = examination.levels
+        self._columns: list[Columns] = [self.columns(c) for c in examination.candidates]
+        self._bounds = [bounds(self.robot, c) for c in examination.candidates]
+        families = [c.family for c in examination.candidates]
+        self.families = {f: [i for i, g in enumerate(families) if g == f] for f in dict.fromkeys(families)}
+        best = np.array([examination.replica_gains[:, at].max(axis=1) for at in self.families.values()]).T
+        self.mean, self.spread = best.mean(axis=0), _spread(best)
+        self.peaks = np.array([_peak(best, b) for b in range(len(best))])
+
+    def rest_on(self, chosen: Sequence[Candidate]) -> None:
+        """Take the examination's base with these candidates joined to it."""
+        self.base, self._chosen = self._base_with(chosen), tuple(chosen)
+
+    def base_without(self, candidate: Candidate) -> Base:
+        """The present base without one of those that it rests on."""
+        return self._base_with([c for c in self._chosen if c != candidate])
+
+    def _base_with(self, chosen: Sequence[Candidate]) -> Base:
+        base = self.examination.base
+        for candidate in chosen:
+            base = extended(base, self.columns(candidate))
+        return base
+
+    def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
+        """The model's parameters (P,) and the candidates' coefficients, all fitted together."""
+        base = self.examination.base
+        if not chosen:
+            return base.p, np.zeros(0)
+        X = joined([self.columns(c) for c in chosen])
+        limits = [bounds(self.robot, c) for c in chosen]
+        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
+        x = gain(base, X, low, high).coefficients
+        return base.p - taken_over(base, X) @ x, x
+
+    def step(self) -> Step:
+        """Rank the families by what they explain of the present base's residual."""
+        gains = [gain(self.base, X, *b) for X, b in zip(self._columns, self._bounds, strict=True)]
+        found = []
+        for number, at in enumerate(self.families.values()):
+            candidate, explained = self._best_proper(at, gains)
+            found.append(self._found(candidate, explained, number))
+        top = max(f.excess for f in found)
+        better = [self._refined(f, n) if f.excess > _WORTH_REFINING * top else f for n, f in enumerate(found)]
+        ranked = sorted(better, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
+        return self.led_by(ranked[0], ranked)
+
+    def best(self, effect: str, joint: int) -> Found | None:
+        """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""
+        found = []
+        for number, (family, at) in enumerate(self.families.items()):
+            if family[:2] == (effect, joint):
+                gains = {i: gain(self.base, self._columns[i], *self._bounds[i]) for i in at}
+                top = max(gains, key=lambda i: gains[i].energy)
+                start = self._found(self.examination.candidates[top], gains[top], number)
+                found.append(self._refined(start, number))
+        return max(found, key=lambda f: f.excess, default=None)
+
+    def _best_proper(self, family: Sequence[int], gains: Sequence[Gain]) -> tuple[Candidate, Gain]:
+        """A family's best candidate whose values make it what its name says; without one it gains nothing."""
+        by_gain = sorted(family, key=lambda i: -gains[i].energy)
+        candidates = self.examination.candidates
+        for i in by_gain:
+            if self._proper(candidates[i], gains[i]):
+                return candidates[i], gains[i]
+        return candidates[by_gain[0]], replace(gains[by_gain[0]], energy=0.0)
+
+    def _proper(self, candidate: Candidate, explained: Gain) -> bool:
+        if law_of(self.robot, candidate).proper is None:
+            return True
+        p, _ = self.fitted([*self._chosen, candidate])
+        parameters = dict(zip(self.robot.linear_parameters, p.tolist(), strict=True))
+        return proper(self.robot, candidate, explained.coefficients.tolist(), parameters)
+
+    def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
+        """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
+        least = min(_TIE * best.excess, best.excess - _CHANCE**2)
+        near = [f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= ALPHA]
+        tie = [best]
+        if near:
+            beside = extended(self.base, self.columns(best.candidate))
+            tie += [f for f in near if self.gain_of(f.candidate, beside).energy < _KEPT * f.gain.energy]
+        tie = self._simplest_first(tie)
+        return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
+
+    def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
+        """Further parameters must take away most of what fewer leave, else the law with fewer is as good."""
+        first = tie[0]
+        for f in sorted(tie, key=lambda f: f.freedom):
+            left, best_left = (max(self.remaining - g.excess, _CHANCE**2) for g in (f, first))
+            if f.freedom < first.freedom and best_left > _WORTH_A_PARAMETER * left:
+                first = f
+        return [first, *(f for f in tie if f is not first)]
+
+    def gain_of(self, candidate: Candidate, base: Base | None = None) -> Gain:
+        """What a candidate explains of a base's residual; none: of the present base's."""
+        base = base or self.base
+        return gain(base, self.columns(candidate), *bounds(self.robot, candidate))
+
+    def p_value(self, found: Found) -> float:
+        """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""
+        return (1 + int((self.peaks >= found.z).sum())) / (1 + len(self.peaks))
+
+    def columns(self, candidate: Candidate) -> Columns:
+        """Per log: row -> (E, K)."""
+        return columns(self.robot, candidate, self.examination.logs, self.levels)
+
+    def rows(self, candidate: Candidate) -> list[int]:
+        """The equations on which a candidate acts."""
+        return sorted({c for log in self.columns(candidate) for c, X in log.items() if X.any()})
+
+    @property
+    def floor_energy(self) -> float:
+        """Energy of the residual that replicas leave on average."""
+        return float(self.examination.floor_energies.sum())
+
+    @property
+    def excess(self) -> float:
+        """Energy that the data leave beyond it; 0 when they leave less."""
+        return max(self.examination.base.energy - self.floor_energy, 0.0)
+
+    @property
+    def remaining(self) -> float:
+        """The same of the present base."""
+        return max(self.base.energy - self.floor_energy, 0.0)
+
+    def excess_on(self, rows: Sequence[int]) -> float:
+        """`excess` on some equations only."""
+        return self.beyond_floor(self.examination.base, rows)
+
+    def remaining_on(self, rows: Sequence[int]) -> float:
+        """`remaining` on some equations only."""
+        return self.beyond_floor(self.base, rows)
+
+    @property
+    def explained(self) -> float:
+        """Share of the excess that the present base takes away."""
+        return (self.examination.base.energy - self.base.energy) / self.excess if self.excess else 1.0
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the residual exceeds the replicas' by far, in all or in a band of a row."""
+        ex = self.examination
+        of_band = (ex.energy - ex.replica_energy.mean(axis=0)) * ex.count
+        return max(self.excess, float(of_band.max())) > _STANDS_OUT * self.floor_energy
+
+    def needed(self, family: int, material: float) -> float:
+        """Gain a family (by number) would need to be named; material: least gain over the floor's energy."""
+        peak = float(np.quantile(self.peaks, 1 - ALPHA))
+        return float(self.mean[family] + max(peak * self.spread[family], material * self.floor_energy))
+
+    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+        """Energy that a base leaves on some equations beyond what replicas leave."""
+        left = sum(float(np.square(r[rows]).sum()) for r in base.residual)
+        return max(left - float(self.examination.floor_energies[rows].sum()), 0.0)
+
+    def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
+        mean = float(self.mean[family])
+        return Found(candidate, explained, mean, (explained.energy - mean) / float(self.spread[family]))
+
+    def _refined(self, found: Found, family: int) -> Found:
+        """The same candidate with its nonlinear values between those of the grid."""
+        listed = self.examination.candidates
+
+        def explained(candidate: Candidate) -> float:
+            return self.gain_of(candidate).energy
+
+        better = refined(self.robot, found.candidate, listed, explained)
+        taken = self.gain_of(better)
+        return self._found(better, taken, family) if self._proper(better, taken) else found
+
+
+def _spread(best: np.ndarray) -> np.ndarray:
+    """(F,) how much a family's gain varies without cause: its noise, and how the method's trace varies."""
+    return best.std(axis=0) + 1.0 + _OWN_TRACE * best.mean(axis=0)
+
+
+def _peak(best: np.ndarray, b: int) -> float:
+    """The largest score of one replica against the others."""
+    rest = np.delete(best, b, axis=0)
+    return float(((best[b] - rest.mean(axis=0)) / _spread(rest)).max())

@@ -1,0 +1,190 @@
+"""Periodic forces of unknown period: amplitude against the order of a joint's angle and against frequency.
+
+For every order n of an angle the columns cos nφ, sin nφ are held against the residual like those of a
+law, and for every frequency cos ωt, sin ωt, in each log with a phase of its own. A peak counts against
+the median of its neighbours. An angle that is itself misread by s sin nφ enters the torque by its
+second derivative, J s (n cos nφ φ'' − n² sin nφ φ'²); that form is tried beside the plain one, and
+where it is found the error is put into every equation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from scipy.ndimage import percentile_filter
+from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
+
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.diagnosis.base.projection import Base, Columns, gain
+from pyident.diagnosis.unexplained.smooth import whitened_columns
+from pyident.regression.regressor import regressor
+from pyident.regression.spectrum import Equations
+
+HIGHEST_ORDER = 200
+_NEIGHBOURS = 101
+_QUIET = 20.0  # percent of the neighbours: the others may be skirts of the peak itself
+_LEFT = 0.05  # of a wave that the base must leave: what it imitates is the motion itself
+_PERIODS = 2.0  # that an angle must have passed for its force to be called periodic
+_STEP = 1e-6  # rad, of the differences
+_PER_BIN = 2  # frequencies tried per resolved one
+
+Kind = Literal["frequency", "order", "misread"]
+
+
+@dataclass(frozen=True)
+class Over:
+    """What a force may be periodic in: the time of each log or an angle of one joint.
+
+    row      equation on which it acts;  column: of the angle in `Motion.q`, of no use for a frequency
+    """
+
+    kind: Kind
+    row: int
+    column: int = 0
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """at (F,) [Hz or per turn], amplitude (F,) [N m; kg m² rad where misread], energy, background (F,)."""
+
+    over: Over
+    at: np.ndarray
+    amplitude: np.ndarray
+    energy: np.ndarray
+    background: np.ndarray
+
+
+@dataclass(frozen=True)
+class Peak:
+    """at [Hz or per turn];  p_value: of such a peak anywhere in its spectrum."""
+
+    over: Over
+    at: float
+    amplitude: float
+    energy: float
+    p_value: float
+
+
+def spectrum(base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over) -> Spectrum:
+    """A residual's amplitudes over a grid of frequencies or orders."""
+    at = _grid(logs, over)
+    energy, amplitude = np.array([_held(base, logs, levels, over, x) for x in at]).T
+    quiet = percentile_filter(energy, _QUIET, _NEIGHBOURS, mode="reflect")
+    typical = quiet / chi2.ppf(_QUIET / 100, _freedom(logs, over))
+    return Spectrum(over, at, amplitude, energy, np.maximum(typical, 1.0))
+
+
+def highest(
+    base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], found: Spectrum
+) -> Peak | None:
+    """The largest peak, between the grid's values; None where there is no spectrum."""
+    if not len(found.at):
+        return None
+    best = int(np.argmax(found.energy))
+    step = float(np.diff(found.at).max()) if len(found.at) > 1 else 0.0
+    middle = float(found.at[best])
+
+    def missed(x: float) -> float:
+        return -_held(base, logs, levels, found.over, x)[0]
+
+    finer: Any = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
+    energy, amplitude = _held(base, logs, levels, found.over, float(finer.x))
+    p = float(chi2.sf(energy / found.background[best], _freedom(logs, found.over))) * len(found.at)
+    return Peak(found.over, float(finer.x), amplitude, energy, min(p, 1.0))
+
+
+def periodic_columns(
+    logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
+) -> Columns:
+    """Per log: row -> (E, K) whitened cosine and sine."""
+    raw = []
+    for i, log in enumerate(logs):
+        waves = _waves(log, over, at)
+        if over.kind == "frequency":
+            wide = np.zeros((len(waves), 2 * len(logs)))
+            wide[:, 2 * i : 2 * i + 2] = waves
+            waves = wide
+        raw.append(waves)
+    return whitened_columns(raw, logs, levels, over.row)
+
+
+def misread_columns(
+    robot: Robot,
+    p: np.ndarray,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    column: int,
+    order: float,
+) -> Columns:
+    """Per log: every row -> (E, 2): what the torques lack per radian of an angle misread by cos nφ, sin nφ.
+
+    By central differences of Φ p over the angle, its speed and acceleration.
+    """
+    out = []
+    for log, level in zip(logs, levels, strict=True):
+        motion, part = log.part.motion, log.part
+        waves = _waves(log, Over("order", 0, column), order)
+        v, a = motion.dq[:, column, None], motion.ddq[:, column, None]
+        turned = np.column_stack([-waves[:, 1], waves[:, 0]])
+        rates = (waves, order * turned * v, order * turned * a - order**2 * waves * v**2)
+        missed = []
+        for wave in range(2):
+            ends = [
+                _torques(robot, p, motion, column, [side * _STEP * r[:, wave] for r in rates])
+                for side in (1, -1)
+            ]
+            missed.append((ends[0] - ends[1]) / (2 * _STEP))
+        raw = np.stack(missed, axis=2) * part.use[:, :, None]
+        out.append({c: log.band.transform(raw[:, c]) / level[c][:, None] for c in range(raw.shape[1])})
+    return out
+
+
+def _torques(
+    robot: Robot, p: np.ndarray, motion: Motion, column: int, change: Sequence[np.ndarray]
+) -> np.ndarray:
+    moved = [rate.copy() for rate in (motion.q, motion.dq, motion.ddq)]
+    for rate, difference in zip(moved, change, strict=True):
+        rate[:, column] += difference
+    q, dq, ddq = moved
+    return regressor(robot, replace(motion, q=q, dq=dq, ddq=ddq)).matrix @ p
+
+
+def _waves(log: Equations, over: Over, at: float) -> np.ndarray:
+    motion = log.part.motion
+    if over.kind == "frequency":
+        assert motion.time is not None
+        phase = 2 * np.pi * at * (motion.time - motion.time[0])
+        return np.column_stack([np.cos(phase), np.sin(phase)])
+    q, v, a = (rate[:, over.column] for rate in (motion.q, motion.dq, motion.ddq))
+    c, s = np.cos(at * q), np.sin(at * q)
+    if over.kind == "order":
+        return np.column_stack([c, s])
+    return np.column_stack([-at * s * a - at**2 * c * v**2, at * c * a - at**2 * s * v**2])
+
+
+def _held(
+    base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
+) -> tuple[float, float]:
+    """Energy and amplitude at one frequency or order."""
+    free = np.full(_freedom(logs, over), np.inf)
+    found = gain(base, periodic_columns(logs, levels, over, at), -free, free)
+    if found.left < _LEFT:
+        return 0.0, 0.0
+    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(len(free) / 2))
+
+
+def _freedom(logs: Sequence[Equations], over: Over) -> int:
+    return 2 * len(logs) if over.kind == "frequency" else 2
+
+
+def _grid(logs: Sequence[Equations], over: Over) -> np.ndarray:
+    if over.kind == "frequency":
+        longest = max(len(log.part.target) * log.band.period for log in logs)
+        top = min(float(log.band.frequencies[-1]) for log in logs)
+        return np.arange(2 * _PER_BIN, int(top * longest * _PER_BIN)) / longest / _PER_BIN
+    span = max(float(np.ptp(log.part.motion.q[:, over.column])) for log in logs)
+    lowest = _PERIODS * 2 * np.pi / max(span, 1e-9)
+    return np.arange(np.ceil(lowest), HIGHEST_ORDER + 1)

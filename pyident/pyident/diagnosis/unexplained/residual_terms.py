@@ -1,0 +1,239 @@
+"""The terms of one equation's residual: smooth functions of a signal, waves, a misread angle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.projection import Base, Columns, extended, gain
+from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.unexplained.periodic import (
+    Over,
+    Peak,
+    Spectrum,
+    highest,
+    misread_columns,
+    periodic_columns,
+    spectrum,
+)
+from pyident.diagnosis.unexplained.smooth import (
+    Form,
+    Variable,
+    constant_columns,
+    curve,
+    spline_columns,
+    variables,
+)
+from pyident.regression.spectrum import Equations
+
+MOST = 3  # of one equation
+_TIE = 0.95  # of the best gain: what explains as much cannot be told from it
+_MATERIAL = 0.03  # of the excess
+_SURE = 6.0  # standard deviations of a chi-square
+_BEYOND = 3.0  # times the most that a replica pretends
+_LEVEL = 0.01  # p-value of a peak
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """What one more term explains, on top of those before it.
+
+    coordinate      equation, as in `robot.coordinates`
+    on, words       signal or `time`, `joint2.e`; in words
+    form            `force` f(x), `friction` sign(v) f(x), `frequency`, `order`, `misread`,
+                    `constant`
+    share_percent   of all that exceeds the floor
+    pretended       gain of the same term in replicas, in energy;  gain: in the data
+    x, force        the curve [SI; N m], or the spectrum: frequencies or orders and amplitudes
+    at, amplitude   of a peak [Hz or per turn; N m, or rad where an angle is misread], else None
+    rivals          signals that explain nearly as much, in words;  rival_signals: their names
+    """
+
+    coordinate: str
+    on: str
+    words: str
+    form: Form | str
+    share_percent: float
+    gain: float
+    pretended: float
+    x: np.ndarray
+    force: np.ndarray
+    at: float | None = None
+    amplitude: float | None = None
+    rivals: tuple[str, ...] = ()
+    rival_signals: tuple[str, ...] = ()
+
+    @property
+    def said(self) -> str:
+        return f"friction with {self.words}" if self.form == "friction" else self.words
+
+
+class RowSearch:
+    """The terms of one equation, one after the other.
+
+    row         of the equation, as in `robot.coordinates`
+    total       energy of the excess that shares are of
+    pretended   (replicas, variables) energies that the splines explain of replicas; none: of noise
+    """
+
+    def __init__(
+        self,
+        examination: Examination,
+        base: Base,
+        row: int,
+        total: float,
+        pretended: np.ndarray | None = None,
+    ):
+        self.robot: Robot = examination.setting.robot
+        self.logs, self.levels = examination.logs, examination.levels
+        self.base, self.row, self.total = base, row, total
+        self.variables = variables(self.robot, self.logs, row)
+        of_noise = np.array([[float(len(v.knots)) for v in self.variables]])
+        self.pretended = of_noise if pretended is None else pretended
+        self.spectra: list[Spectrum] = []
+
+    def strongest(self) -> tuple[Dependence, Columns] | None:
+        """The term that explains most of the present base, with its columns; None where none is sure."""
+        better = [d for d in (self._smooth(), self._periodic()) if d is not None]
+        return max(better, key=lambda d: d[0].gain - d[0].pretended, default=None)
+
+    def run(self, floor: float) -> list[Dependence]:
+        """floor: energy of what replicas leave."""
+        level, share = self._constant()
+        found: list[Dependence] = []
+        while len(found) < MOST and self.base.energy - floor > _MATERIAL * self.total:
+            best = self.strongest()
+            if best is None:
+                break
+            dependence, columns = best
+            self.base = extended(self.base, columns)
+            found.append(dependence)
+        if found and found[0].form == "force":  # its mean is part of it
+            first = found[0]
+            found[0] = replace(first, share_percent=first.share_percent + share, gain=first.gain + level.gain)
+        elif share > 100 * _MATERIAL:
+            found.append(level)
+        return found
+
+    def _constant(self) -> tuple[Dependence, float]:
+        """Join a constant force, which no spline may claim for itself, to the base; its share [%]."""
+        columns, free = constant_columns(self.logs, self.levels, self.row), np.full(1, np.inf)
+        explained = gain(self.base, columns, -free, free)
+        self.base = extended(self.base, columns)
+        share, size = 100 * explained.energy / self.total, float(explained.coefficients[0])
+        coordinate = self.robot.coordinates[self.row]
+        words = f"a constant of {size:.3g} N m"
+        x, force = np.zeros(1), np.full(1, size)
+        return Dependence(coordinate, "", words, "constant", share, explained.energy, 1.0, x, force), share
+
+    def _smooth(self) -> tuple[Dependence, Columns] | None:
+        gains = spline_gains(self.base, self.variables, self.logs, self.levels, self.row)
+        mean, most = self.pretended.mean(axis=0), self.pretended.max(axis=0)
+        beyond = gains - mean
+        near = np.flatnonzero(beyond >= _TIE * beyond.max())
+        best = max(near.tolist(), key=lambda i: (self._is_own(i), beyond[i]))
+        variable = self.variables[best]
+        columns = spline_columns(variable, self.logs, self.levels, self.row)
+        K = columns[0][self.row].shape[1]
+        if gains[best] < max(
+            K + _SURE * np.sqrt(2 * K), _BEYOND * most[best], mean[best] + _MATERIAL * self.total
+        ):
+            return None
+        free = np.full(K, np.inf)
+        x, force = curve(variable, gain(self.base, columns, -free, free).coefficients)
+        share = 100 * (gains[best] - mean[best]) / self.total
+        return (
+            Dependence(
+                self.robot.coordinates[self.row],
+                variable.name,
+                variable.words,
+                variable.form,
+                float(share),
+                float(gains[best]),
+                float(mean[best]),
+                x,
+                force,
+                rivals=tuple(_said(self.variables[i]) for i in near if i != best),
+                rival_signals=tuple(self.variables[i].name for i in near if i != best),
+            ),
+            columns,
+        )
+
+    def _is_own(self, variable: int) -> bool:
+        """Whether a signal is of the equation's own joint."""
+        own = self.robot.coordinates[self.row].split(".")[0]
+        return self.variables[variable].name.split(".")[0] in (own, "travel")
+
+    def _periodic(self) -> tuple[Dependence, Columns] | None:
+        found = [spectrum(self.base, self.logs, self.levels, over) for over in _overs(self.robot, self.row)]
+        self.spectra = self.spectra or found
+        peaks = [(highest(self.base, self.logs, self.levels, s), s) for s in found]
+        counted = [(p, s) for p, s in peaks if p is not None and p.p_value < _LEVEL]
+        if not counted:
+            return None
+        peak, of = max(counted, key=lambda pair: pair[0].energy)
+        if peak.energy < _MATERIAL * self.total:
+            return None
+        if peak.over.kind == "misread":
+            return self._misread(peak, of)
+        return self._of_peak(peak, of), periodic_columns(self.logs, self.levels, peak.over, peak.at)
+
+    def _misread(self, peak: Peak, of: Spectrum) -> tuple[Dependence, Columns]:
+        """The error of an angle acts on every equation."""
+        column, free = peak.over.column, np.full(2, np.inf)
+
+        def columns(order: float) -> Columns:
+            return misread_columns(self.robot, self.base.p, self.logs, self.levels, column, order)
+
+        whole = gain(self.base, columns(peak.at), -free, free)
+        size = float(np.linalg.norm(whole.coefficients))
+        exact = replace(peak, energy=max(whole.energy, peak.energy), amplitude=size)
+        return self._of_peak(exact, of), columns(peak.at)
+
+    def _of_peak(self, peak: Peak, of: Spectrum) -> Dependence:
+        over = peak.over
+        on = "time" if over.kind == "frequency" else self.robot.coordinates[over.column]
+        joint = on.split(".")[0].removeprefix("joint")
+        words = {
+            "frequency": f"a frequency of {peak.at:.4g} Hz in time",
+            "order": f"an order of {peak.at:.4g} per turn of joint {joint}",
+            "misread": f"a misread angle of joint {joint}, {peak.at:.4g} times a turn",
+        }[over.kind]
+        return Dependence(
+            self.robot.coordinates[self.row],
+            on,
+            words,
+            over.kind,
+            100 * peak.energy / self.total,
+            peak.energy,
+            0.0,
+            of.at,
+            of.amplitude,
+            peak.at,
+            peak.amplitude,
+        )
+
+
+def _overs(robot: Robot, row: int) -> list[Over]:
+    """What a force on this equation may be periodic in."""
+    turning = [k - 1 for k, joint in robot.numbered if joint.kind == "revolute"]
+    own = int(robot.coordinates[row].split(".")[0].removeprefix("joint")) - 1
+    misread = [Over("misread", row, own)] if own in turning else []
+    return [Over("frequency", row), *(Over("order", row, k) for k in turning), *misread]
+
+
+def spline_gains(
+    base: Base, listed: Sequence[Variable], logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
+) -> np.ndarray:
+    """(variables,) energy that each variable's splines explain of the base's residual on one equation."""
+    out = []
+    for variable in listed:
+        columns = spline_columns(variable, logs, levels, row)
+        free = np.full(columns[0][row].shape[1], np.inf)
+        out.append(gain(base, columns, -free, free).energy)
+    return np.array(out)
+
+
+def _said(variable: Variable) -> str:
+    return f"friction with {variable.words}" if variable.form == "friction" else variable.words

@@ -1,0 +1,100 @@
+"""What a residual depends on where no effect of the catalogue explains it.
+
+On the equation with the largest excess, splines of every signal and waves of every frequency and order
+compete; the best joins the base and the rest compete again. Replicas, analysed alike, show what the
+method itself pretends of the splines; a peak counts against its own neighbours.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.projection import Base, extended, solve_base
+from pyident.diagnosis.base.residual_over_floor import Examination, Setting, replica_of, whitened
+from pyident.diagnosis.unexplained.periodic import Spectrum
+from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
+from pyident.diagnosis.unexplained.smooth import constant_columns, variables
+from pyident.regression.spectrum import Floor
+
+REPLICAS = 3
+_ROWS = 2
+_ROW = 0.2  # of the excess: an equation that has less left is not looked at
+_FIRST_SEED = 1_000_000
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """sentences for `Diagnosis.depends_on`; dependences, spectra (of the first equation) for figures."""
+
+    sentences: tuple[str, ...]
+    dependences: tuple[Dependence, ...]
+    spectra: tuple[Spectrum, ...]
+
+
+def depends_on(
+    examination: Examination, base: Base | None = None, workers: Any = None, replicas: int = REPLICAS
+) -> Unexplained:
+    """What the residual of an examination depends on.
+
+    base      the examination's own, or with accepted candidates joined to it
+    workers   processes that hold the fitted robot's FMU; none: replicas are taken as noise of their floor
+    """
+    base = base or examination.base
+    floor = examination.floor_energies
+    total = max(base.energy - float(floor.sum()), 1e-300)
+    found: list[Dependence] = []
+    spectra: list[Spectrum] = []
+    sentences: list[str] = []
+    rows: list[int] = []
+    while len(rows) < _ROWS:
+        excess = sum(np.square(r).sum(axis=1) for r in base.residual) - floor
+        row = int(np.argmax(excess))
+        if row in rows or excess[row] < _ROW * total:
+            break
+        rows.append(row)
+        pretended = _pretended_by_replicas(examination, workers, row, replicas) if workers else None
+        search = RowSearch(examination, base, row, total, pretended)
+        own = search.run(float(floor.sum()))
+        base = search.base
+        found += own
+        spectra = spectra or search.spectra
+        sentences.append(_sentence(examination.setting.robot, row, own))
+    return Unexplained(tuple(sentences), tuple(found), tuple(spectra))
+
+
+def _pretended_by_replicas(examination: Examination, workers: Any, row: int, count: int) -> np.ndarray:
+    """(count, variables) energies that the splines explain of replicas."""
+    arguments = examination.setting, examination.floor, row
+    jobs = [workers.submit(_pretended, *arguments, _FIRST_SEED + i) for i in range(count)]
+    return np.array([job.result() for job in jobs])
+
+
+def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
+    """The energies of one replica."""
+    data = whitened(setting.robot, replica_of(fmu, setting, setting.repeats, seed), level)
+    listed = variables(setting.robot, data, row)
+    levels = [level.at(e.band) for e in data]
+    base = extended(solve_base(data), constant_columns(data, levels, row))
+    return spline_gains(base, listed, data, levels, row)
+
+
+def _sentence(robot: Robot, row: int, found: Sequence[Dependence]) -> str:
+    coordinate = robot.coordinates[row]
+    joint, name = coordinate.split(".")
+    side = {"e": "motor side", "eps[1]": "transmission"}.get(name, "link side")
+    place = f"{side} of joint {joint.removeprefix('joint')}"
+    if not found:
+        return f"{place}: the residual depends on no single signal and has no period"
+    return f"{place}: depends on {', then on '.join(clause(d, first=d is found[0]) for d in found)}"
+
+
+def clause(d: Dependence, first: bool) -> str:
+    """In words; first: of its equation's."""
+    unit = "rad" if d.form == "misread" else "N m"
+    size = "" if d.amplitude is None else f", {d.amplitude:.3g} {unit}"
+    as_well = f", as well as {' or '.join(d.rivals[:2])}" if d.rivals else ""
+    what = f"friction that depends on {d.words}" if d.form == "friction" else d.words
+    return f"{what} ({'explains ' if first else ''}{d.share_percent:.0f} % of the excess{size}{as_well})"

@@ -1,0 +1,90 @@
+"""Robot + logs -> identified robot: conditioning, regression, physical consistency."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.windows import prepared
+from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
+from pyident.estimation.estimate import estimate
+from pyident.estimation.least_squares import Reduced, Solution, residual_squares
+from pyident.estimation.physical import consistent
+from pyident.logs.disk import LogFile
+from pyident.logs.log import Log
+from pyident.regression.equations import Problem
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The outcome: the robot with its new parameters and how well the data support them.
+
+    relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]
+    """
+
+    robot: Robot
+    reduced: Reduced
+    solution: Solution
+    support: dict[str, Support]
+    base: list[BaseParameter]
+    relative_error: dict[str, float]
+
+    def json(self) -> dict[str, Any]:
+        """The contract of `identify --json`."""
+        units, values = self.robot.units, self.robot.parameters
+        return {
+            "parameters": {
+                name: {
+                    "value": values[name],
+                    "std": _finite(self.solution.std[i]),
+                    "unit": units[name],
+                    "identifiable": self.support[name],
+                }
+                for i, name in enumerate(self.reduced.columns)
+            },
+            "base_parameters": [
+                {"expression": b.expression, "value": b.value, "std": _finite(b.std)} for b in self.base
+            ],
+            "rank": self.solution.rank,
+            "relative_error_percent": self.relative_error,
+        }
+
+
+def identify(robot: Robot, logs: Sequence[Log | LogFile], robust: bool = False) -> Identified:
+    """Identify every dynamic parameter of `robot` from its logs; its own values are never used.
+
+    Logs on disk are gone through a few times, window by window, and never are in memory as a whole.
+
+    robust   give single equations that stick out less weight (Huber)
+    Raises LogError for logs that cannot be used.
+    """
+    problem = Problem(robot, tuple(prepared(log, robot) for log in logs))
+    reduced, solution = estimate(problem, robust)
+    return identified(robot, reduced, solution)
+
+
+def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified:
+    """Name and judge a solution; the robot gets the physically consistent parameters nearest to it."""
+    p = consistent(robot, reduced, solution)
+    name = robot.name if robot.name.endswith("_identified") else f"{robot.name}_identified"
+    return Identified(
+        robot=robot.with_parameters(dict(zip(reduced.columns, p, strict=True)), name),
+        reduced=reduced,
+        solution=solution,
+        support=supports(reduced, solution),
+        base=base_parameters(reduced, solution),
+        relative_error=_relative_error(reduced, solution, len(robot.joints)),
+    )
+
+
+def _relative_error(reduced: Reduced, solution: Solution, joints: int) -> dict[str, float]:
+    squares = residual_squares(reduced, solution.p)[:joints]
+    signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
+    each = {f"joint{k + 1}": float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
+    return each | {"all": float(100 * np.sqrt(squares.sum() / signal.sum()))}
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

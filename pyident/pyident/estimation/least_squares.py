@@ -1,0 +1,165 @@
+"""Least squares of y = A p, eqs. (12)-(15), without ever storing A.
+
+Blocks of rows are folded into one triangular factor per coordinate (QR), so memory does not grow with
+the log; the singular value decomposition is taken of the stacked factors. Weights per coordinate and
+residuals per coordinate follow from the same factors, without a second pass over the data.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.estimation.triangle import Triangle
+from pyident.regression.threads import each
+
+ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
+_ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
+_ROUNDS = 6  # of weighting by residuals; it settles to a per mille
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What a least-squares problem is made of: per coordinate the triangle of [A_c, y_c].
+
+    triangles  (n, P + 1, P + 1);  samples per coordinate;  names of rows (n) and columns (P)
+    """
+
+    triangles: np.ndarray
+    samples: int
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+    def stacked(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A (n (P + 1), P) and y of the weighted problem, of the same normal equations."""
+        weighted = self.triangles * weights[:, None, None]
+        return weighted[:, :, :-1].reshape(-1, len(self.columns)), weighted[:, :, -1].ravel()
+
+    def terms(self, p: np.ndarray) -> np.ndarray:
+        """(n,) root of the summed mean squares of the single terms A_ci p_i per coordinate."""
+        squares = (self.triangles[:, :, :-1] ** 2).sum(axis=1) / self.samples
+        return np.sqrt(squares @ p**2)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The minimum-norm solution (in scaled columns) of eq. (14) and what it stands on.
+
+    p                (P,) values
+    covariance       (P, P) in the directions that the data determine
+    singular_values  (P,) of A with columns scaled to unit length, largest first
+    seen, null       (P, rank), (P, P - rank) scaled directions that the data do and do not determine
+    scale            (P,) length of each column of A
+    weights          (n,) of the coordinates' equations
+    residual         (n,) rms of the residual per coordinate;  signal (n,) rms of y per coordinate
+    """
+
+    p: np.ndarray
+    covariance: np.ndarray
+    singular_values: np.ndarray
+    seen: np.ndarray
+    null: np.ndarray
+    scale: np.ndarray
+    weights: np.ndarray
+    residual: np.ndarray
+    signal: np.ndarray
+
+    @property
+    def rank(self) -> int:
+        return self.seen.shape[1]
+
+    @property
+    def open(self) -> np.ndarray:
+        """(P,) whether a parameter takes part in a direction that the data do not determine."""
+        return np.linalg.norm(self.null, axis=1) > _ABSENT
+
+    @property
+    def std(self) -> np.ndarray:
+        """(P,) standard deviations; inf where a parameter is open."""
+        return np.where(self.open, np.inf, np.sqrt(np.maximum(np.diag(self.covariance), 0)))
+
+
+def reduce(
+    blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
+) -> Reduced:
+    """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
+    triangles, samples = [Triangle(len(columns)) for _ in rows], 0
+    for A, y in blocks:
+        samples += len(A)
+        each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
+    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)
+
+
+def solve_weighted(reduced: Reduced) -> Solution:
+    """Least squares with each coordinate's equations weighted by the residual that they leave.
+
+    Equations without a right-hand side, those of deformations and passive joints, are solved exactly by zero:
+    weighted by their bare residual, a smaller stiffness would leave a smaller residual, which would weigh
+    more, until nothing is left of it. What tells of their error is the residual relative to the terms that
+    should cancel. It counts at the size that these terms have in the equally weighted solution, which fixes
+    the weight's scale. A deformation that is mostly noise still gets too small a stiffness, as in every
+    regression on noisy signals (`indirect` and `output_error` remove that), but no longer none.
+    """
+    solution = solve(reduced)
+    free = solution.signal == 0
+    first = reduced.terms(solution.p)
+    for _ in range(_ROUNDS):
+        terms = reduced.terms(solution.p)
+        shrunk = np.divide(first, terms, out=np.ones_like(first), where=free & (terms > 0))
+        error = solution.residual * shrunk
+        solution = solve(reduced, 1 / np.maximum(error, 1e-6 * error.max()))
+    return solution
+
+
+def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
+    """Pseudo-inverse solution by SVD, eq. (15), on columns scaled to unit length.
+
+    weights  (n,) per coordinate; none: the plain sum of squares of eq. (14)
+    Rank: a direction counts when its singular value stands above the arithmetic (1e-10 of the largest) and
+    the residual leaves its coefficient a standard deviation below the largest coefficient of those before it;
+    the worst directions are dropped first.
+    """
+    weights = np.ones(len(reduced.rows)) if weights is None else weights
+    A, y = reduced.stacked(weights)
+    scale = np.linalg.norm(A, axis=0)
+    absent = scale == 0
+    scale[absent] = 1.0
+    U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0  # else rounding: taken for a direction later
+    coefficients = U.T @ y
+    equations = reduced.samples * len(reduced.rows)
+    rank = _rank(s, coefficients, float(y @ y), equations)
+    seen, null = Vt[:rank].T, Vt[rank:].T
+    p = seen @ (coefficients[:rank] / s[:rank]) / scale
+    squares = residual_squares(reduced, p)
+    variance = (weights**2 @ squares) / max(equations - rank, 1)
+    spread = seen / s[:rank] / scale[:, None]
+    signal = np.linalg.norm(reduced.triangles[:, :, -1], axis=1)
+    n = np.sqrt(reduced.samples)
+    return Solution(
+        p=p,
+        covariance=variance * spread @ spread.T,
+        singular_values=s,
+        seen=seen,
+        null=null,
+        scale=scale,
+        weights=weights,
+        residual=np.sqrt(squares) / n,
+        signal=signal / n,
+    )
+
+
+def residual_squares(reduced: Reduced, p: np.ndarray) -> np.ndarray:
+    """Sum of squared residuals per coordinate, (n,)."""
+    return ((reduced.triangles @ np.append(-p, 1.0)) ** 2).sum(axis=1)
+
+
+def _rank(s: np.ndarray, coefficients: np.ndarray, y_squared: float, equations: int) -> int:
+    """Number of leading directions that pass the rule of `solve`, the last ones dropped first."""
+    rank = int((s > ROUNDING * s[0]).sum())
+    rest = max(y_squared - float(coefficients[:rank] @ coefficients[:rank]), 0.0)
+    sigma = np.sqrt(rest / equations)
+    found = np.abs(coefficients[:rank] / s[:rank])
+    while rank > 1 and sigma / s[rank - 1] > found[: rank - 1].max():
+        rank -= 1
+    return rank

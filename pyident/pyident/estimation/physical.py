@@ -1,0 +1,75 @@
+"""The physically consistent parameters nearest to a least-squares solution.
+
+Every link keeps a positive pseudo-inertia (Wensing, Kim and Slotine 2018), every stiffness, damping,
+friction level and motor inertia stays non-negative; so the model's mass matrix is positive definite
+whatever the data left open.
+"""
+
+import warnings
+
+import cvxpy as cp
+import numpy as np
+
+from flexmodels.effects import CATALOGUE
+from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+from pyident.estimation.least_squares import Reduced, Solution
+
+_OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
+_SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
+
+
+def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray:
+    """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
+
+    Directions that the data do not determine are settled by the bounds and by small size.
+    Raises RuntimeError when the solver finds no such parameters.
+    """
+    names, scale = list(reduced.columns), solution.scale
+    near = solution.p * scale
+    u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
+    sigma = max(_sigma(reduced, solution), 1e-9 * float(np.linalg.norm(near)))
+    deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
+    z = near + deviations @ u + solution.null @ t
+    p = cp.multiply(z, 1 / scale)
+    limits: list[cp.Constraint] = [
+        _pseudo_inertia(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
+    ]
+    limits += [
+        z[names.index(name)] >= bound * scale[names.index(name)]
+        for name, bound in lower_bounds(robot).items()
+    ]
+    cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
+    problem = cp.Problem(cp.Minimize(cost), limits)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
+        problem.solve(solver=cp.CLARABEL)
+    if z.value is None:
+        raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")
+    found = np.asarray(z.value) / scale
+    bounds = lower_bounds(robot)
+    return np.maximum(found, [bounds.get(name, -np.inf) for name in names])
+
+
+def _sigma(reduced: Reduced, solution: Solution) -> float:
+    """Standard deviation of one weighted equation."""
+    squares = (solution.weights * solution.residual) ** 2 * reduced.samples
+    return float(np.sqrt(squares.sum() / max(reduced.samples * len(reduced.rows) - solution.rank, 1)))
+
+
+def lower_bounds(robot: Robot) -> dict[str, float]:
+    """Parameter name -> least value, for the laws' parameters that have one."""
+    return {
+        parameter_name(k, effect, parameter.name): parameter.lower
+        for k, joint in robot.numbered
+        for effect, values in joint.values.items()
+        for parameter in CATALOGUE[effect].linear
+        if parameter.name in values and np.isfinite(parameter.lower)
+    }
+
+
+def _pseudo_inertia(p: cp.Expression, names: list[str], link: int) -> cp.Expression:
+    m, x, y, z, xx, xy, xz, yy, yz, zz = (p[names.index(f"link{link}.{n}")] for n in LINK_PARAMETERS)
+    half = (xx + yy + zz) / 2
+    return cp.bmat(
+        [[half - xx, -xy, -xz, x], [-xy, half - yy, -yz, y], [-xz, -yz, half - zz, z], [x, y, z, m]]
+    )

@@ -1,0 +1,276 @@
+"""Add an effect to a robot: fit it, simulate it, and keep it only if held-out data are met better.
+
+Linear parameters come from the regression with its bias removed (`examination.unbiased`), nonlinear ones by
+variable projection: at each value the linear ones are eliminated, and the value that leaves least is taken,
+first from the law's grid, then between its neighbours. Both models are then judged on data that were not
+used (see `trial`): by their equations, each over its floor at every frequency, and by their FMU under the
+log's reference. Without references the FMU tracks the measured motion; positions then agree in any case,
+and it is the motor torques that it needs which tell.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot, RobotError
+from pyident.comparison.bins import mean_square_over_floor
+from pyident.comparison.compare import Error, LogErrors, log_errors
+from pyident.comparison.model_against_replicas import Part, Progress, Trial, run_trial
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.nonlinear_values import refined
+from pyident.diagnosis.base.projection import gain, solve_base
+from pyident.diagnosis.base.residual_over_floor import Setting, set_up, unbiased
+from pyident.logs.log import Log, LogError
+from pyident.regression.candidate_columns import nonlinear_grid
+from pyident.regression.spectrum import equations
+from pyident.simulation.replica import OpenWorkers, repeat
+
+REPLICAS = 4
+_PART = 2 / 3  # of an only log that is fitted
+_LEAST_GAIN = 0.05  # of the mean square error: a smaller fall is no reason to add a law
+
+
+@dataclass(frozen=True)
+class Step:
+    """One bar chart of a waterfall: an error of the base, with the effect, and the floor, rms in `unit`."""
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    floor: float
+
+
+@dataclass(frozen=True)
+class Extended:
+    """The outcome of adding an effect.
+
+    base, robot      without and with the effect, both fitted to the same logs
+    before, after    their errors on held-out data
+    waterfall        torque or moment where the effect acts, then the simulation
+    gains            relative fall of the mean square error: equations, simulation
+    reason           why the effect is refused; empty: it is accepted
+    """
+
+    base: Robot
+    robot: Robot
+    before: tuple[LogErrors, ...]
+    after: tuple[LogErrors, ...]
+    waterfall: tuple[Step, ...]
+    gains: tuple[float, float]
+    reason: str
+
+    @property
+    def accepted(self) -> bool:
+        return not self.reason
+
+    def json(self) -> dict[str, Any]:
+        """For machines: whether it is accepted, why not, its parameters, errors on held-out data."""
+        new = {n: v for n, v in self.robot.parameters.items() if n not in self.base.parameters}
+        units = self.robot.units
+        return {
+            "accepted": self.accepted,
+            "reason": self.reason,
+            "parameters": {n: {"value": v, "unit": units[n]} for n, v in new.items()},
+            "mean_square_fall_percent": {
+                "equations": 100 * self.gains[0],
+                "simulation": 100 * self.gains[1],
+            },
+            "waterfall": [asdict(step) for step in self.waterfall],
+            "before": {log.log: log.json() for log in self.before},
+            "after": {log.log: log.json() for log in self.after},
+        }
+
+
+@dataclass(frozen=True)
+class Split:
+    """Logs to fit, logs to judge, and per judged log the time [s] from which on it counts."""
+
+    fitted: list[Log]
+    judged: list[Log]
+    since: tuple[float, ...]
+
+    @property
+    def unseen(self) -> list[Log]:
+        """What counts of the logs to judge."""
+        starts = [round(t / log.period) for log, t in zip(self.judged, self.since, strict=True)]
+        return [
+            replace(log, frame=log.frame.iloc[n:].reset_index(drop=True))
+            for log, n in zip(self.judged, starts, strict=True)
+        ]
+
+
+def split(logs: Sequence[Log], heldout: Sequence[Log]) -> Split:
+    """Held-out logs are those named, else the last of several, else the last third of the only one."""
+    if heldout:
+        return Split(list(logs), list(heldout), (0.0,) * len(heldout))
+    if len(logs) > 1:
+        return Split(list(logs[:-1]), [logs[-1]], (0.0,))
+    log = logs[0]
+    number = int(_PART * len(log))
+    if number < 2:
+        raise LogError(f"{log.source}: {len(log)} samples are too few to hold some of them out")
+    first = Log(log.frame.iloc[:number].reset_index(drop=True), log.source)
+    return Split([first], [log], (number * log.period,))
+
+
+def add_effect(
+    robot: Robot,
+    joint: int,
+    effect: str,
+    logs: Sequence[Log],
+    heldout: Sequence[Log],
+    open_workers: OpenWorkers,
+    progress: Progress,
+) -> Extended:
+    """Fit `robot` with one more law at `joint` (from 1) and judge it on data that were held out.
+
+    open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
+    Raises RobotError where the law cannot act, LogError, and what the simulation raises.
+    """
+    wider = robot.with_effect(joint, effect)
+    if wider.units == robot.units:
+        raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
+    parts = split(logs, heldout)
+    base = _fitted(robot, parts, open_workers, _share(progress, 0.0, 0.5))
+    wider = _with_best_values(base, wider, joint, effect)
+    new = _fitted(wider, parts, open_workers, _share(progress, 0.5, 1.0))
+    return _judged(base, new, joint, effect)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    setting: Setting
+    trial: Trial
+    data: list[Part]
+    replicas: list[list[Part]]
+
+    @property
+    def errors(self) -> tuple[LogErrors, ...]:
+        return tuple(
+            log_errors(self.trial, i, part, [parts[i] for parts in self.replicas])
+            for i, part in enumerate(self.data)
+        )
+
+
+def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, progress: Progress) -> _Fit:
+    """Fit, remove the bias, judge."""
+    setting = set_up(robot, parts.fitted)
+    with open_workers(setting.simulated) as workers:
+        setting = unbiased(setting, workers)
+        progress(0.3)
+        judged = tuple(repeat(setting.robot, log)[1] for log in parts.judged)
+        trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
+        data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), REPLICAS)
+    return _Fit(setting, trial, data, replicas)
+
+
+def _share(progress: Progress, start: float, end: float) -> Progress:
+    return lambda fraction: progress(start + (end - start) * fraction)
+
+
+def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robot:
+    """The extended robot with the nonlinear values that leave least of the weighted equations."""
+    setting = base.setting
+    robot = setting.robot
+    logs = setting.logs
+    parts = [condition(log, robot) for log in logs]
+    grid = nonlinear_grid(robot, joint, effect, [part.motion for part in parts])
+    listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
+    if not listed[0].values:
+        return wider
+    plain = equations(robot, parts, [log.period for log in logs])
+    level = 1 / np.maximum(setting.solution.weights, 1e-300)
+    levels = [np.repeat(level[:, None], e.y.shape[1], axis=1) for e in plain]
+    weighted = [e.over(lv) for e, lv in zip(plain, levels, strict=True)]
+    solved, limits = solve_base(weighted), bounds(robot, listed[0])
+
+    def explained(candidate: Candidate) -> float:
+        return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
+
+    best = refined(robot, max(listed, key=explained), listed, explained)
+    names = {name: f"joint{joint}.{effect}.{name}" for name, _ in best.values}
+    return wider.with_parameters({names[name]: value for name, value in best.values})
+
+
+def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:
+    before, after = base.errors, new.errors
+    rows = _acts_on(new.trial.robot, joint, effect)
+    channels = _telling(base.trial, before)
+    at = [base.trial.robot.coordinates.index(row) for row in rows]
+    left = [mean_square_over_floor(fit.data, new.replicas, at) for fit in (base, new)]
+    missed = [_mean_square(errors, after, channels) for errors in (before, after)]
+    gains = (1 - left[1] / left[0], 1 - missed[1] / missed[0])
+    steps = [_step("equations", name, before, after) for name in rows]
+    shown = ["tip"] if all("tip" in log.simulation for log in before) and not base.trial.tracks else channels
+    steps += [_step("simulation", name, before, after) for name in shown]
+    name = f"{base.trial.robot.name.removesuffix('_identified')}_{effect}{joint}"
+    robot = replace(new.trial.robot, name=name)
+    reason = _reason(effect, joint, gains, base.trial.tracks)
+    return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason)
+
+
+def _acts_on(robot: Robot, joint: int, effect: str) -> list[str]:
+    """Coordinates on whose equations the law acts."""
+    law = robot.joints[joint - 1].law(effect)
+    if law.body:
+        return list(robot.coordinates)
+    named = {str(q) for q in law.forces}
+    flat = {c: c.replace("[", "").replace("]", "") for c in robot.coordinates}
+    wanted = {f"joint{joint}.{n}" for n in named if not n.startswith("beyond.")}
+    wanted |= {f"joint{joint + 1}.{n.removeprefix('beyond.')}" for n in named if n.startswith("beyond.")}
+    return [c for c, name in flat.items() if name in wanted]
+
+
+def _telling(trial: Trial, errors: Sequence[LogErrors]) -> list[str]:
+    """Signals by which the simulation is judged: motor torques where it tracks the measured motion."""
+    names = list(errors[0].simulation)
+    if trial.tracks:
+        return [n for n in names if n.endswith(".tau")]
+    return [n for n in names if not n.endswith(".tau") and n != "tip"]
+
+
+def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names: Sequence[str]) -> float:
+    """Of the simulation, over logs and signals, each over its floor."""
+    pairs = [
+        (e.simulation[n].rmse, f.simulation[n].floor)
+        for e, f in zip(errors, floors, strict=True)
+        for n in names
+    ]
+    return float(np.mean([(rmse / max(level, 1e-300)) ** 2 for rmse, level in pairs]))
+
+
+def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[LogErrors]) -> Step:
+    listed: list[tuple[Error, Error]] = [
+        (getattr(b, kind)[name], getattr(a, kind)[name]) for b, a in zip(before, after, strict=True)
+    ]
+    rms = [
+        float(np.sqrt(np.mean(np.square(v))))
+        for v in ([b.rmse for b, _ in listed], [a.rmse for _, a in listed], [a.floor for _, a in listed])
+    ]
+    what = "simulated" if kind == "simulation" else "torque" if name.endswith(".e") else "moment"
+    return Step(f"{what} {name}", listed[0][0].unit, *rms)
+
+
+def _reason(effect: str, joint: int, gains: tuple[float, float], tracks: bool) -> str:
+    equations_, simulated = gains
+    what = "the torque that the simulation needs" if tracks else "the simulation"
+    if equations_ >= _LEAST_GAIN and simulated >= _LEAST_GAIN:
+        return ""
+    said = [
+        f"the error of {name} {_change(value)}"
+        for name, value in (("the equations", equations_), (what, simulated))
+        if value < _LEAST_GAIN
+    ]
+    return f"{effect} at joint {joint} is refused: on held-out data {' and '.join(said)}."
+
+
+def _change(value: float) -> str:
+    """Of a mean square, said of its root."""
+    percent = 100 * (1 - np.sqrt(max(1 - value, 0.0))) if value <= 1 else 100.0
+    if abs(percent) < 100 * _LEAST_GAIN / 2:
+        return "does not fall"
+    return f"rises by {-percent:.2g} %" if percent < 0 else f"falls by {percent:.2g} % only"

@@ -1,0 +1,188 @@
+"""Other people's recordings -> Log: columns found, joined, mapped, on one clock, referred to the joints."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+from scipy.io import loadmat
+
+from flexmodels.robot import Robot
+from pyident.logs.disk import LogFile, open_log
+from pyident.logs.log import Log, LogError, check, read_log
+from pyident.logs.mapping import Mapping
+from pyident.logs.rosbag import read_bag
+
+_BAGS = (".mcap", ".bag", ".db3")
+_UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
+
+
+def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | None = None) -> Log:
+    """Files of one recording, side by side, as a log under our names; what was done to it is in `notes`.
+
+    With a robot, motor-side columns are referred to its joints and link encoders become eps[1].
+    Raises LogError.
+    """
+    source = ", ".join(str(file) for file in files)
+    raw = _joined([(Path(file), _columns(Path(file), mapping.header)) for file in files])
+    frame = pd.DataFrame({name: _signal(raw, s.column, source) * s.gain + s.offset
+                          for name, s in mapping.signals.items()})  # fmt: skip
+    if mapping.rate is not None:
+        frame.insert(0, "time", np.arange(len(frame)) / mapping.rate)
+    frame, notes = _even(frame, source)
+    delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
+    frame = delayed(frame, delays)
+    notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]
+    if robot is not None:
+        frame = at_joints(frame, robot, source)
+    check(frame, source)
+    return Log(frame, source, tuple(notes))
+
+
+def robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) -> Log:
+    """A log of `robot`: through a mapping file, or by the robot's own [columns]. Raises LogError."""
+    if mapping is not None:
+        return import_log([path], mapping, robot)
+    return _at_its_joints(read_log(path, robot.columns), robot)
+
+
+def open_robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) -> Log | LogFile:
+    """The same, but a long log that needs neither mapping nor transmission stays on disk. Raises LogError."""
+    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.columns)
+    if isinstance(log, Log):
+        return log if mapping else _at_its_joints(log, robot)
+    foreign = any(name.startswith("motor") or name.endswith(".link") for name in log.names)
+    return robot_log(path, robot) if foreign else log
+
+
+def delayed(frame: pd.DataFrame, delays: dict[str, float]) -> pd.DataFrame:
+    """Columns that were sampled `delay` [s] before their time stamp, at their time stamps (cubic splines)."""
+    time = frame["time"].to_numpy(float)
+    moved = {
+        name: CubicSpline(time, frame[name].to_numpy(float))(np.clip(time + delay, time[0], time[-1]))
+        for name, delay in delays.items()
+    }
+    return frame.assign(**moved)
+
+
+def _at_its_joints(log: Log, robot: Robot) -> Log:
+    return Log(at_joints(log.frame, robot, log.source), log.source, log.notes)
+
+
+def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
+    """Motor angles, torques or currents through the robot's transmission; link encoders as twists."""
+    n = len(robot.joints)
+    out = frame.copy()
+    motors = [name for name in frame if str(name).startswith("motor")]
+    gear = robot.transmission
+    if motors and gear is None:
+        raise LogError(f"{source}: column {motors[0]} is of the motor side; give the robot a [transmission]")
+    if gear is not None and motors:
+        if (angles := _all(frame, "q", n, source)) is not None:
+            out[[f"joint{k + 1}.e" for k in range(n)]] = gear.angles(angles)
+        torques = _all(frame, "tau", n, source)
+        if torques is None and (currents := _all(frame, "current", n, source)) is not None:
+            if gear.drive is None:
+                raise LogError(f"{source}: currents need transmission.drive, the motors' torque per ampere")
+            torques = currents * np.array(gear.drive)
+        if torques is not None:
+            out[[f"joint{k + 1}.tau" for k in range(n)]] = gear.torques(torques)
+    for k in range(1, n + 1):
+        if f"joint{k}.link" in out:
+            out[f"joint{k}.eps[1]"] = out[f"joint{k}.link"] - out[f"joint{k}.e"]
+    links = [f"joint{k}.link" for k in range(1, n + 1)]
+    return out.drop(columns=[*motors, *(name for name in links if name in out)])
+
+
+def _all(frame: pd.DataFrame, signal: str, n: int, source: str) -> np.ndarray | None:
+    names = [f"motor{k}.{signal}" for k in range(1, n + 1)]
+    there = [name for name in names if name in frame]
+    if not there:
+        return None
+    if len(there) < n:
+        lacking = next(name for name in names if name not in frame)
+        raise LogError(f"{source}: column {lacking} is missing; the transmission needs all {n} motors")
+    return frame[names].to_numpy(float)
+
+
+def _columns(path: Path, header: bool) -> dict[str, np.ndarray]:
+    """Every numeric column of a file by name."""
+    if not path.is_file():
+        raise LogError(f"there is no log {path}; check the path")
+    try:
+        if path.suffix == ".csv":
+            frame = pd.read_csv(path, header="infer" if header else None)
+            names = frame.columns if header else [str(i + 1) for i in range(frame.shape[1])]
+            return {str(name): frame.iloc[:, i].to_numpy() for i, name in enumerate(names)}
+        if path.suffix == ".parquet":
+            return {str(n): c.to_numpy() for n, c in pd.read_parquet(path).items()}
+        if path.suffix == ".mat":
+            content = loadmat(path, squeeze_me=True)
+            return {name: rows for key in content if not key.startswith("__")
+                    for name, rows in _leaves(key, content[key])}  # fmt: skip
+        if path.suffix in _BAGS:
+            return read_bag(path)
+    except LogError:
+        raise
+    except Exception as error:
+        raise LogError(f"{path} cannot be read as {path.suffix[1:]} ({str(error).splitlines()[0]})") from None
+    raise LogError(f"{path}: a log must end in .csv, .parquet, .mat, {', '.join(_BAGS)}")
+
+
+def _leaves(name: str, value: Any) -> list[tuple[str, np.ndarray]]:
+    """Vectors of a MAT variable: `a`, `a.b` of a struct, `a[2]` of a matrix, whose long side is time."""
+    if isinstance(value, np.ndarray) and value.dtype.names and value.ndim == 0:
+        return [
+            leaf for field in value.dtype.names for leaf in _leaves(f"{name}.{field}", value[field].item())
+        ]
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiu":
+        if value.ndim == 1:
+            return [(name, value)]
+        if value.ndim == 2:
+            rows = value if value.shape[0] < value.shape[1] else value.T
+            return [(f"{name}[{i + 1}]", row) for i, row in enumerate(rows)]
+    return []
+
+
+def _joined(files: list[tuple[Path, dict[str, np.ndarray]]]) -> dict[str, np.ndarray]:
+    """Columns under their names, and under `file:name`."""
+    raw: dict[str, np.ndarray] = {}
+    for path, columns in files:
+        for name, values in columns.items():
+            raw.setdefault(name, values)
+            raw[f"{path.stem}:{name}"] = values
+    return raw
+
+
+def _signal(raw: dict[str, np.ndarray], column: str, source: str) -> pd.Series:
+    if column not in raw:
+        stem = re.split(r"[\[:.]", column)[0]
+        near = [name for name in raw if stem in name][:5] or list(raw)[:5]
+        raise LogError(f"{source}: there is no column {column}; there are {', '.join(near)} ...")
+    return pd.Series(np.asarray(raw[column], dtype=float))
+
+
+def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
+    """Samples at a uniform period; jittered ones are resampled by cubic splines."""
+    time = frame["time"].to_numpy(float)
+    if len(time) < 4 or not np.isfinite(frame.to_numpy(float)).all():
+        return frame, []  # the check that follows explains it
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        at = int(np.argmax(steps <= 0))
+        raise LogError(f"{source}: time does not grow at row {at + 2}; cut the log there")
+    period = float(np.median(steps))
+    worst = float(np.abs(steps - period).max())
+    if worst <= _UNEVEN * period:
+        return frame, []
+    if steps.max() > 5 * period:
+        at = int(np.argmax(steps))
+        raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {at + 2}; cut the log there")
+    even = np.arange(time[0], time[-1] + 1e-9 * period, period)
+    out = {name: even if name == "time" else CubicSpline(time, frame[name].to_numpy(float))(even)
+           for name in frame}  # fmt: skip
+    note = f"time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
+    return pd.DataFrame(out), [note]

@@ -1,0 +1,89 @@
+"""Columns that one more law would add to Φ, for a search over laws and over their nonlinear parameters."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+import numpy as np
+
+from flexmodels.effects.effect import Effect
+from flexmodels.robot import LINK_PARAMETERS, Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression.laws import Signals, body_columns, compiled, law_columns
+from pyident.regression.regressor import regressor
+
+
+def effect_columns(
+    robot: Robot, joint: int, effect_name: str, motion: Motion, values: Mapping[str, float] | None = None
+) -> dict[str, dict[int, np.ndarray]]:
+    """Parameter name -> row in `robot.coordinates` -> column (N,), of a law's linear parameters.
+
+    joint    from 1; the robot need not have the effect
+    values   of the nonlinear parameters; those left out are the robot's own or else the start values
+    `load` is taken with the robot's own k[1], so a fitted robot should be given.
+    Raises RobotError where the law cannot act, ValueError where a signal is missing.
+    """
+    law, fixed = _acting(robot, joint, effect_name, values or {})
+    if law.body:
+        return _of_body(robot, law, motion)
+    columns: dict[str, dict[int, np.ndarray]] = {p.name: {} for p in law.linear}
+    for column in law_columns(robot, Signals(robot, motion), joint, law, fixed):
+        value = np.asarray(column.value(slice(None)), float)
+        columns[column.parameter][column.row] = np.array(np.broadcast_to(value, len(motion.q)))
+    return columns
+
+
+def nonlinear_grid(
+    robot: Robot, joint: int, effect_name: str, motions: Sequence[Motion]
+) -> list[dict[str, float]]:
+    """The values that a search tries first: every combination of the grids, in the parameters' units.
+
+    motions   of the logs, over all of which a signal's size is taken
+    A law without nonlinear parameters has one, the empty one. Raises as `effect_columns` does.
+    """
+    law, _ = _acting(robot, joint, effect_name, {})
+    known = [Signals(robot, motion) for motion in motions]
+    grids = []
+    for p in law.nonlinear:
+        size = 1.0
+        if p.scale is not None:
+            name = known[0].named(joint, str(p.scale))
+            if name not in known[0].after:
+                raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
+            size = float(np.sqrt(np.mean(np.concatenate([signals.after[name] for signals in known]) ** 2)))
+        grids.append([(p.name, min(max(value * size, p.lower), p.upper)) for value in p.grid])
+    return [dict(values) for values in product(*grids)]
+
+
+def coverage(
+    robot: Robot, joint: int, effect_name: str, motion: Motion, values: Mapping[str, float] | None = None
+) -> float | None:
+    """How far the motion covers what the law needs: 1 is enough, 0 is nothing; None: it has no such rule."""
+    law, fixed = _acting(robot, joint, effect_name, values or {})
+    if law.coverage is None:
+        return None
+    names, holds = compiled(law.coverage.condition)
+    known = Signals(robot, motion)
+    given = [fixed[n] if n in fixed else known.after[known.named(joint, n)] for n in names]
+    return float(np.mean(holds(*given)) / law.coverage.share)
+
+
+def _acting(
+    robot: Robot, joint: int, effect_name: str, values: Mapping[str, float]
+) -> tuple[Effect, dict[str, float]]:
+    """The law as it acts at the joint, and the values of its nonlinear parameters."""
+    has = 1 <= joint <= len(robot.joints) and effect_name in robot.joints[joint - 1].values
+    extended = robot if has else robot.with_effect(joint, effect_name)
+    own = extended.joints[joint - 1].values[effect_name]
+    law = extended.joints[joint - 1].law(effect_name)
+    unknown = set(values) - {p.name for p in law.nonlinear}
+    if unknown:
+        raise ValueError(f"effect {effect_name} has no nonlinear parameter {min(unknown)}")
+    return law, {p.name: float(values.get(p.name, own[p.name])) for p in law.nonlinear}
+
+
+def _of_body(robot: Robot, law: Effect, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
+    Phi = regressor(robot, motion)
+    first = Phi.columns.index(f"link{robot.last_link}.m")
+    body = Phi.matrix[:, :, first : first + len(LINK_PARAMETERS)]
+    forces = {name: body @ weights for name, weights in body_columns(robot, law).items()}
+    return {name: {row: force[:, row] for row in range(force.shape[1])} for name, force in forces.items()}

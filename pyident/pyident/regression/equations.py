@@ -1,0 +1,96 @@
+"""The regression of all logs, eq. (12), as blocks of equations that can be gone through again."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.filters import thin
+from pyident.conditioning.samples import Piece
+from pyident.regression.regressor import regressor_blocks
+
+Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)
+
+
+class Part(Protocol):
+    """A conditioned log: its samples piece by piece, and the factor by which equations are thinned out."""
+
+    @property
+    def thinning(self) -> int: ...
+    def pieces(self) -> Iterator[Piece]: ...
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A robot and its conditioned logs, in memory or on disk."""
+
+    robot: Robot
+    parts: tuple[Part, ...]
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        return self.robot.coordinates
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(self.robot.linear_parameters)
+
+    def blocks(self, weights: Sequence[np.ndarray] | None = None) -> Iterator[Block]:
+        """Blocks of every log, one after the other; weights (N, n) per log multiply the equations.
+
+        A block is overwritten by the next one: use it or copy it.
+        """
+        for i, part in enumerate(self.parts):
+            yield from self._blocks(part, None if weights is None else weights[i])
+
+    def residuals(self, p: np.ndarray) -> list[np.ndarray]:
+        """y − A p per log, (N, n)."""
+        return [
+            np.concatenate([y - predicted(A, p) for A, y in self._blocks(part, None)]) for part in self.parts
+        ]
+
+    def _blocks(self, part: Part, weights: np.ndarray | None) -> Iterator[Block]:
+        at = 0
+        for piece in part.pieces():
+            blocks = _whole(self.robot, piece) if part.thinning == 1 else _thinned(self.robot, piece)
+            for A, y in blocks:
+                if weights is not None:
+                    _weigh(A, y, weights[at : at + len(y)])
+                    at += len(y)
+                yield A, y
+
+
+def predicted(A: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """A p of a block, (B, n)."""
+    return np.einsum("bcp,p->bc", A, p, optimize=False)
+
+
+def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:
+    part = piece.conditioned.cut(piece.own)
+    for at, Phi in regressor_blocks(robot, part.motion):
+        y = part.target[at].copy()
+        _weigh(Phi, y, part.use[at])
+        yield Phi, y
+
+
+def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
+    part = piece.conditioned
+    factor, samples = part.thinning, len(part.target)
+    kept = slice(piece.own.start // factor, -(-piece.own.stop // factor))
+    y = thin(part.target, factor)[kept]
+    A = np.zeros((len(y), len(robot.coordinates), len(robot.linear_parameters)))
+    for _, Phi in regressor_blocks(robot, part.motion, block=samples):
+        for row in range(A.shape[1]):
+            columns = np.flatnonzero(Phi[:, row].any(axis=0))
+            A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
+    _weigh(A, y, part.use[::factor][kept])
+    yield A, y
+
+
+def _weigh(A: np.ndarray, y: np.ndarray, weights: np.ndarray) -> None:
+    """Multiply equations by weights (B, n), in place."""
+    y *= weights
+    for row in np.flatnonzero((weights != 1).any(axis=0)):
+        A[:, row] *= weights[:, row, None]

@@ -1,0 +1,163 @@
+"""The laws' columns of Φ over one motion, derived from the effects' own expressions."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache, reduce
+from typing import Any
+
+import numpy as np
+import sympy
+
+from flexmodels.effects import signals
+from flexmodels.effects.effect import Effect, State
+from flexmodels.robot import LINK_PARAMETERS, Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression import law_memory as law_states
+from pyident.regression.rounded_signs import blurred
+
+_NUMPY = {
+    "Max": lambda *values: reduce(np.maximum, values),
+    "Min": lambda *values: reduce(np.minimum, values),
+}
+_WHOLE = slice(None)
+
+
+@dataclass(frozen=True)
+class LawColumn:
+    """Column of `parameter` at coordinate `row`; value(part) is its (B,) piece of some samples."""
+
+    parameter: str
+    row: int
+    value: Callable[[slice], np.ndarray]
+
+
+def law_columns(
+    robot: Robot, known: "Signals", k: int, effect: Effect, values: Mapping[str, float]
+) -> list[LawColumn]:
+    """Columns of a law at joint k, its nonlinear parameters at `values`. Raises ValueError."""
+    return list(_Law(robot, known, k, effect, values).columns())
+
+
+def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:
+    """Parameter name -> (10,), its column as a sum of those of the last link's parameters."""
+    at_tip: dict[Any, Any] = dict(zip(signals.tip, robot.tip, strict=True))
+    return {
+        parameter: np.array([float(sympy.sympify(slopes.get(p, 0)).subs(at_tip)) for p in LINK_PARAMETERS])
+        for parameter, slopes in effect.body_columns.items()
+        if slopes
+    }
+
+
+class Signals:
+    """Every signal that a law may use, by its name behind `joint{k}.`; and `time`.
+
+    Where the torque is held, `before` holds what a law sees until the sample and `after` from it on.
+    `load` of a flexible joint is the robot's own k[1] times eps[1].
+    """
+
+    def __init__(self, robot: Robot, motion: Motion):
+        motion.check(robot)
+        self.size, self.held = len(motion.q), motion.tau_before is not None
+        self.after = {} if motion.time is None else {"time": np.asarray(motion.time)}
+        for j, coordinate in enumerate(robot.coordinates):
+            joint, name = _signal_name(coordinate).split(".")
+            for order, rate in zip(("", "d", "dd"), (motion.q, motion.dq, motion.ddq), strict=True):
+                self.after[f"{joint}.{order}{name}"] = rate[:, j]
+        for k, joint in robot.numbered:
+            if joint.flexible:
+                k1 = joint.values["stiffness"]["k[1]"]
+                self.after[f"joint{k}.load"] = k1 * self.after[f"joint{k}.eps1"]
+        torques = {"after": motion.tau, "before": motion.tau_before}
+        named = {
+            side: {}
+            if tau is None
+            else {f"joint{k}.tau": np.asarray(tau)[:, k - 1] for k, _ in robot.numbered}
+            for side, tau in torques.items()
+        }
+        self.before = self.after | named["before"]
+        self.after = self.after | named["after"]
+
+    @staticmethod
+    def named(k: int, symbol: str) -> str:
+        """Where a law of joint k finds its symbol."""
+        if symbol.startswith("beyond."):
+            return f"joint{k + 1}.{symbol.removeprefix('beyond.')}"
+        return symbol if symbol == "time" else f"joint{k}.{symbol}"
+
+
+class _Law:
+    """One law at one joint over a motion."""
+
+    def __init__(self, robot: Robot, known: Signals, k: int, effect: Effect, values: Mapping[str, float]):
+        self.robot, self.known, self.k, self.effect = robot, known, k, effect
+        self.own: dict[str, float | np.ndarray] = {
+            p.name: self._fixed(values, p.name) for p in effect.nonlinear
+        }
+        for state in effect.states:
+            self.own[state.name] = self._filtered(state)
+
+    def columns(self) -> Iterator[LawColumn]:
+        rows = [_signal_name(coordinate) for coordinate in self.robot.coordinates]
+        for parameter, slopes in self.effect.columns.items():
+            for coordinate, slope in slopes.items():
+                row = rows.index(self.known.named(self.k, coordinate.name))
+                yield LawColumn(parameter, row, self._piecewise(slope))
+
+    def _piecewise(self, law: sympy.Expr) -> Callable[[slice], np.ndarray]:
+        """The law at some samples, the mean of both held torques' where it depends on them."""
+        after = self._function(law, self.known.after)
+        if not (self.known.held and self._has_torque(law)):
+            return after
+        before = self._function(law, self.known.before)
+        return lambda part: (after(part) + before(part)) / 2
+
+    def _function(self, law: sympy.Expr, known: Mapping[str, np.ndarray]) -> Callable[[slice], np.ndarray]:
+        names, value = compiled(blurred(law, self.robot.processing.dead_zone))
+        given = [self._signal(name, known) for name in names]
+        return lambda part: value(*(x[part] if isinstance(x, np.ndarray) else x for x in given))
+
+    def _signal(self, name: str, known: Mapping[str, np.ndarray]) -> float | np.ndarray:
+        if name in self.own:
+            return self.own[name]
+        place = self.known.named(self.k, name)
+        if place not in known:
+            raise ValueError(
+                f"effect {self.effect.name} at joint {self.k} needs the signal {place}, which the motion of "
+                f"robot {self.robot.name} does not have; add the signal or remove the effect"
+            )
+        return known[place]
+
+    def _filtered(self, state: State) -> np.ndarray:
+        """The state at the samples; under their hats where the torque is held."""
+        h = np.diff(self._signal("time", self.known.after))
+        means = []
+        for law in state.coefficients:
+            left = self._function(law, self.known.after)(_WHOLE) + np.zeros(self.known.size)
+            right = left
+            if self.known.held and self._has_torque(law):
+                right = self._function(law, self.known.before)(_WHOLE) + np.zeros(self.known.size)
+            means.append(((left[:-1] + right[1:]) / 2, left[0]))
+        (a, a0), (b, b0) = means
+        start = law_states.equilibrium(a0, b0) if state.start is None else state.start
+        z = law_states.filtered(a, b, h, start)
+        return law_states.hat_means(z, a, b, h) if self.known.held else z
+
+    def _has_torque(self, law: sympy.Expr) -> bool:
+        return signals.tau in law.free_symbols
+
+    def _fixed(self, values: Mapping[str, float], name: str) -> float:
+        if name not in values:
+            raise ValueError(f"effect {self.effect.name} at joint {self.k} needs a value of its {name}")
+        return float(values[name])
+
+
+@cache
+def compiled(law: sympy.Expr) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
+    """The symbols of a law by name, and the law as a NumPy function of them."""
+    symbols = sorted(law.free_symbols, key=str)
+    return tuple(str(s) for s in symbols), sympy.lambdify(symbols, law, modules=[_NUMPY, "numpy"])
+
+
+def _signal_name(coordinate: str) -> str:
+    """`joint1.eps[2]` of a log is the signal `joint1.eps2` of a law."""
+    return coordinate.replace("[", "").replace("]", "")

@@ -1,0 +1,92 @@
+"""Φ^(l) of many samples: the FEM of an open chain compiled, any other structure and machine by NumPy.
+
+Both paths are one derivation: the C comes from the FEM code itself, run once on symbols.
+"""
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmodels.robot import LINK_PARAMETERS, Robot
+from pyident.kinematics import link_forces, robot_structure, source, symbolic, transfer
+from pyident.kinematics.elements import hinge
+from pyident.kinematics.elements.hinge import Hinge
+from pyident.kinematics.structure import Structure
+from pyident.regression.compiled import library
+
+_known: dict[str, "Compiled | None"] = {}  # by content of structure and gravity
+Rates = tuple[np.ndarray, np.ndarray, np.ndarray]  # q, dq, ddq, each (N, n), contiguous rows of floats
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """fill of lanes.h, and of each entry that it writes the row, the body and the body's parameter (E,)."""
+
+    fill: Callable[..., None]
+    rows: np.ndarray
+    bodies: np.ndarray
+    parameters: np.ndarray
+
+
+class LinkColumns:
+    """The columns of a robot's links in Φ; starts: of each link the column of its first parameter."""
+
+    def __init__(self, robot: Robot, starts: list[int]):
+        self.starts = np.array(starts)
+        self.gravity = np.array(robot.gravity)
+        self.structure = robot_structure.of_robot(robot)
+        self.compiled = compiled(self.structure, self.gravity) if self.structure.is_chain else None
+
+    def fill(self, Phi: np.ndarray, rates: Rates) -> None:
+        """Write into Phi (N, n, P), of any strides. Entries that are zero in every motion stay as they are.
+
+        Raises ValueError for a hinge bent too far, StructureError for a loop that does not close.
+        """
+        if self.compiled is None:
+            self._fill_by_numpy(Phi, rates)
+            return
+        check_bends(self.structure, rates[0])
+        per_sample, per_row, per_column = (stride // Phi.itemsize for stride in Phi.strides)
+        columns = self.starts[self.compiled.bodies] + self.compiled.parameters
+        place = self.compiled.rows * per_row + columns * per_column
+        pointers = (array.ctypes.data for array in (*rates, Phi, place))
+        self.compiled.fill(len(Phi), *pointers, per_sample)
+
+    def _fill_by_numpy(self, Phi: np.ndarray, rates: Rates) -> None:
+        q, dq, ddq = (np.ascontiguousarray(rate.T) for rate in rates)
+        found = transfer.nodes(self.structure, q, dq, ddq)
+        for start, (DF, reaction) in zip(
+            self.starts, link_forces.factors(self.structure, found, self.gravity), strict=True
+        ):
+            block = Phi[:, :, start : start + len(LINK_PARAMETERS)]
+            np.matmul(DF.transpose(2, 1, 0), reaction.transpose(2, 0, 1), out=block)
+
+
+def compiled(structure: Structure, gravity: np.ndarray) -> Compiled | None:
+    """The C of a chain's Φ^(l), compiled; None where there is no compiler."""
+    content = f"{structure.content} {gravity.tolist()}"
+    if content not in _known:
+        _known[content] = _compile(structure, gravity)
+    return _known[content]
+
+
+def check_bends(structure: Structure, q: np.ndarray) -> None:
+    """Raises ValueError where q (N, n) bends a hinge by a right angle."""
+    for element, columns in zip(structure.elements, structure.columns, strict=True):
+        place = [column for column in columns if column is not None]
+        if isinstance(element, Hinge) and len(place) == element.modes:
+            hinge.check_bend(q[:, place].T)
+
+
+def _compile(structure: Structure, gravity: np.ndarray) -> Compiled | None:
+    phi = symbolic.expressions(structure, gravity)
+    loaded = library(source.source(phi.function))
+    if loaded is None:
+        return None
+    pointer, size = ctypes.c_void_p, ctypes.c_ssize_t
+    loaded.fill.argtypes = [size, pointer, pointer, pointer, pointer, pointer, size]
+    loaded.fill.restype = None
+    rows, bodies, parameters = (np.array(x, dtype=np.intp) for x in zip(*phi.entries, strict=True))
+    return Compiled(loaded.fill, rows, bodies, parameters)

@@ -1,0 +1,104 @@
+"""The regression in the frequency domain, each equation measured against the floor of the method.
+
+A sum of equations is an equation, and so is a Fourier coefficient of them: the masked rows of A p = y are
+transformed over time, bin by bin up to a highest frequency. There they are divided by the level that the
+method itself leaves at that frequency (differences amplify noise as f squared, held torques and reversals
+leave their own pattern), so that all of them weigh alike and low frequencies, where physics is, are not
+drowned.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+from scipy.ndimage import uniform_filter1d
+
+from flexmodels.robot import Processing, Robot
+from pyident.conditioning.samples import Conditioned
+from pyident.regression.regressor import regressor
+
+_SMOOTH = 15  # bins over which a floor is averaged
+_TOP = 0.2  # of the Nyquist frequency: above, differences, noise and resonances are all there is
+_THINNED_TOP = 0.8  # of the Nyquist frequency after thinning out
+
+
+@dataclass(frozen=True)
+class Band:
+    """The frequencies of one log: N samples padded to `length` [period in s], the first `bins` are kept."""
+
+    length: int
+    bins: int
+    period: float
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """(bins,) [Hz]."""
+        return np.arange(self.bins) / (self.length * self.period)
+
+    def transform(self, columns: np.ndarray) -> np.ndarray:
+        """(N, ...) -> (2 bins, ...): real over imaginary parts, white noise keeps its variance."""
+        spectrum = np.asarray(rfft(columns, self.length, axis=0))[: self.bins] / np.sqrt(self.length / 2)
+        return np.concatenate([spectrum.real, spectrum.imag])
+
+
+@dataclass(frozen=True)
+class Floor:
+    """rms (n, F) of what the method leaves per equation at `frequencies` (F,) [Hz]."""
+
+    frequencies: np.ndarray
+    rms: np.ndarray
+
+    def at(self, band: Band) -> np.ndarray:
+        """(n, E) for the equations of a log."""
+        level = np.array([np.interp(band.frequencies, self.frequencies, row) for row in self.rms])
+        return np.tile(level, 2)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """One log's equations. A (n, E, P), y (n, E), E = 2 bins; a law's columns come from `part`."""
+
+    part: Conditioned
+    band: Band
+    A: np.ndarray
+    y: np.ndarray
+
+    def over(self, level: np.ndarray) -> "Equations":
+        """Divided by the level (n, E) of each equation."""
+        return Equations(self.part, self.band, self.A / level[:, :, None], self.y / level)
+
+
+def equations(robot: Robot, parts: Sequence[Conditioned], periods: Sequence[float]) -> list[Equations]:
+    """Every conditioned log, transformed; periods [s] per log."""
+    return [_equations(robot, part, period) for part, period in zip(parts, periods, strict=True)]
+
+
+def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
+    """From residuals (n, E) of replicas, one per band; smoothed over frequency."""
+    longest = max(bands, key=lambda band: band.bins)
+    rows = []
+    for band, r in zip(bands, residuals, strict=True):
+        power = np.square(r[:, : band.bins]) + np.square(r[:, band.bins :])
+        smooth = uniform_filter1d(power / 2, min(_SMOOTH, band.bins), axis=1, mode="nearest")
+        rows.append([np.interp(longest.frequencies, band.frequencies, s) for s in smooth])
+    rms = np.sqrt(np.mean(rows, axis=0))
+    return Floor(longest.frequencies, np.maximum(rms, 1e-12 * rms.max()))
+
+
+def _band(samples: int, processing: Processing, period: float) -> Band:
+    """Bins from 0 to the highest frequency at which the equations of a log are sound."""
+    length = int(next_fast_len(samples, real=True) or samples)
+    top = min(_TOP, _THINNED_TOP / processing.decimate) * 0.5 / period
+    return Band(length, max(2, int(top * length * period)), period)
+
+
+def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
+    band = _band(len(part.target), robot.processing, period)
+    Phi = regressor(robot, part.motion).matrix
+    n, P = Phi.shape[1:]
+    A = np.zeros((n, 2 * band.bins, P))
+    for c in range(n):
+        used = np.flatnonzero(Phi[:, c].any(axis=0))
+        A[c][:, used] = band.transform(Phi[:, c, used] * part.use[:, c, None])
+    return Equations(part, band, A, band.transform(part.target * part.use).T)

