@@ -1,4 +1,4 @@
-"""Which package may import which."""
+"""Which package, and which room of pyident, may import which."""
 
 import ast
 from pathlib import Path
@@ -8,25 +8,38 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": ROOT / "pyident"}
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
-# where robot, FMU and identification are put together
-COMPOSERS = {
-    "pyident/sweep/worker.py",
-    "pyident/cli/main.py",
-    "pyident/cli/shared.py",
-    "pyident/sweep/run.py",
-    "pyident/simulation/fmu_runs.py",
-}
+# Rooms of pyident from the ground up: each may import those before it, and itself.
+ROOMS = (
+    "logs",
+    "conditioning",
+    "kinematics",
+    "regression",
+    "estimation",
+    "simulation",
+    "refinement",
+    "checks",
+    "comparison",
+    "diagnosis",
+    "extension",
+    "report",
+    "sweep",
+    "cli",
+)
+# Where robot, FMU and identification are put together.
+COMPOSERS = {"simulation", "sweep", "cli"}
+LONGEST = 300  # lines of a file
+FULLEST = 15  # Python files in a folder
 
 
 def imports(file: Path) -> set[str]:
-    """Dotted names that a file imports."""
+    """Dotted names that a file imports, names imported from a package included."""
     found = set()
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{file}: relative import"
-            found.add(node.module or "")
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
@@ -34,21 +47,41 @@ def sources(package: str) -> list[Path]:
     return sorted((PACKAGES[package] / package).rglob("*.py"))
 
 
+def room_of(file: Path) -> str:
+    """The room a file of pyident stands in; empty for the front door itself."""
+    parts = file.relative_to(PACKAGES["pyident"] / "pyident").parts
+    return parts[0] if len(parts) > 1 else ""
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_packages_import_only_what_they_may(package):
     for file in sources(package):
         allowed = MAY_IMPORT[package] | {package}
-        if file.relative_to(PACKAGES[package]).as_posix() in COMPOSERS:
+        if package == "pyident" and room_of(file) in COMPOSERS:
             allowed = set(PACKAGES)
         ours = {name.split(".")[0] for name in imports(file)} & set(PACKAGES)
         assert ours <= allowed, f"{file} imports {ours - allowed}"
 
 
-def test_identification_never_sees_the_plants_dynamics():
-    forbidden = {"flexmodels.mechanics.dynamics", "flexmodels.mechanics.plant"}
+def test_every_folder_of_pyident_is_a_room():
+    folders = {p.name for p in (PACKAGES["pyident"] / "pyident").iterdir() if (p / "__init__.py").is_file()}
+    assert folders == set(ROOMS)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_rooms_below_it(room):
+    below = {*ROOMS[: ROOMS.index(room) + 1]}
     for file in sources("pyident"):
-        if file.relative_to(PACKAGES["pyident"]).as_posix() not in COMPOSERS:
-            assert not imports(file) & forbidden, file
+        if room_of(file) == room:
+            used = {name.split(".")[1] for name in imports(file) if name.startswith("pyident.")}
+            assert used & set(ROOMS) <= below, f"{file} imports {sorted(used & set(ROOMS) - below)}"
+
+
+def test_identification_never_sees_the_plants_dynamics():
+    forbidden = ("flexmodels.mechanics.dynamics", "flexmodels.mechanics.plant")
+    for file in sources("pyident"):
+        if room_of(file) not in COMPOSERS:
+            assert not [name for name in imports(file) if name.startswith(forbidden)], file
 
 
 def test_only_one_file_imports_fmpy():
@@ -65,3 +98,12 @@ def test_no_utils_module():
     assert not [
         file for package in PACKAGES for file in sources(package) if file.stem in ("utils", "helpers")
     ]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_files_are_short_and_folders_small(package):
+    files = [file for file in sources(package) if file.name != "__init__.py"]
+    long = {file.name: n for file in files if (n := len(file.read_text().splitlines())) > LONGEST}
+    assert not long
+    full = {file.parent for file in files if len([f for f in files if f.parent == file.parent]) > FULLEST}
+    assert not full
