@@ -7,7 +7,8 @@ from flexmodels.files.robot_file import load_robot, save_robot, shipped
 from flexmodels.files.urdf_export import export_urdf
 from flexmodels.files.urdf_import import import_urdf
 from flexmodels.robot import RobotError
-from pyident.cli.shared import console, json_option, output_option, reported, write_json
+from pyident.cli.outputs import ROBOT, URDF
+from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
 
 
 @click.group(invoke_without_command=True)
@@ -34,7 +35,7 @@ def _list(json_file: str | None) -> None:
 
 @robots.command(name="import")
 @click.argument("urdf")
-@output_option
+@output_option(ROBOT)
 @click.option("--flexible", default="", metavar="K,...", help="Joints that twist and bend.")
 @click.option("--twist", default="", metavar="K,...", help="Joints that only twist.")
 @json_option
@@ -53,7 +54,8 @@ def import_command(urdf: str, output: str, flexible: str, twist: str, json_file:
 
 @robots.command(name="export")
 @click.argument("model")
-@output_option
+@output_option(URDF)
+@effects_option
 @json_option
 @reported
 def export_command(model: str, output: str, json_file: str | None) -> None:
