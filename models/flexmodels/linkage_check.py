@@ -16,9 +16,9 @@ def check_linkage(robot: Robot) -> None:
     """Raises RobotError where `follows` lets a pin open.
 
     `point` is one place in the zero pose, so a pin is closed there by construction; whether it stays closed
-    shows when the driven joints move.
+    shows when the driven joints move. Without any pin, passive joints are tied to the driven ones by gears.
     """
-    if len(robot.passive) != 2 * len(robot.closures):
+    if robot.closures and len(robot.passive) != 2 * len(robot.closures):
         raise RobotError(
             f"closure: a loop has two passive joints and one pin, found {len(robot.passive)} passive joints "
             f"and {len(robot.closures)} closures"
