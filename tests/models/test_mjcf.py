@@ -128,6 +128,7 @@ def test_simulated_motion(robot, reference):
     solved = solve_ivp(lambda _, x: rates(x, u), (0, 0.5), np.zeros(2 * n), "DOP853", rtol=1e-11, atol=1e-12)
     ours = solved.y[:n, -1]
     if m.neq:  # MuJoCo ties joints by soft springs: its M and h, tied exactly, stand for it
+
         def rate(_, x):
             M, h = reference.mass_matrix(x[:n]), reference.forces(x[:n], x[n:])
             return np.r_[x[n:], np.linalg.solve(M, u - h)]

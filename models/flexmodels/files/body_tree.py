@@ -71,9 +71,7 @@ def _flexible(joint: Joint, bends: bool, inertias: np.ndarray) -> Joint:
     return replace(joint, flexible=True, bends=bends, values={**joint.values, **hinge})
 
 
-def _inertias(
-    robot: Robot, bodies: Sequence[list[Body]], places: Sequence[np.ndarray], k: int
-) -> np.ndarray:
+def _inertias(robot: Robot, bodies: Sequence[list[Body]], places: Sequence[np.ndarray], k: int) -> np.ndarray:
     """Of everything behind joint k in the zero pose, about x', z' and y' (twist and the two bendings)."""
     moved = [n for n in range(1, len(robot.links) + 1) if k in _ancestry(robot, n)]
     xx, xy, xz, yy, yz, zz = lumped([body for n in moved for body in bodies[n]], places[k]).J

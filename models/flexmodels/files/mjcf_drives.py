@@ -26,9 +26,7 @@ def couplings_of(model: Any) -> dict[int, tuple[int, float]]:
         at, leading = model.jnt_qposadr[follower], model.jnt_qposadr[leader]
         constant += model.qpos0[at] - factor * model.qpos0[leading]
         if any(higher) or abs(constant) > 1e-12:
-            raise RobotError(
-                f"joint {name} follows {model.joint(leader).name} by an offset or a curve; only a factor is read"
-            )
+            raise RobotError(f"joint {name} follows another by an offset or a curve; only a factor is read")
         ties[follower] = (leader, float(factor))
     for follower, (leader, factor) in ties.items():
         if leader in ties:

@@ -7,6 +7,7 @@ the robot stands on a fixed base.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +83,7 @@ def import_mjcf(path: str | Path, flexible: Iterable[int] = (), twist: Iterable[
 
 def _compiled(path: Path) -> tuple[Any, Any]:
     try:
-        import mujoco
+        mujoco: Any = import_module("mujoco")  # its stubs do not name what its binary holds
     except ImportError:
         raise RobotError(_MISSING) from None
     if not path.is_file():
@@ -181,7 +182,7 @@ def _joint(tree: _Tree, j: int) -> Joint:
 def _passive(tree: _Tree, j: int, follows: dict[int, float]) -> PassiveJoint:
     if tree.model.jnt_type[j] == 2:
         raise RobotError(f"joint {tree.model.joint(j).name} is a slider that follows; only hinges may")
-    return PassiveJoint(follows=follows, **_place(tree, j))
+    return PassiveJoint(follows=follows, geared=True, **_place(tree, j))
 
 
 def _effort(m: Any, j: int) -> float | None:
