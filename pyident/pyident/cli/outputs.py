@@ -124,10 +124,6 @@ def _starts(*beginnings: bytes) -> Callable[[Path], bool]:
     return lambda path: _head(path).startswith(beginnings)
 
 
-def _contains(text: bytes) -> Callable[[Path], bool]:
-    return lambda path: text in _head(path)
-
-
 def _head(path: Path) -> bytes:
     with path.open("rb") as file:
         return file.read(_START)
@@ -143,6 +139,12 @@ def _is_robot(path: Path) -> bool:
     return "joint" in tomllib.loads(path.read_text(encoding="utf-8"))
 
 
+def _is_model(path: Path) -> bool:
+    if path.suffix == ".json":
+        return _is_json(path)
+    return (b"<robot" if path.suffix == ".urdf" else b"<mujoco") in _head(path)
+
+
 def _is_json(path: Path) -> bool:
     return isinstance(json.loads(path.read_text(encoding="utf-8")), dict | list)
 
@@ -150,7 +152,7 @@ def _is_json(path: Path) -> bool:
 ROBOT = Kind("robot file", (".toml",), _is_robot)
 LOG = Kind("log", (".csv", ".parquet", ".mat"), _is_log)
 FMU = Kind("FMU or SSP", (".fmu", ".ssp"), _starts(b"PK"))
-URDF = Kind("URDF", (".urdf",), _contains(b"<robot"))
-PAGE = Kind("page", (".html",), _contains(b'content="flexident"'))
+MODEL = Kind("model for other simulators", (".urdf", ".xml", ".json"), _is_model)
+PAGE = Kind("page", (".html",), lambda path: b'content="flexident"' in _head(path))
 DRAFT = Kind("file of effects", (".py",), lambda path: False)
 JSON = Kind("JSON file", (".json",), _is_json)
