@@ -80,7 +80,7 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
     if path.exists() and not path.is_file():
         raise OutputError(f"{path} is a device or a pipe, no file; write to a file")
     if path.suffix not in kind.endings:
-        raise OutputError(f"{path}: a {kind.what} must end in {' or '.join(kind.endings)}")
+        raise OutputError(f"{path}: a {kind.what} must end in {', '.join(kind.endings)}")
     for other in inputs:
         if path.exists() and path.samefile(other):
             raise OutputError(f"{path} is an input ({other}), which would be lost; write to another file")
