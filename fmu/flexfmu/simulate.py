@@ -2,12 +2,10 @@
 
 import ctypes
 import re
-import shutil
-import tempfile
+import zipfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import pandas as pd
@@ -23,11 +21,26 @@ from fmpy.model_description import ModelDescription
 
 from flexfmu.names import fmi_name
 from flexmodels.inputs import Experiment, SimulationError
+from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
+_LARGEST = 4e9  # bytes of an FMU unpacked
 
 
-class LoadedFmu:
+class FmuDescription:
+    """What an FMU file says of itself. Raises SimulationError for a file that is none."""
+
+    def __init__(self, path: str | Path):
+        self.description = _described(Path(path))
+        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+
+    @property
+    def joints(self) -> int:
+        """Number of driven joints: those with a reference among the inputs."""
+        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
+
+
+class LoadedFmu(FmuDescription):
     """An unpacked FMU that can be simulated many times; use as a context manager.
 
     Its variables follow the log contract: inputs joint{k}.r and joint{k}.tau_ff, outputs joint{k}.e,
@@ -35,23 +48,20 @@ class LoadedFmu:
     """
 
     def __init__(self, path: str | Path):
+        super().__init__(path)
+        self._stack = ExitStack()
+        self._folder = str(self._stack.enter_context(scratch_folder()))
         try:
-            self.description: ModelDescription = read_model_description(str(path))
+            extract(str(path), unzipdir=self._folder)
         except Exception as error:
-            raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
-        self._folder = str(extract(str(path)))
-        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+            self._stack.close()
+            raise SimulationError(f"{path} cannot be unpacked ({_first_line(error)})") from None
 
     def __enter__(self) -> "LoadedFmu":
         return self
 
-    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    @property
-    def joints(self) -> int:
-        """Number of driven joints: those with a reference among the inputs."""
-        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
 
     def simulate(
         self,
@@ -74,6 +84,7 @@ class LoadedFmu:
         rows = run(experiment, parameters or {}, logged, progress)
         frame = pd.DataFrame(rows, columns=list(logged))
         frame.insert(0, "time", experiment.time)
+        _require_finite(frame)
         return frame
 
     def _step_by_step(
@@ -208,11 +219,38 @@ class LoadedFmu:
         return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
 
 
+def _described(path: Path) -> ModelDescription:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > _LARGEST:
+            raise SimulationError(f"{path} holds {size / 1e9:.3g} GB unpacked, which no FMU of ours needs")
+        return read_model_description(str(path))
+    except FileNotFoundError:
+        raise SimulationError(f"there is no FMU {path}; check the path") from None
+    except SimulationError:
+        raise
+    except Exception as error:
+        raise SimulationError(f"{path} is not an FMU that can be read ({_first_line(error)})") from None
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
+
+
+def _require_finite(frame: pd.DataFrame) -> None:
+    bad = ~np.isfinite(frame.to_numpy(dtype=float))
+    if bad.any():
+        row = int(np.argmax(bad.any(axis=1)))
+        name = frame.columns[int(np.argmax(bad[row]))]
+        raise SimulationError(f"the FMU's {name} is not a finite number at {frame['time'].iloc[row]:.6g} s")
+
+
 @contextmanager
 def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
     """An FMU file's content, unpacked and ready. Raises SimulationError."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "plant.fmu"
+    with scratch_folder() as folder:
+        path = folder / "plant.fmu"
         path.write_bytes(content)
         with LoadedFmu(path) as fmu:
             yield fmu

@@ -8,7 +8,7 @@ import click
 from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
-from flexfmu.simulate import LoadedFmu
+from flexfmu.foreign import SILENCE, ForeignFmu
 from flexfmu.ssp import export_ssp
 from flexmodels.effects import CATALOGUE
 from flexmodels.effects.effect import sheet
@@ -121,14 +121,13 @@ def export(model: str, output: str, fmi: str, platforms: str, json_file: str | N
 
 @main.command()
 @click.argument("model")
-@click.option(
-    "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
-)
+@click.option("--experiment", required=True, help="identification, line, or a file of time and joint{k}.r.")
+@click.option("--time-limit", type=float, default=SILENCE, show_default=True, help="Silence of an FMU [s].")
 @_output(LOG)
 @_effects
 @_json
 @_reported
-def simulate(model: str, experiment: str, output: str, json_file: str | None) -> None:
+def simulate(model: str, experiment: str, time_limit: float, output: str, json_file: str | None) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
     MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
@@ -137,8 +136,9 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """
     if model.endswith(".fmu"):
-        with LoadedFmu(model) as fmu, _progress(f"simulating {model}") as progress:
-            plan = read_experiment(experiment, fmu.joints)
+        fmu = ForeignFmu(model, time_limit)
+        plan = read_experiment(experiment, fmu.joints)
+        with _progress(f"simulating {model}") as progress:
             frame = fmu.simulate(plan, progress=progress)
     else:
         robot = _simulable(model)

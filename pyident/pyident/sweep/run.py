@@ -4,7 +4,6 @@ Finished batches go to disk at once, so that a study that was stopped goes on wh
 """
 
 import hashlib
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
@@ -21,6 +20,7 @@ from flexmodels.atomic import replacing
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
+from flexmodels.scratch import scratch_folder
 from pyident.simulation.workers import Workers, configured_scheduler, dask_cluster
 from pyident.sweep.metrics import METRICS, Metric, evaluate
 from pyident.sweep.plan import StudyPlan
@@ -93,7 +93,7 @@ def run_plan(
         progress=progress,
     )
     if plan.method is not None:
-        with replacing(Path(folder) / "sensitivity.csv") as file:
+        with replacing(folder / "sensitivity.csv") as file:
             sensitivities(plan.method, plan.ranges, found).to_csv(file)
     return found
 
@@ -149,8 +149,8 @@ class _Study:
 def _content(model: Robot | str | Path) -> bytes:
     if not isinstance(model, Robot):
         return Path(model).read_bytes()
-    with tempfile.TemporaryDirectory() as folder:
-        return export_fmu(equations(model), Path(folder) / "plant.fmu", derivatives=False).read_bytes()
+    with scratch_folder() as folder:
+        return export_fmu(equations(model), folder / "plant.fmu", derivatives=False).read_bytes()
 
 
 def _check(design: pd.DataFrame, fmu: LoadedFmu) -> None:
