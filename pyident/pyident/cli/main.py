@@ -1,8 +1,6 @@
 """The command line: where robot, FMU and identification are put together."""
 
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 import click
 from rich.table import Table
@@ -17,7 +15,7 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot, RobotError
 from pyident.cli.data import data, log
 from pyident.cli.judge import add_command, compare_command, diagnose_command
-from pyident.cli.outputs import FMU, LOG, ROBOT, OutputFolder
+from pyident.cli.outputs import FMU, LOG, ROBOT
 from pyident.cli.robots import robots
 from pyident.cli.shared import console
 from pyident.cli.shared import effects_option as _effects
@@ -26,6 +24,7 @@ from pyident.cli.shared import output_option as _output
 from pyident.cli.shared import progress_bar as _progress
 from pyident.cli.shared import reported as _reported
 from pyident.cli.shared import write_json as _write_json
+from pyident.cli.studies import study, sweep
 from pyident.cli.trust import trust_command
 from pyident.estimation.base_parameters import weakest_directions
 from pyident.estimation.identify import Identified, identify
@@ -37,13 +36,6 @@ from pyident.refinement.output_error import output_error
 from pyident.refinement.remove_bias import correct_by_replicas
 from pyident.simulation.fmu_runs import FmuRuns, simulate_robot
 from pyident.simulation.references import load_experiment, read_experiment
-from pyident.simulation.workers import scheduler_configured
-from pyident.sweep.plan import load_study_plan
-from pyident.sweep.run import run_plan
-from pyident.sweep.studies import find_study, study_names
-from pyident.sweep.summary import failures, summary
-
-_scheduler = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -55,7 +47,17 @@ def main() -> None:
     """
 
 
-for _command in (robots, log, data, compare_command, diagnose_command, add_command, trust_command):
+for _command in (
+    robots,
+    log,
+    data,
+    compare_command,
+    diagnose_command,
+    add_command,
+    study,
+    sweep,
+    trust_command,
+):
     main.add_command(_command)
 
 
@@ -190,69 +192,6 @@ def identify_command(
         save_robot(found.robot, output)
         click.echo(f"wrote {output}")
     _write_json(json_file, found.json() | {"notes": notes})
-
-
-@main.command()
-@click.argument("names", nargs=-1, required=True, metavar="NAME...")
-@click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
-@_scheduler
-@_json
-@_reported
-def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file: str | None) -> None:
-    """Run studies and print one table. Example: pyident study paper -o out"""
-    chosen = [(name, find_study(name)) for name in names]
-    for name, run in chosen:
-        if run is None:
-            raise RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
-    table = Table("study", "what", "value", "goal", "met")
-    figures, rows = [], []
-    for name, run in chosen:
-        assert run is not None
-        folder = Path(output) / name
-        folder.mkdir(parents=True, exist_ok=True)
-        with scheduler_configured(scheduler), _progress(name) as progress:
-            result = run(folder, progress)
-        figures += result.figures
-        rows += [{"study": name} | row for row in result.rows]
-        for note in result.notes:
-            click.echo(f"{name}: {note}")
-    for row in rows:
-        table.add_row(*(str(row[key]) for key in ("study", "what", "value", "goal", "met")))
-    console.print(table)
-    for figure in figures:
-        click.echo(f"wrote {figure}")
-    _write_json(json_file, rows)
-    if any(row["met"] == "no" for row in rows):
-        sys.exit(1)
-
-
-@main.command()
-@click.argument("plan", type=click.Path(exists=True, dir_okay=False))
-@click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
-@_effects
-@_scheduler
-@click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
-@_json
-@_reported
-def sweep(plan: str, output: str, scheduler: str | None, workers: int | None, json_file: str | None) -> None:
-    """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
-
-    The same call goes on after an interrupt.
-
-    Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
-    """
-    read = load_study_plan(plan)
-    with scheduler_configured(scheduler), _progress(f"{len(read.design)} runs") as progress:
-        found = run_plan(read, output, workers=workers, progress=progress)
-    described = summary(found, read.ranges)
-    table = Table("result", *described.columns)
-    for name, values in described.iterrows():
-        table.add_row(str(name), *(f"{v:.4g}" for v in values))
-    console.print(table)
-    for sentence in failures(found):
-        click.echo(sentence)
-    click.echo(f"wrote {output}/results.parquet: {len(found)} runs")
-    _write_json(json_file, {"runs": len(found), "results": described.to_dict("index")})
 
 
 def _simulable(model: str) -> Robot:
