@@ -9,6 +9,8 @@ from flexmodels.inputs import Experiment
 from flexmodels.mechanics import dynamics
 from flexmodels.robot import Line, Robot, RobotError
 
+__all__ = ["Experiment", "identification", "line", "line_profile"]
+
 
 def identification(
     robot: Robot, seed: int = 0, duration: float | None = None, flat: bool = False

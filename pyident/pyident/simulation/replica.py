@@ -16,8 +16,9 @@ from scipy.fft import rfft
 
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Controller, Robot
+from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
-from pyident.regression.regressor import Motion, regressor
+from pyident.regression.regressor import regressor
 
 OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]  # processes that hold a robot's FMU
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
