@@ -115,6 +115,7 @@ def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
         origin=table.vector("origin", 3, (0.0, 0.0, 0.0)),
         follows=factors,
         parent=_parent(table, k),
+        geared=table.flag("geared"),
     )
     table.done()
     return joint

@@ -78,7 +78,8 @@ def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
 
 def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
     follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
-    return {"passive": True} | _place(joint) | {"follows": follows}
+    geared = {"geared": True} if joint.geared else {}
+    return {"passive": True} | geared | _place(joint) | {"follows": follows}
 
 
 def _joint_document(joint: Joint) -> dict[str, Any]:
