@@ -35,8 +35,8 @@ class Misfit:
     @property
     def sentence(self) -> str:
         return (
-            f"the [controller] of the robot file does not fit joint {self.joint}: the torque answers a change "
-            f"of the position {self.percent:.0f} % differently"
+            f"the [controller] of the robot file does not fit joint {self.joint}: the torque answers a "
+            f"change of the position {self.percent:.0f} % differently"
         )
 
 

@@ -1,4 +1,4 @@
-"""The experiment that a log records: what the closed loop was fed with, from a start that a simulation can make.
+"""The experiment that a log records: what the closed loop was fed with, from a start at rest.
 
 One function for everything that simulates a log again. A simulation starts at rest; where the log does not, a
 lead-in brings the references to its start at its own speed, and is cut off afterwards.
