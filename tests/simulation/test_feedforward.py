@@ -1,4 +1,4 @@
-"""Logs without a feed-forward column: what is recovered, from any start, and when the controller is another."""
+"""Logs without a feed-forward column: recovered from any start; controllers that are another."""
 
 import os
 from dataclasses import replace
@@ -49,7 +49,7 @@ def test_one_missing_column_of_four_is_recovered(four_link, identification_log):
 
 
 def test_encoder_noise_in_the_loop_does_not_spoil_what_is_recovered(four_link, noisy):
-    """The torque answers the noise that the log holds, so it cancels. At the start the noise shifts the pose."""
+    """The torque answers the noise that the log holds, so it cancels; at the start it shifts the pose."""
     plan = recorded(four_link, bare(noisy)).plan
     np.testing.assert_allclose(plan.feedforward, noisy.frame[FEEDFORWARD], atol=5e-3)
 

@@ -12,7 +12,8 @@ t_{k−1} to t_k and falls to t_{k+1}. With the hat as test function of the weak
 with the c_i for which every polynomial of degree 8 has its own mean: under a hat of width T the mean of
 d(t^n)/dt is 2 T^(n-1) / (n + 1) for odd n, so Σ c_i i^n = 1 / (n + 1) for n = 1, 3, 5, 7. (The derivative at
 the sample is another thing: at 50 Hz and 250 samples a second it is 13 % larger.) Φ, evaluated at the means,
-belongs to the mean torque. Without a held torque the paper's eighth-order central differences are taken at the samples themselves.
+belongs to the mean torque. Without a held torque the paper's eighth-order central
+differences are taken at the samples themselves.
 """
 
 from collections.abc import Callable
