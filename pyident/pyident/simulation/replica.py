@@ -31,22 +31,24 @@ _MEDIAN = np.log(2)  # of a periodogram's ordinate, per its mean
 
 @dataclass(frozen=True)
 class Repeat:
-    """How a log can be made again: `inputs` of the closed loop, `log` for what it must look like.
+    """How a log can be made again: `plan` for the closed loop, `log` for what it must look like.
 
+    lead   samples of the plan before the log
     note   why it is not the robot's own loop, but a stand-in's along the measured motion; None where it is
     """
 
     log: Log
-    inputs: Recorded
+    plan: Experiment
+    lead: int = 0
     note: str | None = None
 
     @property
-    def plan(self) -> Experiment:
-        return self.inputs.plan
+    def _inputs(self) -> Recorded:
+        return Recorded(self.plan, self.lead)
 
     def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
         """The log's motion made by a model, without noise."""
-        return self.inputs.cut(run(self.plan, parameters))
+        return self._inputs.cut(run(self.plan, parameters))
 
     def replica(
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
@@ -56,7 +58,7 @@ class Repeat:
         plan, n = self.plan, len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
         frame = with_noise(lambda made: run(made, parameters), plan, added)
-        return Log(self.inputs.cut(frame), f"replica of {self.log.source}")
+        return Log(self._inputs.cut(frame), f"replica of {self.log.source}")
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:
@@ -70,14 +72,19 @@ def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...
             controller = _stand_in(robot, log.signals(robot.coordinates)[:1], log.period)
             note = f"{log.source}: {obstacle}"
             return replace(robot, controller=controller), tuple(_along(robot, log, note) for log in logs)
-    return robot, tuple(Repeat(log, recorded(robot, log)) for log in logs)
+    return robot, tuple(_in_loop(robot, log) for log in logs)
 
 
 def repeat_like(simulated: Robot, robot: Robot, log: Log) -> Repeat:
     """How another log is made again by what `repeats` chose for some logs of the fitted robot."""
     if simulated.controller is robot.controller and loop_of(robot, log) is None:
-        return Repeat(log, recorded(robot, log))
+        return _in_loop(robot, log)
     return _along(robot, log, f"{log.source}: it is simulated along the measured motion")
+
+
+def _in_loop(robot: Robot, log: Log) -> Repeat:
+    inputs = recorded(robot, log)
+    return Repeat(log, inputs.plan, inputs.lead)
 
 
 def _along(robot: Robot, log: Log, note: str) -> Repeat:
@@ -87,7 +94,7 @@ def _along(robot: Robot, log: Log, note: str) -> Repeat:
     measured = log.signals([f"joint{k}.e" for k in joints])
     weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
-    return Repeat(log, Recorded(Experiment(time - time[0], measured, tau - weight)), note)
+    return Repeat(log, Experiment(time - time[0], measured, tau - weight), note=note)
 
 
 def with_noise(
