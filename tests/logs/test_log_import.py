@@ -181,7 +181,7 @@ def test_data_sets(data, monkeypatch, tmp_path):
 
 def test_the_import_command(data, tmp_path):
     raw = data / "kuka_kr300" / "A" / "data.mat"
-    file = data_sets.resources.files("pyident") / "mappings" / "kuka_kr300.toml"
+    file = data_sets.resources.files("pyident.logs") / "mappings" / "kuka_kr300.toml"
     words = [
         "log",
         "import",
