@@ -5,9 +5,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE
+from flexmodels.joint import Joint
 from flexmodels.linkage import PassiveJoint
-from flexmodels.robot import Joint, Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 
 _PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
 
@@ -77,7 +80,7 @@ def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
 
 
 def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
-    follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
+    follows = {joint_name(k): factor for k, factor in joint.follows.items()}
     return {"passive": True} | _place(joint) | {"follows": follows}
 
 

@@ -14,7 +14,9 @@ from scipy.spatial.transform import Rotation
 from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
-from flexmodels.robot import Joint, Limits, Link, Robot, RobotError
+from flexmodels.joint import Joint, Limits
+from flexmodels.link import Link
+from flexmodels.robot import Robot, RobotError
 
 _UNUSED = ("visual", "collision", "material", "transmission", "gazebo", "sensor", "calibration")
 _KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import feedforward_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
@@ -36,13 +37,13 @@ def replay_of(robot: Robot, log: Log) -> Replay:
     """Raises LogError when the log has no reference that a simulation could follow."""
     joints = [k for k, _ in robot.numbered]
     for k in joints:
-        if f"joint{k}.r" not in log.frame:
+        if reference_of(k) not in log.frame:
             raise LogError(
                 f"{log.source}: column joint{k}.r is missing, the reference that a simulation follows"
             )
-    columns = [f"joint{k}.tau_ff" for k in joints]
+    columns = [feedforward_of(k) for k in joints]
     feedforward = log.frame.reindex(columns=columns).fillna(0.0).to_numpy()
     time = log.signals(["time"])[:, 0]
-    plan = Experiment(time - time[0], log.signals([f"joint{k}.r" for k in joints]), feedforward)
-    channels = (*robot.coordinates, *(f"joint{k}.tau" for k in joints))
+    plan = Experiment(time - time[0], log.signals([reference_of(k) for k in joints]), feedforward)
+    channels = (*robot.coordinates, *(torque_of(k) for k in joints))
     return Replay(log, plan, log.signals(channels), channels)

@@ -14,8 +14,10 @@ import numpy as np
 import pandas as pd
 from scipy.fft import rfft
 
+from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
-from flexmodels.robot import Controller, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
 from pyident.logs.log import Log
 from pyident.regression.regressor import Motion, regressor
 
@@ -42,10 +44,10 @@ class Repeat:
         n = len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
         joints = range(1, self.plan.reference.shape[1] + 1)
-        seen = np.column_stack([added.get(f"joint{k}.e", np.zeros(n)) for k in joints])
+        seen = np.column_stack([added.get(motor_of(k), np.zeros(n)) for k in joints])
         frame = run(replace(self.plan, reference=self.plan.reference - seen), parameters)
         for k in joints:
-            frame[f"joint{k}.r"] = self.plan.reference[:, k - 1]
+            frame[reference_of(k)] = self.plan.reference[:, k - 1]
         for name, values in added.items():
             frame[name] = frame[name] + values
         return Log(frame, f"replica of {self.log.source}")
@@ -56,12 +58,14 @@ def repeat(robot: Robot, log: Log) -> tuple[Robot, Repeat]:
     joints = [k for k, _ in robot.numbered]
     time = log.signals(["time"])[:, 0]
     time = time - time[0]
-    if robot.controller is not None and all(f"joint{k}.r" in log.frame for k in joints):
-        columns = [f"joint{k}.tau_ff" for k in joints]
+    if robot.controller is not None and all(reference_of(k) in log.frame for k in joints):
+        columns = [feedforward_of(k) for k in joints]
         feedforward = log.frame.reindex(columns=columns).fillna(0.0).to_numpy()
-        return robot, Repeat(log, Experiment(time, log.signals([f"joint{k}.r" for k in joints]), feedforward))
-    tau = log.signals([f"joint{k}.tau" for k in joints])
-    measured = log.signals([f"joint{k}.e" for k in joints])
+        return robot, Repeat(
+            log, Experiment(time, log.signals([reference_of(k) for k in joints]), feedforward)
+        )
+    tau = log.signals([torque_of(k) for k in joints])
+    measured = log.signals([motor_of(k) for k in joints])
     q = log.signals(robot.coordinates)[:1]
     still = Motion(q, 0 * q, 0 * q, tau[:1], time[:1])
     values = np.array(list(robot.linear_parameters.values()))
