@@ -12,6 +12,7 @@ from flexmodels.joint import Joint
 from flexmodels.link import Link
 from flexmodels.robot import Robot, RobotError
 
+KEPT = frozenset({"coulomb", "viscous"})
 _ROUNDING = 1e-9  # of an inertia's size: how far a principal value may miss the triangle inequality
 
 
@@ -95,7 +96,7 @@ def _left_out(robot: Robot) -> list[str]:
     if flexible:
         notes.append(f"the flexible hinges of joints {', '.join(flexible)} are locked: a URDF has none")
     laws = {law for joint in robot.joints for law, values in joint.values.items() if any(values.values())}
-    others = sorted(laws - {"coulomb", "viscous", "stiffness", "damping"})
+    others = sorted(laws - KEPT - {"stiffness", "damping"})
     if others:
         notes.append(f"a URDF has no place for {', '.join(others)}; they are left out")
     return notes
