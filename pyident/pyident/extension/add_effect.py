@@ -27,7 +27,7 @@ from pyident.diagnosis.base.residual_over_floor import Setting, set_up, unbiased
 from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
-from pyident.simulation.replica import OpenWorkers, repeat
+from pyident.simulation.replica import OpenWorkers, repeat_like
 
 REPLICAS = 4
 _PART = 2 / 3  # of an only log that is fitted
@@ -163,7 +163,7 @@ def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, progress: Pro
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)
-        judged = tuple(repeat(setting.robot, log)[1] for log in parts.judged)
+        judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
         trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), REPLICAS)
     return _Fit(setting, trial, data, replicas)
