@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from analytic_joint import COULOMB, INERTIA, VISCOUS, analytic_log, free_joint
 
-from flexmodels.robot import LINK_PARAMETERS
+from flexmodels.link import LINK_PARAMETERS
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.least_squares import reduce, solve_weighted
 from pyident.estimation.physical import consistent, lower_bounds
