@@ -5,7 +5,7 @@ import pytest
 from analytic_joint import analytic_log, free_joint
 from scipy.signal import butter, sosfiltfilt
 
-from pyident.comparison.bins import balance_of, breakdown, mean_square_over_floor
+from pyident.comparison.bins import breakdown, mean_square_over_floor
 from pyident.comparison.model_against_replicas import Part
 from pyident.conditioning.weak_form import condition
 
@@ -75,7 +75,3 @@ def test_mean_square(conditioned):
     louder = _part(conditioned, 50)
     louder = Part(louder.part, PERIOD, 3 * louder.residual, louder.refitted, louder.time, {})
     assert mean_square_over_floor([louder], replicas, [0]) == pytest.approx(9 * alike)
-
-
-def test_balances():
-    assert [balance_of(f"joint2.{q}") for q in ("e", "eps[1]", "eps[3]")] == ["motor", "transmission", "link"]
