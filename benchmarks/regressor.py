@@ -20,8 +20,9 @@ from benchmarks.results import command, drawn, keep
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
 from pyident.regression.links import LinkColumns
-from pyident.regression.regressor import Motion, regressor_blocks
+from pyident.regression.regressor import regressor_blocks
 
 
 def random_motion(robot: Robot, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

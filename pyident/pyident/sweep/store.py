@@ -73,7 +73,7 @@ class ResultsStore:
         if not self.results.exists() or self._batches():
             rows = self.rows()
             rows = rows.drop(columns=[name for name in design if name in rows])
-            if not rows["run"].isin(design.index).all():
+            if not np.isin(rows["run"].to_numpy(), design.index.to_numpy()).all():
                 raise StudyError(f"{self._folder} holds runs that the design has not; name another folder")
             table = pd.concat([design.loc[rows["run"]].reset_index(drop=True), rows], axis=1)
             with replacing(self.results) as file:
@@ -115,7 +115,7 @@ def _read(file: Path) -> pd.DataFrame:
         frame = pd.read_parquet(file)
         kinds = {str(name): np.asarray(frame[name]).dtype.kind for name in frame if name != "failure"}
         whole = {"run", "seconds"} <= set(kinds) and set(kinds.values()) <= set("fiub")
-        whole = whole and kinds["run"] in "iu" and np.asarray(frame["run"]).min(initial=0) >= 0
+        whole = whole and kinds["run"] in "iu" and bool(np.all(np.asarray(frame["run"]) >= 0))
     except OSError:
         raise
     except Exception:
