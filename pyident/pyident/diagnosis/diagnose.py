@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, parameter_name
-from pyident.checks.channels import integrity
+from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.candidates import law_of
 from pyident.diagnosis.base.residual_over_floor import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
@@ -49,7 +49,9 @@ def diagnose(
     draft          look for a formula where no law explains the residual
     Raises LogError.
     """
-    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
+    notes = tuple(
+        sentence for log in (*logs, *heldout) for sentence in (d.sentence for d in check_log(robot, log))
+    )
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
