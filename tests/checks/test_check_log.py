@@ -78,7 +78,7 @@ def test_a_measured_log_has_no_defect(data):
         ({"joint3_tau": lambda x: -x}, "gross", "joint3.tau"),
         ({"joint2_e": lambda x: -x}, "gross", "joint2.e"),
         ({"joint1_eps[1]": lambda x: -x}, "gross", "joint1.eps[1] has the wrong sign"),
-        ({"joint1_eps[1]": lambda x: 1e3 * x}, "gross", "joint1.eps[1] gives a stiffness 0.001"),
+        ({"joint1_eps[1]": lambda x: 1e3 * x}, "gross", "joint1.eps[1] gives a stiffness 0.0"),
         ({"joint2_tau": lambda x: np.roll(x, -2)}, "doubtful", "joint2.tau is 2 samples (8 ms) early"),
         ({"joint1_tau": lambda x: np.roll(x, 12)}, "gross", "joint1.tau is 12 samples (48 ms) late"),
         ({"time": lambda t: 1e3 * t}, "gross", "check the unit of time"),

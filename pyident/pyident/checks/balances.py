@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmodels.coordinate import torque_of
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.motion import Motion
@@ -107,8 +108,8 @@ def samples(robot: Robot, log: Log) -> Samples | None:
     q = log.signals(list(robot.coordinates))
     tau = np.full((n, len(robot.joints)), np.nan)
     for k, _ in robot.numbered:
-        if f"joint{k}.tau" in log.names:
-            tau[:, k - 1] = log.frame[f"joint{k}.tau"].to_numpy(float)
+        if torque_of(k) in log.names:
+            tau[:, k - 1] = log.frame[torque_of(k)].to_numpy(float)
     if robot.controller is not None:
         tau = (tau + np.concatenate([tau[:1], tau[:-1]])) / 2  # held: what acts around a sample
     edge = _edge(q[:, : len(robot.joints)], robot.processing.cutoff, T)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances, Samples, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
@@ -78,8 +79,8 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
                      f"recording, or torques were not measured")  # fmt: skip
         return
     for k in lost:
-        yield Defect("doubtful", "unrelated", f"joint{k + 1}.tau", f"{source}: {100 * shares[k]:.0f} % of "
-                     f"joint{k + 1}.tau is nothing that its motion explains; check that it is this joint's "
+        yield Defect("doubtful", "unrelated", torque_of(k + 1), f"{source}: {100 * shares[k]:.0f} % of "
+                     f"{torque_of(k + 1)} is nothing that its motion explains; check that it is this joint's "
                      f"torque")  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect, Severity
 from pyident.checks.jumps import jumps, spikes
@@ -22,7 +23,7 @@ _WAY = 0.03  # of a joint's range: what it goes while it moves
 def channels(robot: Robot, log: Log) -> Iterator[Defect]:
     """Defects of every position and torque that the log holds."""
     coordinates = [name for name in robot.coordinates if name in log.names]
-    torques = [f"joint{k}.tau" for k, _ in robot.numbered if f"joint{k}.tau" in log.names]
+    torques = [torque_of(k) for k, _ in robot.numbered if torque_of(k) in log.names]
     for name in [*coordinates, *torques]:
         x = log.frame[name].to_numpy(float)
         if np.ptp(x) <= 1e-12 * max(float(np.abs(x).max()), 1e-300):
@@ -43,15 +44,19 @@ def channels(robot: Robot, log: Log) -> Iterator[Defect]:
 
 def _constant(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """A channel of one value: an axis may stand still, but not with all else of its joint moving."""
-    joint = name.split(".")[0]
-    others = [f"{joint}.{signal}" for signal in ("e", "r", "tau")]
+    k = joint_number(name)
+    others = [motor_of(k), reference_of(k), torque_of(k)]
     moving = [o for o in others if o != name and o in log.names and _moves(log, o)]
-    if name.endswith(".e"):
-        moving = [o for o in moving if o.endswith(".r")]
+    if name == motor_of(k):
+        moving = [o for o in moving if o == reference_of(k)]
     if moving:
         yield _defect("gross", "constant", log, name, f"is {x[0]:.6g} throughout while {moving[0]} moves; "
                                                       "the "
                       f"channel was not recorded")  # fmt: skip
+
+
+def _is_torque(name: str) -> bool:
+    return name == torque_of(joint_number(name))
 
 
 def _moves(log: Log, name: str) -> bool:
@@ -66,7 +71,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     An axis that slows down, stands or starts smoothly stays longer and longer on each value of its encoder,
     so the runs beside a long one are long too, and it goes on with a step like all others.
     """
-    time, torque = log.frame["time"].to_numpy(float), name.endswith(".tau")
+    time, torque = log.frame["time"].to_numpy(float), _is_torque(name)
     long = np.flatnonzero(of.length > LOG_CHECKS.gap_rows)
     steps = np.abs(np.diff(x))
     ends = (of.start + of.length - 1)[long]
@@ -91,7 +96,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
 
 def _frozen(log: Log, name: str, start: int, length: int, after: np.ndarray) -> bool:
     """A torque that changes from sample to sample keeps one value while its joint moves on."""
-    e = name.replace(".tau", ".e")
+    e = motor_of(joint_number(name))
     if e not in log.names or len(after) < 3 or length < LOG_CHECKS.freeze * after.max():
         return False
     tau, x = log.frame[name].to_numpy(float), log.frame[e].to_numpy(float)
@@ -164,7 +169,7 @@ def _slow(log: Log, name: str, of: Runs) -> Iterator[Defect]:
         beats = np.bincount(change % m, minlength=m)
         if beats.max() >= LOG_CHECKS.on_the_beat * len(change) and len(change) > 0.3 * len(log) / m:
             nth = f"{m}{ {2: 'nd', 3: 'rd'}.get(m, 'th') }"
-            yield _defect("gross" if m > 3 and name.split(".")[1] != "tau" else "doubtful", "rate", log, name,
+            yield _defect("gross" if m > 3 and not _is_torque(name) else "doubtful", "rate", log, name,
                           f"changes only every {nth} sample; it was recorded at a lower rate: keep every "
                           f"{nth} "
                           f"row")  # fmt: skip

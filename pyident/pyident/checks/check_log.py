@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import motor_of, reference_of
 from flexmodels.robot import Robot
 from pyident.checks.balances import balances, samples
 from pyident.checks.better_channels import better_channels, unexplained
@@ -56,7 +57,7 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
     Raises LogError for a log without positions.
     """
     log = _in_memory(robot, log)
-    missing = [f"joint{k}.e" for k, _ in robot.numbered if f"joint{k}.e" not in log.names]
+    missing = [motor_of(k) for k, _ in robot.numbered if motor_of(k) not in log.names]
     if missing:
         raise LogError(f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; add "
                        "it, or "
@@ -93,7 +94,7 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
 def _in_memory(robot: Robot, log: Log | LogFile) -> Log:
     if isinstance(log, Log):
         return log
-    signals = [*robot.coordinates, *(f"joint{k}.{s}" for k, _ in robot.numbered for s in ("tau", "r"))]
+    signals = [*robot.coordinates, *robot.torques, *(reference_of(k) for k, _ in robot.numbered)]
     names = ["time", *(name for name in signals if name in log.names)]
     window = next(log.windows(names, _WINDOW, 0))
     return Log(pd.DataFrame(window.values[window.own], columns=names), log.source, log.notes)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.ndimage import median_filter
 
+from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.checks.quantisation import noise_of, step_of
@@ -24,7 +25,7 @@ _MANY = 0.002  # of the samples
 
 def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Fourth differences that stick out: a jump stands in four of them, in a ratio of 1, -3, 3, -1."""
-    joint = robot.joints[int(name.split(".")[0].removeprefix("joint")) - 1]
+    joint = robot.joints[joint_number(name) - 1]
     turns = np.diff(x) / (2 * np.pi)
     wrapped = np.flatnonzero((np.abs(turns) > 0.9) & (np.abs(turns) < 1.1))
     if joint.kind == "revolute" and len(wrapped) and np.median(np.abs(turns)) < _TURN:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name, motor_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
@@ -59,8 +60,8 @@ def _one_torque(of: Balances, source: str) -> Iterator[Defect]:
         yield Defect(
             "gross",
             "unit",
-            f"joint{k + 1}.tau",
-            f"{source}: joint{k + 1}.tau should be {factor:.3g} times as large to agree with the other "
+            torque_of(k + 1),
+            f"{source}: {torque_of(k + 1)} should be {factor:.3g} times as large to agree with the other "
             "joints' "
             f"torques; check its unit (N m), its gear ratio and its sign in the mapping",
         )
@@ -97,10 +98,9 @@ def _one_joint(of: Balances, source: str) -> Iterator[Defect]:
             yield Defect(
                 "gross",
                 "unit",
-                f"joint{k + 1}.tau",
-                f"{source}: what joint{k + 1} moves would be {factor:.3g} times the robot file's; check the "
-                "units "
-                f"of joint{k + 1}.tau and joint{k + 1}.e, and the gear ratio",
+                torque_of(k + 1),
+                f"{source}: what {joint_name(k + 1)} moves would be {factor:.3g} times the robot file's; "
+                f"check the units of {torque_of(k + 1)} and {motor_of(k + 1)}, and the gear ratio",
             )
 
 

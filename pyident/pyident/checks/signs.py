@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexmodels.robot import parameter_name
+from flexmodels.coordinate import motor_of, torque_of
+from flexmodels.joint import parameter_name
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
 from pyident.conditioning.motion import Motion
@@ -23,10 +24,9 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
             yield Defect(
                 "gross",
                 "sign",
-                f"joint{k + 1}.tau",
-                f"{source}: joint{k + 1}.tau has the wrong sign against joint{k + 1}.e: {reason}; give one "
-                "of "
-                f"the two columns the sign -1 in the mapping, or check the order of the rows",
+                torque_of(k + 1),
+                f"{source}: {torque_of(k + 1)} has the wrong sign against {motor_of(k + 1)}: {reason}; give "
+                f"one of the two columns the sign -1 in the mapping, or check the order of the rows",
             )
 
 

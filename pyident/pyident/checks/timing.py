@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances
 from pyident.checks.defect import Defect
 from pyident.rules.log_checks import LOG_CHECKS
@@ -46,11 +47,10 @@ def _delay(of: Balances, k: int, source: str) -> Defect | None:
     return Defect(
         "gross" if gross else "doubtful",
         "delay",
-        f"joint{k + 1}.tau",
-        f"{source}: joint{k + 1}.tau is {abs(shift):g} samples ({1e3 * abs(shift) * T:.3g} ms) {way}: moved "
-        f"back it leaves {100 * left[best] / now:.0f} % of the residual; give its column a delay in the "
-        "mapping, "
-        f"or look for a slow current loop (effect torque_delay)",
+        torque_of(k + 1),
+        f"{source}: {torque_of(k + 1)} is {abs(shift):g} samples ({1e3 * abs(shift) * T:.3g} ms) {way}: "
+        f"moved back it leaves {100 * left[best] / now:.0f} % of the residual; give its column a delay in "
+        f"the mapping, or look for a slow current loop (effect torque_delay)",
     )
 
 

@@ -7,6 +7,7 @@ from math import pi
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name, motor_of, torque_of
 from flexmodels.robot import Robot
 
 _MOST_PAIRS = 8  # joints: of more, only neighbours are exchanged
@@ -79,9 +80,9 @@ def _orders(robot: Robot) -> Iterator[Transformation]:
     for text, order in orders.items():
         P, first = np.eye(n)[order], next(i for i, j in enumerate(order) if i != j) + 1
         for what, channel, motion, torque in (
-            ("torques", f"joint{first}.tau", None, P),
-            ("positions", f"joint{first}.e", P, None),
-            ("columns", f"joint{first}", P, P),
+            ("torques", torque_of(first), None, P),
+            ("positions", motor_of(first), P, None),
+            ("columns", joint_name(first), P, P),
         ):
             yield _made(
                 robot, "order", channel, f"the {what} {text} fit; check the order of the columns",
@@ -94,10 +95,10 @@ def _turned(robot: Robot) -> Iterator[Transformation]:
     for k in range(n):
         turn = np.eye(n)
         turn[k, k] = -1
-        for text, motion, torque in ((f"joint{k + 1}.e", turn, None), (f"joint{k + 1}.tau", None, turn),
-                                     (f"joint{k + 1}.e and joint{k + 1}.tau", turn, turn)):  # fmt: skip
+        for text, motion, torque in ((motor_of(k + 1), turn, None), (torque_of(k + 1), None, turn),
+                                     (f"{motor_of(k + 1)} and {torque_of(k + 1)}", turn, turn)):  # fmt: skip
             mend = f"{text} with the other sign fits; give it the sign -1 in the mapping"
-            yield _made(robot, "sign", f"joint{k + 1}", mend, motion, None, torque)
+            yield _made(robot, "sign", joint_name(k + 1), mend, motion, None, torque)
 
 
 def _zeros(robot: Robot) -> Iterator[Transformation]:
@@ -107,8 +108,8 @@ def _zeros(robot: Robot) -> Iterator[Transformation]:
         for degrees in (90, -90, 180):
             offset = np.zeros(len(robot.joints))
             offset[k - 1] = degrees * pi / 180
-            mend = f"joint{k}.e with an offset of {degrees}° fits; its zero is not the robot file's"
-            yield _made(robot, "zero", f"joint{k}.e", mend, None, offset)
+            mend = f"{motor_of(k)} with an offset of {degrees}° fits; its zero is not the robot file's"
+            yield _made(robot, "zero", motor_of(k), mend, None, offset)
 
 
 def _units(robot: Robot, reach: np.ndarray) -> Iterator[Transformation]:
@@ -123,8 +124,8 @@ def _units(robot: Robot, reach: np.ndarray) -> Iterator[Transformation]:
                 continue  # a motion made so small that nothing speaks against it
             motion = np.eye(n)
             motion[joints, joints] = factor
-            listed = ", ".join(f"joint{k + 1}.e" for k in joints)
-            yield _made(robot, "unit", f"joint{joints[0] + 1}.e",
+            listed = ", ".join(motor_of(k + 1) for k in joints)
+            yield _made(robot, "unit", motor_of(joints[0] + 1),
                         f"{listed} taken as {unit} fits; give its unit in the mapping", motion)  # fmt: skip
 
 
@@ -135,4 +136,4 @@ def _sums(robot: Robot) -> Iterator[Transformation]:
     steps = np.eye(n) - np.eye(n, k=-1)
     for text, motion in (("against the link before", np.linalg.inv(steps)), ("against the base", steps)):
         mend = f"positions that were measured {text} fit; refer them to the robot file's joints"
-        yield _made(robot, "sum", "joint2.e", mend, motion)
+        yield _made(robot, "sum", motor_of(2), mend, motion)

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexmodels.robot import parameter_name
+from flexmodels.coordinate import deformation_of, of_joint
+from flexmodels.joint import parameter_name
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
 from pyident.rules.log_checks import LOG_CHECKS
@@ -16,60 +17,67 @@ def twists(of: Balances, source: str) -> Iterator[Defect]:
     """Of every motor that turns against a flexible hinge: τ = J_m ë + friction − k ε − d ε̇."""
     robot = of.samples.robot
     flexible = [k for k in of.joints if robot.joints[k].flexible]
-    angle = {k: of.samples.q[:, robot.coordinates.index(f"joint{k + 1}.eps[1]")] for k in flexible}
+    angle = {k: of.samples.q[:, robot.coordinates.index(deformation_of(k + 1))] for k in flexible}
     for k in flexible:
-        name = f"joint{k + 1}.eps[1]"
-        stiffness, std, left = _spring(of, k, angle[k])
-        others = {j: _spring(of, k, angle[j])[2] for j in flexible if j != k}
-        _, _, as_link = _spring(of, k, angle[k] - of.samples.q[:, k])
-        nominal = robot.parameters.get(parameter_name(k + 1, "stiffness", "k[1]"), 0.0)
-        off = stiffness / nominal if nominal > 0 else 1.0
-        if stiffness < -LOG_CHECKS.sure * std:
-            yield _defect("gross", "sign", source, name, "has the wrong sign: the joint would be of negative "
-                          "stiffness; give its column the sign -1 in the mapping")  # fmt: skip
-        elif left > LOG_CHECKS.material**2 and as_link < LOG_CHECKS.far_better * left:
-            yield _defect("gross", "kind", source, name, "looks like the link's angle and not like the "
-                                                         "twist; "
-                          f"map it to joint{k + 1}.link")  # fmt: skip
-        elif left > LOG_CHECKS.material**2 and min(others.values(), default=1.0) < LOG_CHECKS.better * left:
-            other = min(others, key=lambda j: others[j])
-            yield _defect("gross", "order", source, name, f"fits joint {k + 1} worse than "
-                                                          f"joint{other + 1}.eps"
-                          "[1] does; check the order of the columns")  # fmt: skip
-        elif stiffness > LOG_CHECKS.sure * std and not 1 < off * LOG_CHECKS.stiffness_doubtful < (
-            LOG_CHECKS.stiffness_doubtful**2
-        ):
-            gross = not 1 < off * LOG_CHECKS.stiffness_gross < LOG_CHECKS.stiffness_gross**2
-            yield _defect("gross" if gross else "doubtful", "unit", source, name, f"gives a stiffness "
-                                                                                  f"{off:.3g} "
-                          "times the robot file's; check its unit (rad) and that of the torque")  # fmt: skip
+        if (defect := _judged(of, k, angle, source)) is not None:
+            yield defect
+
+
+def _judged(of: Balances, k: int, angle: dict[int, np.ndarray], source: str) -> Defect | None:
+    """What is wrong with the twist of joint k (from 0), of all those that were logged."""
+    name = deformation_of(k + 1)
+    stiffness, std, left = _spring(of, k, angle[k])
+    if stiffness < -LOG_CHECKS.sure * std:
+        return _negative(source, name)
+    if left > LOG_CHECKS.material**2:
+        as_link = _spring(of, k, angle[k] - of.samples.q[:, k])[2]
+        others = {j: _spring(of, k, twist)[2] for j, twist in angle.items() if j != k}
+        other = min(others, key=lambda j: others[j], default=k)
+        if as_link < LOG_CHECKS.far_better * left:
+            link = of_joint(k + 1, "link")
+            text = f"looks like the link's angle and not like the twist; map it to {link}"
+            return Defect("gross", "kind", name, f"{source}: {name} {text}")
+        if others and others[other] < LOG_CHECKS.better * left:
+            text = (
+                f"fits joint {k + 1} worse than {deformation_of(other + 1)} does; check the order of columns"
+            )
+            return Defect("gross", "order", name, f"{source}: {name} {text}")
+    nominal = of.samples.robot.parameters.get(parameter_name(k + 1, "stiffness", "k[1]"), 0.0)
+    if nominal <= 0 or stiffness < LOG_CHECKS.sure * std or stiffness <= 0:
+        return None
+    factor = stiffness / nominal
+    size = max(factor, 1 / factor)
+    if size < LOG_CHECKS.stiffness_doubtful:
+        return None
+    text = (
+        f"gives a stiffness {factor:.3g} times the robot file's; check its unit (rad) and that of the torque"
+    )
+    severity = "gross" if size > LOG_CHECKS.stiffness_gross else "doubtful"
+    return Defect(severity, "unit", name, f"{source}: {name} {text}")
 
 
 def bends(of: Balances, source: str) -> Iterator[Defect]:
     """Bending that would push the wrong way in the balances of motors and links together."""
     robot = of.samples.robot
-    rows = [c for c in robot.coordinates if ".eps[" in c]
-    names = [c for c in rows if not c.endswith("[1]")]
-    if not names or len(of.joints) < len(robot.joints):
+    bending = [c for c in robot.q if c.side == "link"]
+    if not bending or len(of.joints) < len(robot.joints):
         return
     variance = [max(of.variance(k), 1e-300) for k in range(len(robot.joints))]
-    owner = [*range(len(robot.joints)), *(int(c.split(".")[0].removeprefix("joint")) - 1 for c in rows)]
-    normal = sum(of.normal[row] / variance[k] for row, k in enumerate(owner))
+    normal = sum(of.normal[row] / variance[c.joint - 1] for row, c in enumerate(robot.q))
     right = sum(of.right(k, of.torque[:, k : k + 1])[0] / variance[k] for k in of.joints)
     p, inverse = solved(np.asarray(normal), np.asarray(right))
     energy = max(len(of.joints) - float(np.asarray(right)[:, 0] @ p[:, 0]), 1e-9)
-    spread = energy / (len(of.Phi) * len(owner))
-    for name in names:
-        k, i = name.removeprefix("joint").split(".eps")
-        at = of.columns.index(parameter_name(int(k), "stiffness", f"k{i}"))
+    spread = energy / (len(of.Phi) * len(robot.q))
+    for c in bending:
+        at = of.columns.index(str(c.stiffness))
         std = _COLOURED * float(np.sqrt(max(inverse[at, at], 0.0) * spread))
         if p[at, 0] < -LOG_CHECKS.sure * std:
-            yield _defect("gross", "sign", source, name, "has the wrong sign: the joint would be of negative "
-                          "stiffness; give its column the sign -1 in the mapping")  # fmt: skip
+            yield _negative(source, c.name)
 
 
-def _defect(severity, kind: str, source: str, name: str, text: str) -> Defect:
-    return Defect(severity, kind, name, f"{source}: {name} {text}")
+def _negative(source: str, name: str) -> Defect:
+    text = "has the wrong sign: the joint would be of negative stiffness; give its column the sign -1"
+    return Defect("gross", "sign", name, f"{source}: {name} {text}")
 
 
 def _spring(of: Balances, k: int, twist: np.ndarray) -> tuple[float, float, float]:

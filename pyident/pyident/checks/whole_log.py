@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
+from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.logs.log import Log
@@ -15,9 +16,7 @@ _BUSY = 0.7  # of the channels change from row to row in a log that moves
 
 def whole_log(robot: Robot, log: Log) -> Iterator[Defect]:
     """Defects that no single channel shows."""
-    logged = [
-        n for n in [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered)] if n in log.names
-    ]
+    logged = [n for n in [*robot.coordinates, *(torque_of(k) for k, _ in robot.numbered)] if n in log.names]
     yield from _period(robot, log)
     yield from _clock(log)
     yield from _repeated_rows(log, logged)
@@ -63,7 +62,7 @@ def _repeated_rows(log: Log, logged: list[str]) -> Iterator[Defect]:
 
 def _shuffled(robot: Robot, log: Log) -> Iterator[Defect]:
     """Every position steps about as far from row to row as it goes at all."""
-    e = log.signals([f"joint{k}.e" for k, _ in robot.numbered])
+    e = log.signals([motor_of(k) for k, _ in robot.numbered])
     spread = e.std(axis=0)
     rough = [
         np.sqrt(np.mean(np.diff(x) ** 2)) > LOG_CHECKS.shuffled * s for x, s in zip(e.T, spread, strict=True)
@@ -92,7 +91,7 @@ def _same(robot: Robot, log: Log, logged: list[str]) -> Iterator[Defect]:
                                                 "like the "
                          f"column of time")  # fmt: skip
     for k, _ in robot.numbered:
-        e, r = f"joint{k}.e", f"joint{k}.r"
+        e, r = motor_of(k), reference_of(k)
         if e in moving and r in log.names:
             wanted = log.frame[r].to_numpy(float)
             if np.abs(moving[e] - wanted).max() <= LOG_CHECKS.same * np.abs(moving[e]).max():
@@ -103,20 +102,19 @@ def _same(robot: Robot, log: Log, logged: list[str]) -> Iterator[Defect]:
 
 def _speeds(robot: Robot, log: Log) -> Iterator[Defect]:
     for k, joint in robot.numbered:
-        x = log.frame[f"joint{k}.e"].to_numpy(float)
+        x = log.frame[motor_of(k)].to_numpy(float)
         speed = float(np.quantile(np.abs(np.diff(x)), 0.9) / log.period)
         unit = "rad/s" if joint.kind == "revolute" else "m/s"
         limits = joint.limits
         if speed > LOG_CHECKS.fastest:
             severity = "gross" if speed > LOG_CHECKS.impossible_speed else "doubtful"
-            yield Defect(severity, "unit", f"joint{k}.e",
-                         f"{log.source}: joint{k}.e moves at {speed:.3g} {unit}; check its unit (rad, not "
+            yield Defect(severity, "unit", motor_of(k),
+                         f"{log.source}: {motor_of(k)} moves at {speed:.3g} {unit}; check its unit (rad, not "
                          "degrees; "
                          f"m, not mm), the gear ratio, and the unit of time")  # fmt: skip
         elif limits is not None and limits.position is not None:
             width = limits.position[1] - limits.position[0]
             if width > 0 and np.ptp(x) > LOG_CHECKS.beyond_limits * width:
-                yield Defect("gross" if np.ptp(x) > 10 * width else "doubtful", "unit", f"joint{k}.e",
-                             f"{log.source}: joint{k}.e goes over {np.ptp(x):.3g}, the robot file's limits "
-                             "allow "
-                             f"{width:.3g}; check its unit (rad or m)")  # fmt: skip
+                yield Defect("gross" if np.ptp(x) > 10 * width else "doubtful", "unit", motor_of(k),
+                             f"{log.source}: {motor_of(k)} goes over {np.ptp(x):.3g}, the robot file's "
+                             f"limits allow {width:.3g}; check its unit (rad or m)")  # fmt: skip
