@@ -49,8 +49,8 @@ def _at_best(search: Search, truth: Sequence[Name]) -> list[Found] | None:
     best: list[Found] = []
     for _ in range(min(len(truth), 2)):
         for i, (effect, joint) in enumerate(truth):
-            search.rest_on([f.candidate for j, f in enumerate(best) if j != i])
-            found = search.best(effect, joint)
+            others = [f.candidate for j, f in enumerate(best) if j != i]
+            found = search.resting_on(others).best(effect, joint)
             if found is None:
                 return None
             best[i : i + 1] = [found]
@@ -59,7 +59,7 @@ def _at_best(search: Search, truth: Sequence[Name]) -> list[Found] | None:
 
 def _aliases(search: Search, best: Sequence[Found], number: int) -> tuple[Name, ...]:
     """Effects that imitate the force of one true effect, the other true ones in the base."""
-    search.rest_on([f.candidate for j, f in enumerate(best) if j != number])
+    search = search.resting_on([f.candidate for j, f in enumerate(best) if j != number])
     own, coefficients = best[number].candidate, best[number].gain.coefficients
     force = _beyond(search.base, search.columns(own), coefficients)
     base = replace(search.base, residual=force)

@@ -16,17 +16,18 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, parameter_name
 from pyident.checks.channels import integrity
 from pyident.diagnosis.base.candidates import law_of
-from pyident.diagnosis.base.residual_over_floor import REPLICAS, Setting, examine, set_up, steadied, unbiased
+from pyident.diagnosis.base.residual_over_floor import Setting, examine, set_up, steadied, unbiased
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.next_steps import OpenRivals, with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import left_over, whitened_heldout
-from pyident.diagnosis.search.search import Found, Search, Step
-from pyident.diagnosis.search.selection import MATERIAL, Selection, select
+from pyident.diagnosis.search.search import Found, Search, Step, search_of
+from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.regression.spectrum import Equations
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import OpenWorkers
 
 Progress = Callable[[float], None]
@@ -40,6 +41,7 @@ def diagnose(
     heldout: Sequence[Log] = (),
     progress: Progress = lambda _: None,
     draft: bool = False,
+    rules: Rules = RULES,
 ) -> Diagnosis:
     """What `robot` lacks in `logs`; its own dynamic parameters are never used.
 
@@ -47,10 +49,11 @@ def diagnose(
     open_rivals    gives simulations of several robots at once (pyident.simulation.fmu_runs.RivalRuns)
     heldout        logs on which the findings must hold
     draft          look for a formula where no law explains the residual
+    rules          every threshold
     Raises LogError.
     """
     notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
-    search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
+    search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share), rules)
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
         found = with_dependences(search, found, open_workers, draft)
@@ -65,20 +68,20 @@ def searched(
     logs: Sequence[Log],
     open_workers: OpenWorkers,
     progress: Progress = lambda _: None,
-    replicas: int = REPLICAS,
+    rules: Rules = RULES,
 ) -> Search:
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
     A fit that cannot be simulated is damped until it can; the regression's bias then stays.
     """
-    setting = set_up(robot, logs)
+    setting = set_up(robot, logs, rules)
     progress(0.05)
 
     def examined(start: Setting, adjust: Callable[[Setting, Any], Setting]) -> Search:
         with open_workers(start.simulated) as workers:
             found = adjust(start, workers)
             progress(0.2)
-            return Search(examine(found, workers, lambda share: progress(0.2 + 0.8 * share), replicas))
+            return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
     try:
         return examined(setting, unbiased)
@@ -115,7 +118,7 @@ def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> D
     share, held = shown[0].explained, shown[0].heldout
     finding = Finding(
         tie=tuple(_traced(search, trace) for trace in shown),
-        p_value=1 / (1 + len(search.peaks)),
+        p_value=1 / (1 + len(search.families.peaks)),
         excess_gain_percent=100 * share * search.excess / search.examination.base.energy,
         share_percent=100 * share,
         heldout_gain_percent=None if held is None else 100 * held,
@@ -184,23 +187,25 @@ def named(search: Search, found: Found) -> Named:
 def _outcome(
     search: Search, selection: Selection, heldout: Sequence[Log], kept: Sequence[tuple[Step, Finding]]
 ) -> Diagnosis:
+    """The search is left at the model alone; what is said of the rest is said beside the findings."""
     ex, robot = search.examination, search.robot
+    beside = search.resting_on([c for step, _ in kept for c in step.candidates])
     findings = [finding for _, finding in kept]
     verdict = verdict_of(findings, search.stands_out)
     rows = rows_over_floor(ex)
     worst = max(rows, key=lambda row: max(row.over_floor))
     localised = place_of(robot, kept[0][0].best.candidate) if kept else (worst.joint, worst.balance)
-    ranking = tuple(_beside(search, f) for f in selection.first.ranked)
+    ranking = tuple(_beside(beside, f) for f in selection.first.ranked)
     stages = tuple(_stages(search, kept))
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=sentence_of(verdict, findings, search.explained, localised),
+        sentence=sentence_of(verdict, findings, beside.explained, localised),
         findings=tuple(findings),
         localised=None if verdict == "nothing_detectable" else localised,
-        limits=tuple(limits(search, MATERIAL)),
+        limits=tuple(limits(search)),
         rows=tuple(rows),
         excess=stages[0].over_floor,
         remaining=stages[-1].over_floor,
@@ -227,8 +232,8 @@ def _beside(search: Search, found: Found) -> Named:
 
 
 def _stages(search: Search, kept: Sequence[tuple[Step, Finding]]) -> Iterator[Stage]:
-    """One finding after the other; leaves the search resting on all."""
+    """One finding after the other."""
     for n in range(len(kept) + 1):
-        search.rest_on([c for step, _ in kept[:n] for c in step.candidates])
+        view = search.resting_on([c for step, _ in kept[:n] for c in step.candidates])
         added = kept[n - 1][1].tie[0] if n else None
-        yield Stage(added, 1 + search.remaining / search.floor_energy)
+        yield Stage(added, 1 + view.remaining / search.floor_energy)

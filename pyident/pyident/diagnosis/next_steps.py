@@ -12,7 +12,6 @@ from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
 from pyident.diagnosis.result import Diagnosis, Finding, Named
 from pyident.diagnosis.search.search import Search
-from pyident.diagnosis.search.selection import MATERIAL
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import depends_on
 from pyident.logs.log import LogError
@@ -55,7 +54,7 @@ def with_revealing(
         return found
     try:
         with open_workers(search.examination.setting.simulated) as workers:
-            return replace(found, limits=tuple(revealing(search, found.limits, MATERIAL, workers, progress)))
+            return replace(found, limits=tuple(revealing(search, found.limits, workers, progress)))
     except (RobotError, LogError):
         return found  # no experiment to vary: the laws' own words stay
 

@@ -74,9 +74,13 @@ def solve_base(whitened: Sequence[Equations]) -> Base:
     return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
 
 
-def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> Gain:
-    """Of K columns, with bounds (K,) on their coefficients."""
-    K = len(lower)
+def gain(
+    base: Base, columns: Columns, lower: np.ndarray | None = None, upper: np.ndarray | None = None
+) -> Gain:
+    """Of K columns, with bounds (K,) on their coefficients; none: any coefficient."""
+    K = next(X.shape[1] for rows in columns for X in rows.values())
+    lower = np.full(K, -np.inf) if lower is None else lower
+    upper = np.full(K, np.inf) if upper is None else upper
     G, g, b = np.zeros((K, K)), np.zeros(K), np.zeros((base.basis[0].shape[2], K))
     for rows, basis, residual in zip(columns, base.basis, base.residual, strict=True):
         for c, X in rows.items():

@@ -16,13 +16,10 @@ from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import Repeat, repeat
 from pyident.simulation.sensor_noise import sensor_noise
 
-REPLICAS = 20
-PROBES = 4  # replicas that show the bias of the fit ...
-SMALL_STEP = 1e-4  # s
-ROUNDS = 3  # ... and times that it is taken away
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -33,6 +30,7 @@ class Setting:
     """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise.
 
     solver   the FMU's own parameters for the replicas
+    rules    every threshold
     """
 
     robot: Robot
@@ -42,6 +40,7 @@ class Setting:
     reduced: Reduced
     solution: Solution
     solver: Mapping[str, float] = field(default_factory=dict)
+    rules: Rules = RULES
 
     @property
     def logs(self) -> list[Log]:
@@ -79,7 +78,7 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
+def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
     reduced = reduce(problem.blocks(), problem.rows, problem.columns)
@@ -87,17 +86,18 @@ def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
     repeats = [repeat(fitted, log) for log in logs]
-    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution)
+    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution, rules=rules)
 
 
-def unbiased(setting: Setting, workers: Any, rounds: int = ROUNDS, probes: int = PROBES) -> Setting:
+def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:
     """The setting with the parameters whose replicas the regression finds where it found the data.
 
     Noise and sampling bias a regression; replicas of what it found show by how much, as in
     `refinement.remove_bias`.
     """
-    found = setting.solution.p
-    for number in range(rounds):
+    rules, found = setting.rules.replicas, setting.solution.p
+    probes = rules.probes if probes is None else probes
+    for number in range(rules.rounds if rounds is None else rounds):
         seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
         jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
         put_in = np.array(list(setting.robot.linear_parameters.values()))
@@ -123,13 +123,13 @@ def steadied(setting: Setting) -> Setting:
         setting,
         robot=setting.robot.with_parameters(damped),
         simulated=setting.simulated.with_parameters(damped),
-        solver={"solver.step": SMALL_STEP},
+        solver={"solver.step": setting.rules.replicas.step},
     )
 
 
-def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
+def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
     """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
-    robot, logs = setting.robot, setting.logs
+    robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
     for i, job in enumerate(jobs):

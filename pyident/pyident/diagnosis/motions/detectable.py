@@ -12,23 +12,25 @@ from pyident.diagnosis.result import Limit, Row
 from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import coverage, effect_columns
 from pyident.regression.spectrum import Equations
+from pyident.rules.search import SearchRules
 
-_IMITATED = 0.01  # share of a column that the base must leave, else it is not seen
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 BALANCES = {"e": "motor", "eps[1]": "transmission", "eps[2]": "link", "eps[3]": "link"}
 
 
-def limits(search: Search, material: float) -> Iterator[Limit]:
-    """One per effect and joint of the search; material: least gain that is named, over the floor's energy."""
+def limits(search: Search) -> Iterator[Limit]:
+    """One per effect and joint of the search."""
     ex = search.examination
-    for number, at in enumerate(search.families.values()):
+    for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
         if c.log in (None, 0):
-            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number, material))
+            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
 
 
-def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed: float) -> Limit:
+def limit_of(
+    robot: Robot, log: Equations, c: Candidate, explained: Gain, needed: float, rules: SearchRules
+) -> Limit:
     """A candidate's limit along a log's motion. needed: gain that it would be named for."""
     law = law_of(robot, c)
     amplitudes = zip(law.linear, np.sqrt(needed) * explained.alone, strict=True)
@@ -36,7 +38,7 @@ def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed
     share = _share(robot, log, c, smallest)
     seen = coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
     reason = ""
-    if explained.left < _IMITATED:
+    if explained.left < rules.imitated:
         reason = "the model's own parameters imitate it in these logs"
     elif seen is not None and seen < 1:
         reason = f"the logs do not cover what it needs: {law.needs}"

@@ -24,13 +24,10 @@ from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import floor
 from pyident.simulation.replica import Repeat
 
-_REPLICAS = 3  # of every variant
-
 
 def revealing(
     search: Search,
     limits: Sequence[Limit],
-    material: float,
     workers: Any,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[Limit]:
@@ -40,8 +37,10 @@ def revealing(
     Raises RobotError and LogError where there is no experiment to vary.
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
-    asked = [(e, k) for e, k, log in search.families if (e, f"joint{k}") in hidden and log in (None, 0)]
-    needed = float(np.median([search.needed(family, material) for family in range(len(search.families))]))
+    asked = [
+        (e, k) for e, k, log in search.families.members if (e, f"joint{k}") in hidden and log in (None, 0)
+    ]
+    needed = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
     setting = search.examination.setting
     plans = variants(setting.simulated, setting.logs[0])
     jobs = {name: workers.submit(_along, setting, plan, asked, needed) for name, plan in plans.items()}
@@ -65,7 +64,7 @@ def _along(
     robot = setting.robot
     varied = replace(setting, repeats=(Repeat(setting.logs[0], plan),))
     try:
-        made = [replicated(fmu, varied, seed) for seed in range(_REPLICAS)]
+        made = [replicated(fmu, varied, seed) for seed in range(setting.rules.replicas.revealing)]
     except SimulationError:
         return []
     level = floor([b for _, bands, _ in made for b in bands], [r for *_, left in made for r in left])
@@ -76,7 +75,7 @@ def _along(
         listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
         gains = gains_of(robot, [along], base, level, listed)
         best = min(range(len(listed)), key=lambda i: float(gains[i].alone.min()))
-        found.append(limit_of(robot, along, listed[best], gains[best], needed))
+        found.append(limit_of(robot, along, listed[best], gains[best], needed, setting.rules.search))
     return found
 
 

@@ -13,16 +13,7 @@ from dataclasses import dataclass, replace
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.imitation import stands_in_for
-from pyident.diagnosis.search.search import ALPHA, Found, Search, Step
-
-MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
-EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two, three or more effects
-PART = 0.1  # of the excess: what each must contribute
-OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away ...
-WHOLE = 0.95  # ... or, where that is less than a part of what did, this much of what still exceeds the floor
-MOST = 4  # effects at once
-ORDERS = 2  # further ones of a periodic law ...
-ORDER = 0.3  # of what still exceeds the floor on its equations: ... that each must take away
+from pyident.diagnosis.search.search import Found, Search, Step
 
 
 @dataclass(frozen=True)
@@ -46,8 +37,8 @@ class Selection:
 
 
 def select(search: Search) -> Selection:
-    """Leaves the search resting on what it selects."""
-    search.rest_on(())
+    """What a search comes to, whatever it rests on."""
+    search = search.resting_on(())
     first = search.step()
     chosen, imitators = _constant(search, _explaining(search, first))  # before others can cover a change
     if chosen:
@@ -57,20 +48,18 @@ def select(search: Search) -> Selection:
     imitators |= more | others
     explained = []
     for n in range(len(chosen)):
-        search.rest_on(_candidates(chosen[: n + 1]))
-        explained.append(search.explained)
-    search.rest_on(_candidates(chosen))
+        explained.append(search.resting_on(_candidates(chosen[: n + 1])).explained)
     return Selection(tuple(chosen), tuple(explained), first, imitators)
 
 
 def _explaining(search: Search, step: Step) -> list[Step]:
     """The smallest set that explains enough, empty when there is none."""
     steps: list[Step] = []
-    for needed in EXPLAINED:
-        if not (_counts(search, step.best) and step.best.excess >= PART * search.excess):
+    for needed in search.rules.explained:
+        if not (_counts(search, step.best) and step.best.excess >= search.rules.part * search.excess):
             return []
         steps.append(step)
-        search.rest_on([s.best.candidate for s in steps])
+        search = search.resting_on([s.best.candidate for s in steps])
         if search.explained >= needed:
             return steps
         step = search.step()
@@ -90,13 +79,13 @@ def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
             continue
         others = _candidates([s for s in out if s is not out[i]])
         orders = [step.best.candidate]
-        for _ in range(ORDERS):
-            search.rest_on([*others, *orders])
+        for _ in range(search.rules.orders):
+            search = search.resting_on([*others, *orders])
             more = search.best(law.name, joint)
-            if more is None or not (_counts(search, more) and _takes(search, more, ORDER)):
+            if more is None or not (_counts(search, more) and _takes(search, more, search.rules.order)):
                 break
             orders = _refitted(search, others, [*orders, more.candidate])
-        search.rest_on([*others, *orders[1:]])
+        search = search.resting_on([*others, *orders[1:]])
         main = search.best(law.name, joint)
         out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(orders[1:]))
     return out
@@ -106,7 +95,7 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
     """Each order again with the rest in the base: the first was found beside what the others now take."""
     out = list(orders)
     for i, order in enumerate(orders):
-        search.rest_on([*others, *out[:i], *out[i + 1 :]])
+        search = search.resting_on([*others, *out[:i], *out[i + 1 :]])
         again = search.best(order.effect, order.joint)
         out[i] = again.candidate if again else order
     return out
@@ -114,12 +103,12 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
 
 def _standing(search: Search, steps: list[Step]) -> list[Step]:
     """With the further effects that stand by themselves, where all together explain enough."""
-    while len(steps) < MOST:
-        search.rest_on(_candidates(steps))
+    while len(steps) < search.rules.most:
+        search = search.resting_on(_candidates(steps))
         step = search.step()
         named = {f.candidate.family for s in steps for f in s.tie}
         others = [f for f in step.ranked if f.candidate.family not in named and _counts(search, f)]
-        allowed = search.remaining - (1 - EXPLAINED[-1]) * search.excess
+        allowed = search.remaining - (1 - search.rules.explained[-1]) * search.excess
         further = next((f for f in others if f.excess >= allowed and _owns(search, f)), None)
         if further is None:
             return steps
@@ -132,7 +121,7 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     kept, out = list(steps), []
     for old in steps:
         others = [s for s in kept if s is not old]
-        search.rest_on([*_candidates(others), *old.orders])
+        search = search.resting_on([*_candidates(others), *old.orders])
         step, family = search.step(), old.best.candidate.family
         again = next((f for f in step.ranked if f.candidate.family == family), None)
         if again is None or not _counts(search, again):
@@ -152,8 +141,10 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
 def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
     """Those whose coefficients stay the same, if they explain enough; and what the others' change with."""
 
+    whole = search.resting_on(_candidates(steps))
+
     def changing(candidate: Candidate) -> str:
-        quantity = changes_with(search, candidate)
+        quantity = changes_with(whole, candidate)
         return f"its coefficients change with {quantity}" if quantity else ""
 
     return _without(search, steps, changing)
@@ -162,8 +153,10 @@ def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[s
 def _of_its_own(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
     """Those that stand in for nothing else, if they explain enough; and what the others stand in for."""
 
+    whole = search.resting_on(_candidates(steps))
+
     def imitated(candidate: Candidate) -> str:
-        words = stands_in_for(search, candidate)
+        words = stands_in_for(whole, candidate)
         return f"what it leaves depends on {words}, beside which it explains little" if words else ""
 
     return _without(search, steps, imitated)
@@ -174,17 +167,22 @@ def _without(
 ) -> tuple[list[Step], dict[str, str]]:
     """Those without a fault, if they explain enough; and the faults of the others."""
     found = {i: step.best.candidate for i, step in enumerate(steps)}
-    search.rest_on(_candidates(steps))
     faults = {i: fault(c) for i, c in found.items()}
     kept = [step for i, step in enumerate(steps) if not faults[i]]
-    search.rest_on(_candidates(kept))
-    if len(kept) < len(steps) and search.explained < EXPLAINED[min(len(kept), len(EXPLAINED)) - 1]:
+    needed = search.rules.explained
+    if (
+        len(kept) < len(steps)
+        and search.resting_on(_candidates(kept)).explained < needed[min(len(kept), len(needed)) - 1]
+    ):
         kept = []
     return kept, {f"{found[i].effect} at joint{found[i].joint}": why for i, why in faults.items() if why}
 
 
 def _counts(search: Search, found: Found) -> bool:
-    return search.p_value(found) <= ALPHA and found.excess >= MATERIAL * search.floor_energy
+    return (
+        search.p_value(found) <= search.rules.level
+        and found.excess >= search.rules.material * search.floor_energy
+    )
 
 
 def _owns(search: Search, found: Found) -> bool:
@@ -192,9 +190,9 @@ def _owns(search: Search, found: Found) -> bool:
 
     A small one must leave nothing anywhere: beside an inexact law it may be that law's remainder.
     """
-    if found.excess >= PART * search.excess_on(search.rows(found.candidate)):
-        return _takes(search, found, OWN)
-    return found.excess >= WHOLE * search.remaining
+    if found.excess >= search.rules.part * search.excess_on(search.rows(found.candidate)):
+        return _takes(search, found, search.rules.own)
+    return found.excess >= search.rules.whole * search.remaining
 
 
 def _takes(search: Search, found: Found, share: float) -> bool:

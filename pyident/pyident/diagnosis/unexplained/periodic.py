@@ -169,11 +169,10 @@ def _held(
     base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
 ) -> tuple[float, float]:
     """Energy and amplitude at one frequency or order."""
-    free = np.full(_freedom(logs, over), np.inf)
-    found = gain(base, periodic_columns(logs, levels, over, at), -free, free)
+    found = gain(base, periodic_columns(logs, levels, over, at))
     if found.left < _LEFT:
         return 0.0, 0.0
-    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(len(free) / 2))
+    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(_freedom(logs, over) / 2))
 
 
 def _freedom(logs: Sequence[Equations], over: Over) -> int:
