@@ -24,7 +24,7 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.held_out import whitened_heldout
+from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
@@ -86,7 +86,7 @@ def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) 
     if read["kind"] not in ("single", "pair"):
         return None
     truth = [(law["law"], law["joint"]) for law in read["laws"]]
-    return bound(search, found, truth, whitened_heldout(search, heldout))
+    return bound(search, found, truth, held_out(search, heldout))
 
 
 def _rules(replicas: int) -> Rules:

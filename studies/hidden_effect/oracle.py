@@ -9,9 +9,8 @@ from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Base, Columns, gain
 from pyident.diagnosis.next_steps import candidate_of
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.held_out import heldout_gain
+from pyident.diagnosis.search.held_out import HeldOut, heldout_gain
 from pyident.diagnosis.search.search import Found, Search
-from pyident.regression.spectrum import Equations
 
 Name = tuple[str, int]  # an effect and its joint, from 1
 ALIKE = 0.99  # of a force's energy: what imitates it this far is the same in these logs
@@ -29,9 +28,7 @@ class Bound:
     aliases: tuple[tuple[Name, ...], ...]
 
 
-def bound(
-    search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: Sequence[Equations]
-) -> Bound | None:
+def bound(search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: HeldOut) -> Bound | None:
     """None where the catalogue does not have the truth at its joint."""
     best = _at_best(search, truth)
     if best is None:

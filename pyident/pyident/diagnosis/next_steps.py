@@ -7,7 +7,7 @@ from dataclasses import replace
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, with_law
-from pyident.diagnosis.base.residual_over_floor import set_up, steadied
+from pyident.diagnosis.base.residual_over_floor import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
 from pyident.diagnosis.result import Diagnosis, Finding, Named
@@ -85,7 +85,7 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
 def with_dependences(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
-    with open_workers(examination.setting.simulated) as workers:
+    with workers_of(examination.setting, open_workers) as workers:
         leads = depends_on(examination, search.base, workers)
     if not draft or not leads.dependences:
         return replace(found, depends_on=(*found.depends_on, *leads.sentences))

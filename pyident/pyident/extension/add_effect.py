@@ -22,7 +22,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import gain, solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, set_up, unbiased
+from pyident.diagnosis.base.residual_over_floor import Setting, in_closed_loop, set_up, unbiased
 from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
@@ -156,7 +156,7 @@ class _Fit:
 
 def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
-    setting = set_up(robot, parts.fitted, rules)
+    setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)

@@ -15,10 +15,19 @@ class SearchRules:
     level: float = rule(0.05, "chance of a name when nothing is missing", "the usual level", "convention")
     material: float = rule(0.005, "floor's energy that a gain reaches", "less is not worth a name", _TUNING)
     explained: tuple[float, ...] = rule(
-        (0.5, 0.65, 0.8),
-        "excess that a set of one, two, three or more effects takes away",
+        (0.4, 0.65, 0.8),
+        "excess on its equations that a set of one, two, three or more effects takes away",
         "a true effect explains 80 to 140 %, a wrong neighbour 13 %; more effects must explain more",
         _TX40,
+    )
+    unseen: float = rule(
+        0.5,
+        "share of the fitted logs that a set must take on held-out ones",
+        "what is learnt by heart takes next to nothing there; a true effect takes as much",
+        "a cable over two joints read as saturation: 57 % fitted, 2 % held out",
+    )
+    unseen_excess: float = rule(
+        0.2, "floor's energy: held-out logs that exceed it by less have nothing to explain", "noise", _TUNING
     )
     part: float = rule(
         0.1, "excess that each effect of a set takes away", "remainders are shared by many", _TUNING
@@ -54,6 +63,18 @@ class SearchRules:
         1.0,
         "floor's energy by which a residual exceeds it",
         "the noise itself is known that well only",
+        _TUNING,
+    )
+    worthless: float = rule(
+        0.2,
+        "a joint's torque that the floor reaches: 'nothing' then says little",
+        "goal of the project",
+        "none",
+    )
+    below_floor: float = rule(
+        0.7,
+        "floor's rms: a residual below it shows that the replicas are too noisy",
+        "their own scatter",
         _TUNING,
     )
     own_trace: float = rule(

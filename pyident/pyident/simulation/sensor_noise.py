@@ -33,8 +33,8 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     """
     rng = np.random.default_rng(0)
     kinds = [[c for c in robot.coordinates if c.endswith(".e")], [c for c in robot.coordinates if "eps" in c]]
-    if robot.controller is None:
-        kinds.append([f"joint{k}.tau" for k, _ in robot.numbered])
+    if robot.controller is None:  # each torque is a kind of its own: motors differ in size
+        kinds += [[f"joint{k}.tau"] for k, _ in robot.numbered]
     kinds = [kind for kind in kinds if kind]
     channels = [channel for kind in kinds for channel in kind]
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}

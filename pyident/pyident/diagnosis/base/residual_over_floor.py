@@ -1,6 +1,7 @@
 """A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
-from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base
+from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solve_base
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Reduced, Solution, reduce, solve, solve_weighted
 from pyident.logs.log import Log
@@ -17,9 +18,12 @@ from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import Repeat, repeat
+from pyident.simulation.along import AlongMotion, along
+from pyident.simulation.replica import OpenWorkers, Repeat, repeat
 from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.workers import workers_with
 
+_BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -35,7 +39,7 @@ class Setting:
 
     robot: Robot
     simulated: Robot
-    repeats: tuple[Repeat, ...]
+    repeats: tuple[Repeat | AlongMotion, ...]
     noise: dict[str, float]
     reduced: Reduced
     solution: Solution
@@ -45,6 +49,11 @@ class Setting:
     @property
     def logs(self) -> list[Log]:
         return [r.log for r in self.repeats]
+
+    @property
+    def simulates(self) -> bool:
+        """Whether its replicas are simulated, else they go along the measured motion."""
+        return all(isinstance(r, Repeat) for r in self.repeats)
 
 
 @dataclass(frozen=True)
@@ -85,8 +94,27 @@ def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
-    repeats = [repeat(fitted, log) for log in logs]
-    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution, rules=rules)
+    setting = Setting(fitted, fitted, (), noise, reduced, solution, rules=rules)
+    if loop_is_known(fitted, logs) or any(joint.flexible for joint in fitted.joints):
+        return in_closed_loop(setting, logs)
+    return replace(setting, repeats=tuple(along(fitted, log, noise, solution.covariance) for log in logs))
+
+
+def loop_is_known(robot: Robot, logs: Sequence[Log]) -> bool:
+    """Whether the robot's file has the controller and every log its references."""
+    references = [f"joint{k}.r" for k, _ in robot.numbered]
+    return robot.controller is not None and all(r in log.frame for log in logs for r in references)
+
+
+def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
+    """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
+    repeats = [repeat(setting.robot, log) for log in logs]
+    return replace(setting, simulated=repeats[0][0], repeats=tuple(r for _, r in repeats))
+
+
+def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:
+    """Processes for the setting's replicas: with its FMU where they are simulated."""
+    return open_workers(setting.simulated) if setting.simulates else workers_with(nullcontext)
 
 
 def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:
@@ -139,15 +167,21 @@ def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
         residuals += left
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
-    data = whitened(robot, logs, level)
+    level, data, base = balanced(level, whitened(robot, logs, level))
     listed = candidates(robot, data)
-    jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
-    base = solve_base(data)
     gains = gains_of(robot, data, base, level, listed)
+    if setting.simulates:
+        jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
+    else:
+        jobs = [workers.submit(_left, robot, made, level) for made in replicas]
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
+    if setting.simulates:
+        replica_gains = np.array([g for g, _ in judged])
+    else:
+        replica_gains = _along_same_motion(robot, data, base, level, listed, [left for left, _ in judged])
     mean_square, number = energy(data, base)
     return Examination(
         setting,
@@ -156,20 +190,38 @@ def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
         base,
         listed,
         gains,
-        np.array([g for g, _ in judged]),
+        replica_gains,
         mean_square,
         np.array([e for _, e in judged]),
         number,
     )
 
 
-def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat], seed: int) -> list[Log]:
+def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equations], Base]:
+    """Floor, equations and their base with no equation heavier than what it leaves allows.
+
+    An equation that lacks something would else bend the parameters of all others to its own ends.
+    """
+    ratio = np.ones(len(level.rms))
+    whitened_data = list(data)
+    base = solve_base(whitened_data)
+    for _ in range(_BALANCING):
+        count = sum(r.shape[1] for r in base.residual)
+        left = np.sqrt(sum(np.square(r).sum(axis=1) for r in base.residual) / count)
+        scale = np.maximum(ratio * left, 1.0) / ratio
+        ratio = ratio * scale
+        whitened_data = [e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in whitened_data]
+        base = solve_base(whitened_data)
+    return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
+
+
+def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int) -> list[Log]:
     """Logs as the setting's robot would have made them."""
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
     seeds = rng.integers(2**31, size=len(repeats))
     parameters = setting.robot.parameters | dict(setting.solver)
     return [
-        r.replica(fmu.simulate, parameters, setting.noise, int(s))
+        r.replica(fmu.simulate if fmu else None, parameters, setting.noise, int(s))
         for r, s in zip(repeats, seeds, strict=True)
     ]
 
@@ -196,6 +248,27 @@ def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Seq
     data = whitened(robot, logs, level)
     base = solve_base(data)
     return [g.energy for g in gains_of(robot, data, base, level, listed)], energy(data, base)[0]
+
+
+def _left(_: Any, robot: Robot, logs: Sequence[Log], level: Floor) -> tuple[list[np.ndarray], np.ndarray]:
+    """Residual and its energy in a replica."""
+    data = whitened(robot, logs, level)
+    base = solve_base(data)
+    return base.residual, energy(data, base)[0]
+
+
+def _along_same_motion(
+    robot: Robot,
+    data: Sequence[Equations],
+    base: Base,
+    level: Floor,
+    listed: Sequence[Candidate],
+    residuals: Sequence[Sequence[np.ndarray]],
+) -> np.ndarray:
+    """(B, C) gains in replicas that share the data's motion but for noise, and so its columns."""
+    levels = [level.at(e.band) for e in data]
+    found = [gains_over(base, columns(robot, c, data, levels), residuals, *bounds(robot, c)) for c in listed]
+    return np.array(found).T
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:

@@ -88,6 +88,13 @@ class Search:
             base = extended(base, self.columns(candidate))
         return replace(self, base=base, chosen=tuple(chosen))
 
+    def with_further(self, candidates: Sequence[Candidate]) -> "Search":
+        """The search that rests on further candidates as well."""
+        base = self.base
+        for candidate in candidates:
+            base = extended(base, self.columns(candidate))
+        return replace(self, base=base, chosen=(*self.chosen, *candidates))
+
     def without(self, candidate: Candidate) -> "Search":
         """The search that rests on all but one of those that this one rests on."""
         return self.resting_on([c for c in self.chosen if c != candidate])
@@ -112,9 +119,11 @@ class Search:
         for number, at in enumerate(self.families.members.values()):
             candidate, explained = self._best_proper(at, gains)
             found.append(self._found(candidate, explained, number))
-        top = max(f.excess for f in found)
+        joints = {f.candidate.joint for f in found}
+        top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
         better = [
-            self._refined(f, n) if f.excess > self.rules.refine * top else f for n, f in enumerate(found)
+            self._refined(f, n) if f.excess > self.rules.refine * top[f.candidate.joint] else f
+            for n, f in enumerate(found)
         ]
         ranked = sorted(better, key=lambda f: (self.p_value(f) > self.rules.level, -f.excess))
         return self.led_by(ranked[0], ranked)
@@ -164,8 +173,9 @@ class Search:
     def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
         """Further parameters must take away most of what fewer leave, else the law with fewer is as good."""
         first = tie[0]
+        remaining = self.remaining_on(self.rows(first.candidate)) if len(tie) > 1 else 0.0
         for f in sorted(tie, key=lambda f: f.freedom):
-            left, best_left = (max(self.remaining - g.excess, self.rules.chance**2) for g in (f, first))
+            left, best_left = (max(remaining - g.excess, self.rules.chance**2) for g in (f, first))
             if f.freedom < first.freedom and best_left > self.rules.parameter * left:
                 first = f
         return [first, *(f for f in tie if f is not first)]
@@ -202,6 +212,16 @@ class Search:
         """The same of the present base."""
         return max(self.base.energy - self.floor_energy, 0.0)
 
+    def floor_energy_on(self, rows: Sequence[int]) -> float:
+        """`floor_energy` of some equations only."""
+        return float(self.examination.floor_energies[list(rows)].sum())
+
+    @property
+    def over_floor(self) -> np.ndarray:
+        """(n,) energy that the present base leaves on each equation over that of replicas."""
+        left = sum(np.square(r).sum(axis=1) for r in self.base.residual)
+        return np.asarray(left) / np.maximum(self.examination.floor_energies, 1e-300)
+
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
         return self.beyond_floor(self.examination.base, rows)
@@ -217,10 +237,8 @@ class Search:
 
     @property
     def stands_out(self) -> bool:
-        """Whether the residual exceeds the replicas' by far, in all or in a band of a row."""
-        ex = self.examination
-        of_band = (ex.energy - ex.replica_energy.mean(axis=0)) * ex.count
-        return max(self.excess, float(of_band.max())) > self.rules.stands_out * self.floor_energy
+        """Whether the present base leaves by far more than replicas do on any equation."""
+        return bool((self.over_floor > 1 + self.rules.stands_out).any())
 
     def needed(self, family: int) -> float:
         """Gain a family (by number) would need to be named."""
