@@ -47,7 +47,7 @@ def _joint(table: Table, k: int, joints: int) -> Joint:
         values={},
         bends=len(hinge.get("stiffness", "bends")) != 1,
         parent=_parent(table, k),
-        name=str(table.get("name")) if "name" in table else "",
+        name=table.text("name") if "name" in table else "",
         limits=_limits(table.table("limits")) if "limits" in table else None,
     )
     joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
@@ -115,6 +115,7 @@ def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
         origin=table.vector("origin", 3, (0.0, 0.0, 0.0)),
         follows=factors,
         parent=_parent(table, k),
+        geared=table.flag("geared"),
     )
     table.done()
     return joint

@@ -9,6 +9,7 @@ import numpy as np
 from flexmodels.atomic import replacing
 from flexmodels.robot import Joint, Link, Robot, RobotError
 
+KEPT = frozenset({"coulomb", "viscous"})
 _ROUNDING = 1e-9  # of an inertia's size: how far a principal value may miss the triangle inequality
 
 
@@ -92,7 +93,7 @@ def _left_out(robot: Robot) -> list[str]:
     if flexible:
         notes.append(f"the flexible hinges of joints {', '.join(flexible)} are locked: a URDF has none")
     laws = {law for joint in robot.joints for law, values in joint.values.items() if any(values.values())}
-    others = sorted(laws - {"coulomb", "viscous", "stiffness", "damping"})
+    others = sorted(laws - KEPT - {"stiffness", "damping"})
     if others:
         notes.append(f"a URDF has no place for {', '.join(others)}; they are left out")
     return notes

@@ -254,7 +254,9 @@ def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
     what = "the tip" if name == "tip" else f"joint {joint_of(name)}"
     what += "'s torque" if trial.tracks else ""
     by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
-    return f"In simulation {what} misses by {by}."
+    note = next((r.note for r in trial.judged if r.note), None)
+    why = f" The simulation follows the measured motion ({note})." if note else ""
+    return f"In simulation {what} misses by {by}.{why}"
 
 
 def _force_unit(robot: Robot, name: str) -> str:

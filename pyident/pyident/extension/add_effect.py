@@ -27,7 +27,7 @@ from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers, repeat
+from pyident.simulation.replica import OpenWorkers, repeat_like
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules,
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)
-        judged = tuple(repeat(setting.robot, log)[1] for log in parts.judged)
+        judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
         trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)

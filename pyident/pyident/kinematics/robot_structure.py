@@ -19,6 +19,11 @@ def of_robot(robot: Robot) -> Structure:
     passive joints is found from the pins alone, never from `follows`. The structure's q is in the order of
     `robot.coordinates`, its bodies in that of `robot.links`.
     """
+    if any(joint.geared for joint in robot.passive):
+        raise StructureError(
+            f"robot {robot.name} has a joint that a gear turns, which is simulated but not identified yet; "
+            "make its body part of the link it sits on"
+        )
     parts, place, ends = _Parts(), {}, [(0, 0)]
     for (k, joint), parent in zip(robot.numbered, robot.parents, strict=False):
         at = parts.beam(ends[parent], np.array(joint.origin))

@@ -19,7 +19,8 @@ from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
-from pyident.simulation.replica import OpenWorkers, Repeat, repeat
+from pyident.simulation.recorded import loop_of
+from pyident.simulation.replica import OpenWorkers, Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.workers import workers_with
 
@@ -95,21 +96,16 @@ def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
     setting = Setting(fitted, fitted, (), noise, reduced, solution, rules=rules)
-    if loop_is_known(fitted, logs) or any(joint.flexible for joint in fitted.joints):
+    loop_is_known = all(loop_of(fitted, log) is None for log in logs)
+    if loop_is_known or any(joint.flexible for joint in fitted.joints):
         return in_closed_loop(setting, logs)
     return replace(setting, repeats=tuple(along(fitted, log, noise, solution.covariance) for log in logs))
 
 
-def loop_is_known(robot: Robot, logs: Sequence[Log]) -> bool:
-    """Whether the robot's file has the controller and every log its references."""
-    references = [f"joint{k}.r" for k, _ in robot.numbered]
-    return robot.controller is not None and all(r in log.frame for log in logs for r in references)
-
-
 def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
-    repeats = [repeat(setting.robot, log) for log in logs]
-    return replace(setting, simulated=repeats[0][0], repeats=tuple(r for _, r in repeats))
+    simulated, made_again = repeats(setting.robot, logs)
+    return replace(setting, simulated=simulated, repeats=made_again)
 
 
 def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:

@@ -23,7 +23,7 @@ from pyident.diagnosis.base.residual_over_floor import Setting, energy, replica_
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
-from pyident.simulation.replica import OpenWorkers, Repeat, repeat
+from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
 
 _REPLICAS = 4  # of which a signature is the mean
 _ROUNDS, _PROBES = 4, 2  # of the removal of the bias
@@ -100,7 +100,7 @@ class _Judge:
     def trace(self, candidate: Candidate) -> Trace | None:
         """None where the model with the law cannot be simulated."""
         setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
-        others = tuple(repeat(setting.robot, log)[1] for log in self.heldout)
+        others = tuple(repeat_like(setting.simulated, setting.robot, log) for log in self.heldout)
         try:
             with self.open_workers(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)
