@@ -13,14 +13,8 @@ from typing import Any
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, parameter_name
 from pyident.checks.channels import integrity
-from pyident.diagnosis.base.residual_over_floor import (
-    Setting,
-    examine,
-    set_up,
-    steadied,
-    unbiased,
-    workers_of,
-)
+from pyident.diagnosis.base.residual_over_floor import examine
+from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.next_steps import OpenRivals, with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage

@@ -7,7 +7,7 @@ from dataclasses import replace
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, with_law
-from pyident.diagnosis.base.residual_over_floor import set_up, steadied, workers_of
+from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
 from pyident.diagnosis.result import Diagnosis, Finding, Named

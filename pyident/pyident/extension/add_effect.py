@@ -22,7 +22,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import gain, solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, in_closed_loop, set_up, unbiased
+from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations

@@ -38,7 +38,11 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     """
     known = torque_noise(robot, logs)
     rng = np.random.default_rng(0)
-    kinds = [[c for c in robot.coordinates if c.endswith(".e")], [c for c in robot.coordinates if "eps" in c]]
+    hinges, sliders = (
+        [f"joint{k}.e" for k, joint in robot.numbered if joint.kind == kind]
+        for kind in ("revolute", "prismatic")
+    )
+    kinds = [hinges, sliders, [c for c in robot.coordinates if "eps" in c]]
     if not known:  # each torque is a kind of its own: motors differ in size
         kinds += [[f"joint{k}.tau"] for k, _ in robot.numbered]
     kinds = [kind for kind in kinds if kind]
@@ -82,11 +86,11 @@ def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
             found.setdefault(f"joint{k}.tau", []).append(
                 _white(values, _ROUNDING * float(np.abs(torque).max()))
             )
-    return {name: float(np.median(each)) for name, each in found.items()}
+    return {name: float(np.sqrt(np.mean(np.square(each)))) for name, each in found.items()}
 
 
 def _white(values: np.ndarray, least: float) -> float:
-    """Standard deviation of the white noise in a smooth signal, from its highest frequencies; 0 below least."""
+    """Standard deviation of white noise in a smooth signal, by its highest frequencies; 0 below least."""
     window = np.hanning(len(values))
     S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
     sigma = float(np.sqrt(np.median(S[int(_WHITE_FROM * len(S)) :]) / np.log(2)))

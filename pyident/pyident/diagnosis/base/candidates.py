@@ -35,8 +35,13 @@ class Candidate:
         return Candidate(self.effect, self.joint, tuple(values.items()), self.log)
 
 
-def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
-    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters."""
+def candidates(
+    robot: Robot, logs: Sequence[Equations], orders: Mapping[int, Sequence[float]] | None = None
+) -> list[Candidate]:
+    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters.
+
+    orders   joint -> orders per turn that periodic laws are tried at besides those of their grid
+    """
     found = []
     motions = [log.part.motion for log in logs]
     for joint, present in robot.numbered:
@@ -47,6 +52,8 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
+            if any(p.name == "order" for p in effect.nonlinear):
+                grid = [*grid, *({**grid[0], "order": order} for order in (orders or {}).get(joint, ()))]
             scopes = range(len(logs)) if effect.body else (None,)
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid

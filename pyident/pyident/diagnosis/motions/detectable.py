@@ -52,19 +52,22 @@ def limit_of(
 
 
 def rows_over_floor(ex: Examination) -> list[Row]:
-    """Every equation's residual, per band of frequency, and over the replicas'."""
-    robot, out = ex.setting.robot, []
-    bands = tuple(zip(EDGES, (*EDGES[1:], ex.floor.frequencies[-1]), strict=True))
+    """Every equation's residual, rms in every band of frequency, and over the replicas'."""
+    robot, out, top = ex.setting.robot, [], float(ex.floor.frequencies[-1])
+    edges = [edge for edge in EDGES if edge < top]
+    bands = tuple(zip(edges, (*edges[1:], top), strict=True))
     mean = ex.replica_energy.mean(axis=0)
+    at = np.digitize(ex.floor.frequencies, edges) - 1
+    part_of_all = np.sqrt(ex.count / sum(log.band.length for log in ex.logs))  # a band's rms per its level
     for c, coordinate in enumerate(robot.coordinates):
         joint, name = coordinate.split(".", 1)
-        at = np.digitize(ex.floor.frequencies, EDGES) - 1
-        level = [
-            float(np.sqrt(np.mean(ex.floor.rms[c][at == b] ** 2))) if (at == b).any() else 0.0
-            for b in range(len(EDGES))
-        ]
-        ratio = np.sqrt(ex.energy[c] / np.maximum(mean[c], 1e-12))
-        rms = np.sqrt(ex.energy[c]) * level
+        squares = np.square(ex.floor.rms[c])
+        level = np.array(
+            [np.sqrt(np.mean(squares[at == b])) if (at == b).any() else 0.0 for b in range(len(edges))]
+        )
+        found = np.sqrt(ex.energy[c, : len(edges)])
+        ratio = found / np.sqrt(np.maximum(mean[c, : len(edges)], 1e-12))
+        rms = found * level * part_of_all[: len(edges)]
         out.append(Row(coordinate, joint, BALANCES[name], bands, tuple(rms.tolist()), tuple(ratio.tolist())))  # pyright: ignore
     return out
 

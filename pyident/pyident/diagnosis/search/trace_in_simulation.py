@@ -19,7 +19,8 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, parameter_name
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.projection import solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, energy, replica_of, set_up, unbiased, whitened
+from pyident.diagnosis.base.residual_over_floor import energy, whitened
+from pyident.diagnosis.base.setting import Setting, replica_of, set_up, unbiased
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor

@@ -71,6 +71,8 @@ class Peak:
 def spectrum(base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over) -> Spectrum:
     """A residual's amplitudes over a grid of frequencies or orders."""
     at = _grid(logs, over)
+    if not len(at):  # an axis at rest passes no period
+        return Spectrum(over, at, at, at, at)
     energy, amplitude = np.array([_held(base, logs, levels, over, x) for x in at]).T
     quiet = percentile_filter(energy, _QUIET, _NEIGHBOURS, mode="reflect")
     typical = quiet / chi2.ppf(_QUIET / 100, _freedom(logs, over))

@@ -13,7 +13,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, Setting, replica_of, whitened
+from pyident.diagnosis.base.residual_over_floor import Examination, whitened
+from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
