@@ -11,7 +11,8 @@ import pandas as pd
 from pinocchio_model import PinocchioRobot
 
 from flexmodels.files.robot_file import load_robot
-from flexmodels.robot import Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 from pyident.logs.log import Log
 
 RATE, DURATION = 100.0, 30.0  # Hz, s

@@ -167,7 +167,7 @@ def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
         frame = r.simulated(fmu.simulate, robot.parameters)
         time = frame["time"].to_numpy()
         late = time >= since
-        names = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered), *TIP]
+        names = [*robot.coordinates, *robot.torques, *TIP]
         missed = {
             name: (log.frame[name] - frame[name]).to_numpy()[late]
             for name in names

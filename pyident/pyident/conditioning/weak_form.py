@@ -21,7 +21,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodels.robot import Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 from pyident.conditioning.filters import settling, without_phase
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
@@ -51,7 +52,7 @@ class Recipe:
     @property
     def names(self) -> list[str]:
         """The signals that it needs, in their order: coordinates, torques, time."""
-        return [*self.robot.coordinates, *(f"joint{k}.tau" for k, _ in self.robot.numbered), "time"]
+        return [*self.robot.coordinates, *self.robot.torques, "time"]
 
     @property
     def border(self) -> int:

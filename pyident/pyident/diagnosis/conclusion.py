@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodels.robot import parameter_name
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import law_of
-from pyident.diagnosis.motions.detectable import BALANCES, limits, rows_over_floor
+from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
@@ -79,7 +80,7 @@ def named(search: Search, found: Found) -> Named:
     units = robot.with_effect(c.joint, c.effect).units
     return Named(
         effect=c.effect,
-        joint=f"joint{c.joint}",
+        joint=joint_name(c.joint),
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},
@@ -99,14 +100,14 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in search.rows(c)}
-    for row, coordinate in enumerate(robot.coordinates):
-        joint, name = coordinate.split(".", 1)
+    for row, coordinate in enumerate(robot.q):
         left = after[row] > 1 + ex.setting.rules.search.stands_out
         state = "unexplained" if left else "explained" if row in acting else "in_order"
         refusal = next((r for r in selection.refusals if row in r.rows), None)
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""
-        yield Place(joint, BALANCES[name], state, ratio, floor[row], reason)  # pyright: ignore
+        joint = joint_name(coordinate.joint)
+        yield Place(joint, coordinate.side, state, ratio, floor[row], reason)
 
 
 def _said(refusal: Refusal) -> str:
@@ -119,14 +120,14 @@ def _floor_percent(search: Search) -> list[float]:
     ex, robot = search.examination, search.robot
     level = np.mean(np.square(ex.floor.rms), axis=1) * ex.floor_energies / sum(e.y.shape[1] for e in ex.logs)
     out = []
-    for row, coordinate in enumerate(robot.coordinates):
+    for row, coordinate in enumerate(robot.q):
         signals = []
         for log in ex.logs:
             part = log.part
             if row < len(robot.joints):
                 own = part.target[:, row]
             else:
-                own = robot.parameters[coordinate.replace("eps", "k")] * part.motion.q[:, row]
+                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
         out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
     return out

@@ -10,8 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.checks.channels import integrity
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
@@ -142,4 +144,4 @@ def _traced(search: Search, trace: Trace) -> Named:
     c, robot = trace.candidate, trace.setting.robot
     units = {name: robot.units[parameter_name(c.joint, c.effect, name)] for name in values}
     fixed = tuple(name for name, _ in c.values)
-    return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained, nonlinear=fixed)
+    return Named(c.effect, joint_name(c.joint), values, std, units, 100 * trace.explained, nonlinear=fixed)

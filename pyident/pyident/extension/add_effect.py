@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
 from flexmodels.robot import Robot, RobotError
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.compare import Error, LogErrors, log_errors
@@ -190,7 +191,7 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
         return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
 
     best = refined(robot, max(listed, key=explained), listed, explained)
-    names = {name: f"joint{joint}.{effect}.{name}" for name, _ in best.values}
+    names = {name: of_joint(joint, f"{effect}.{name}") for name, _ in best.values}
     return wider.with_parameters({names[name]: value for name, value in best.values})
 
 
@@ -217,18 +218,16 @@ def _acts_on(robot: Robot, joint: int, effect: str) -> list[str]:
     if law.body:
         return list(robot.coordinates)
     named = {str(q) for q in law.forces}
-    flat = {c: c.replace("[", "").replace("]", "") for c in robot.coordinates}
-    wanted = {f"joint{joint}.{n}" for n in named if not n.startswith("beyond.")}
-    wanted |= {f"joint{joint + 1}.{n.removeprefix('beyond.')}" for n in named if n.startswith("beyond.")}
-    return [c for c, name in flat.items() if name in wanted]
+    wanted = {signal_of(joint, name) for name in named}
+    return [c.name for c in robot.q if c.signal in wanted]
 
 
 def _telling(trial: Trial, errors: Sequence[LogErrors]) -> list[str]:
     """Signals by which the simulation is judged: motor torques where it tracks the measured motion."""
     names = list(errors[0].simulation)
     if trial.tracks:
-        return [n for n in names if n.endswith(".tau")]
-    return [n for n in names if not n.endswith(".tau") and n != "tip"]
+        return [n for n in names if is_torque(n)]
+    return [n for n in names if not is_torque(n) and n != "tip"]
 
 
 def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names: Sequence[str]) -> float:
@@ -249,7 +248,7 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
         float(np.sqrt(np.mean(np.square(v))))
         for v in ([b.rmse for b, _ in listed], [a.rmse for _, a in listed], [a.floor for _, a in listed])
     ]
-    what = "simulated" if kind == "simulation" else "torque" if name.endswith(".e") else "moment"
+    what = "simulated" if kind == "simulation" else "torque" if is_motor(name) else "moment"
     return Step(f"{what} {name}", listed[0][0].unit, *rms)
 
 

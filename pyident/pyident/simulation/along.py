@@ -50,7 +50,7 @@ class AlongMotion:
         )
         frame = self.log.frame.copy()
         made = dict(zip(self.robot.coordinates, self.motion.q.T, strict=True))
-        made |= {f"joint{k + 1}.tau": torque[:, k] for k in range(joints)}
+        made |= dict(zip(self.robot.torques, torque.T, strict=True))
         for name, values in made.items():
             noisy = values + noise.get(name, 0.0) * rng.standard_normal(len(values))
             step = self.steps.get(name, 0.0)
@@ -65,16 +65,15 @@ def along(
 
     noise   signal -> standard deviation of its sensor
     """
-    joints = [k for k, _ in robot.numbered]
     measured = log.signals(robot.coordinates)
-    tau = log.signals([f"joint{k}.tau" for k in joints])
+    tau = log.signals(robot.torques)
     time = log.signals(["time"])[:, 0]
     q = np.column_stack(
         [smooth(x, noise.get(name, 0.0)) for x, name in zip(measured.T, robot.coordinates, strict=True)]
     )
     wide = _extended(q)
     q, dq, ddq = central_differences(wide, log.period)
-    names = [*robot.coordinates, *(f"joint{k}.tau" for k in joints)]
+    names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
     motion = Motion(q, dq, ddq, tau, time - time[0])
     return AlongMotion(log, robot, motion, steps, _spread(covariance, len(robot.linear_parameters)))

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.robot import Controller, Robot
+from flexmodels.coordinate import feedforward_of
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
 from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
@@ -59,7 +61,7 @@ def feedforward(robot: Robot, log: Log, speed: np.ndarray) -> np.ndarray:
     speed   (joints,) at which its simulation enters the log
     The log has references; `recoverable` tells whether what is recovered can be relied on.
     """
-    names = [f"joint{k}.tau_ff" for k, _ in robot.numbered]
+    names = [feedforward_of(k) for k, _ in robot.numbered]
     given = log.frame.reindex(columns=names).to_numpy(dtype=float, copy=True)
     missing = [name not in log.frame for name in names]
     if any(missing) and robot.controller is not None:
@@ -85,7 +87,7 @@ def misfits(robot: Robot, log: Log) -> list[Misfit]:
     assert robot.controller is not None
     listed = []
     for k, _ in robot.numbered:
-        if f"joint{k}.tau_ff" in log.frame:
+        if feedforward_of(k) in log.frame:
             continue
         r, e, tau = (log.frame[f"joint{k}.{s}"].to_numpy(dtype=float) for s in ("r", "e", "tau"))
         gain, std = _answer(r, r - e, tau)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import feedforward_of, reference_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log
@@ -38,9 +39,9 @@ def loop_of(robot: Robot, log: Log) -> str | None:
     if robot.controller is None:
         return f"robot {robot.name} has no [controller]"
     for k, _ in robot.numbered:
-        if f"joint{k}.r" not in log.frame:
+        if reference_of(k) not in log.frame:
             return f"column joint{k}.r is missing, the reference that a simulation follows"
-    if all(f"joint{k}.tau_ff" in log.frame for k, _ in robot.numbered):
+    if all(feedforward_of(k) in log.frame for k, _ in robot.numbered):
         return None
     if not recoverable(robot, log):
         return (
@@ -53,7 +54,7 @@ def loop_of(robot: Robot, log: Log) -> str | None:
 
 def recorded(robot: Robot, log: Log) -> Recorded:
     """The references and the feed-forward of a log that `loop_of` says nothing against."""
-    reference = log.signals([f"joint{k}.r" for k, _ in robot.numbered])
+    reference = log.signals([reference_of(k) for k, _ in robot.numbered])
     return with_lead(log, reference, feedforward(robot, log, start_speed(log, reference)))
 
 

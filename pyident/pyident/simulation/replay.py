@@ -45,5 +45,5 @@ def replay_of(robot: Robot, log: Log) -> Replay:
     obstacle = loop_of(robot, log)
     if obstacle:
         raise LogError(f"{log.source}: {obstacle}")
-    channels = (*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered))
+    channels = (*robot.coordinates, *robot.torques)
     return Replay(log, recorded(robot, log), log.signals(channels), channels)

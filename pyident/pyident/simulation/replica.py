@@ -14,8 +14,10 @@ import numpy as np
 import pandas as pd
 from scipy.fft import rfft
 
+from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
-from flexmodels.robot import Controller, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
 from pyident.logs.log import Log
 from pyident.regression.regressor import Motion, regressor
 from pyident.simulation.feedforward import carrying_torque
@@ -90,8 +92,8 @@ def _in_loop(robot: Robot, log: Log) -> Repeat:
 def _along(robot: Robot, log: Log, note: str) -> Repeat:
     """The measured motion as reference, the measured torque as feed-forward."""
     joints = [k for k, _ in robot.numbered]
-    tau = log.signals([f"joint{k}.tau" for k in joints])
-    measured = log.signals([f"joint{k}.e" for k in joints])
+    tau = log.signals([torque_of(k) for k in joints])
+    measured = log.signals([motor_of(k) for k in joints])
     weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
     return Repeat(log, Experiment(time - time[0], measured, tau - weight), note=note)
@@ -105,10 +107,10 @@ def with_noise(
     A controller that reads e + n at the reference r does what it does with e at r - n.
     """
     joints = range(1, plan.reference.shape[1] + 1)
-    seen = np.column_stack([noise.get(f"joint{k}.e", np.zeros(len(plan.time))) for k in joints])
+    seen = np.column_stack([noise.get(motor_of(k), np.zeros(len(plan.time))) for k in joints])
     frame = run(replace(plan, reference=plan.reference - seen))
     for k in joints:
-        frame[f"joint{k}.r"] = plan.reference[:, k - 1]
+        frame[reference_of(k)] = plan.reference[:, k - 1]
     for name, values in noise.items():
         frame[name] = frame[name] + values
     return frame

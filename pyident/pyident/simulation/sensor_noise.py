@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import nnls
 
+from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
@@ -39,12 +40,12 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     known = torque_noise(robot, logs)
     rng = np.random.default_rng(0)
     hinges, sliders = (
-        [f"joint{k}.e" for k, joint in robot.numbered if joint.kind == kind]
+        [c.name for c in robot.q if c.is_motor and robot.joints[c.joint - 1].kind == kind]
         for kind in ("revolute", "prismatic")
     )
-    kinds = [hinges, sliders, [c for c in robot.coordinates if "eps" in c]]
+    kinds = [hinges, sliders, [c.name for c in robot.q if not c.is_motor]]
     if not known:  # each torque is a kind of its own: motors differ in size
-        kinds += [[f"joint{k}.tau"] for k, _ in robot.numbered]
+        kinds += [[name] for name in robot.torques]
     kinds = [kind for kind in kinds if kind]
     unknown = [channel for kind in kinds for channel in kind]
     channels = [*unknown, *(name for name, sigma in known.items() if sigma > 0)]
@@ -66,7 +67,7 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
 
 
 def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
-    """joint{k}.tau -> standard deviation of its white noise; empty where the controller does not tell it.
+    """Torque -> standard deviation of its white noise; empty where the controller does not tell it.
 
     The law of the controller holds sample by sample, so what is left of the torque is the feed-forward, which
     is smooth, and noise, which is not.
@@ -78,14 +79,12 @@ def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
     found: dict[str, list[float]] = {}
     for log in logs:
         joints = [k for k, _ in robot.numbered]
-        r, e, tau = (log.signals([f"joint{k}.{s}" for k in joints]) for s in ("r", "e", "tau"))
-        names = [f"joint{k}.tau_ff" for k in joints]
+        r, e, tau = (log.signals([name(k) for k in joints]) for name in (reference_of, motor_of, torque_of))
+        names = [feedforward_of(k) for k in joints]
         given = log.frame.reindex(columns=names).fillna(0.0).to_numpy()
         rest = tau - controller_torque(robot.controller, r, e) - given
         for k, values, torque in zip(joints, rest.T, tau.T, strict=True):
-            found.setdefault(f"joint{k}.tau", []).append(
-                _white(values, _ROUNDING * float(np.abs(torque).max()))
-            )
+            found.setdefault(torque_of(k), []).append(_white(values, _ROUNDING * float(np.abs(torque).max())))
     return {name: float(np.sqrt(np.mean(np.square(each)))) for name, each in found.items()}
 
 

@@ -1,4 +1,4 @@
-"""What data and replicas share: the fitted robot, how each log is made again, its noise, the bias of the fit."""
+"""What data and replicas share: the fitted robot, how each log is made again, noise, the bias of the fit."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext

@@ -4,7 +4,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import Gain
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
@@ -15,7 +17,6 @@ from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
-BALANCES = {"e": "motor", "eps[1]": "transmission", "eps[2]": "link", "eps[3]": "link"}
 
 
 def limits(search: Search) -> Iterator[Limit]:
@@ -47,7 +48,7 @@ def limit_of(
     units = robot.with_effect(c.joint, c.effect).units
     names = {name: units[parameter_name(c.joint, c.effect, name)] for name in smallest}
     return Limit(
-        c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else ""
+        c.effect, joint_name(c.joint), smallest, names, share, reason, law.experiment if reason else ""
     )
 
 
@@ -59,8 +60,7 @@ def rows_over_floor(ex: Examination) -> list[Row]:
     mean = ex.replica_energy.mean(axis=0)
     at = np.digitize(ex.floor.frequencies, edges) - 1
     part_of_all = np.sqrt(ex.count / sum(log.band.length for log in ex.logs))  # a band's rms per its level
-    for c, coordinate in enumerate(robot.coordinates):
-        joint, name = coordinate.split(".", 1)
+    for c, coordinate in enumerate(robot.q):
         squares = np.square(ex.floor.rms[c])
         level = np.array(
             [np.sqrt(np.mean(squares[at == b])) if (at == b).any() else 0.0 for b in range(len(edges))]
@@ -68,7 +68,9 @@ def rows_over_floor(ex: Examination) -> list[Row]:
         found = np.sqrt(ex.energy[c, : len(edges)])
         ratio = found / np.sqrt(np.maximum(mean[c, : len(edges)], 1e-12))
         rms = found * level * part_of_all[: len(edges)]
-        out.append(Row(coordinate, joint, BALANCES[name], bands, tuple(rms.tolist()), tuple(ratio.tolist())))  # pyright: ignore
+        joint = joint_name(coordinate.joint)
+        found_in = tuple(rms.tolist()), tuple(ratio.tolist())
+        out.append(Row(coordinate.name, joint, coordinate.side, bands, *found_in))
     return out
 
 
@@ -78,10 +80,10 @@ def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, fl
     found = []
     for name, amplitude in smallest.items():
         row, column = next(iter(slopes[name].items()))
-        if row < len(robot.joints):
+        stiffness = robot.q[row].stiffness
+        if stiffness is None:
             own = log.part.target[:, row]
         else:
-            coordinate = robot.coordinates[row]
-            own = robot.parameters[coordinate.replace("eps", "k")] * log.part.motion.q[:, row]
+            own = robot.parameters[stiffness] * log.part.motion.q[:, row]
         found.append(100 * amplitude * float(np.sqrt(np.mean(column**2) / max(np.mean(own**2), 1e-300))))
     return min(found, default=float("inf"))

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from pyident.diagnosis.base.candidates import Candidate
@@ -39,7 +40,7 @@ def revealing(
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
     asked = [
-        (e, k) for e, k, log in search.families.members if (e, f"joint{k}") in hidden and log in (None, 0)
+        (e, k) for e, k, log in search.families.members if (e, joint_name(k)) in hidden and log in (None, 0)
     ]
     needed = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
     setting = search.examination.setting

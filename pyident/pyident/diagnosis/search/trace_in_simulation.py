@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from flexmodels.coordinate import joint_number
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import energy, whitened
@@ -78,7 +80,7 @@ def _suspects(search: Search) -> list[Candidate]:
     row = int(np.argmax(sum(np.square(r).sum(axis=1) for r in ex.base.residual) - ex.floor_energies))
     if row < len(search.robot.joints):
         return []
-    joint = int(search.robot.coordinates[row].split(".")[0].removeprefix("joint"))
+    joint = joint_number(search.robot.coordinates[row])
     best = {c.family: c for c in ex.candidates if c.joint == joint and c.log is None}
     listed = [search.best(c.effect, c.joint) for c in best.values()]
     return [
