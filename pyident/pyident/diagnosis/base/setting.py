@@ -19,7 +19,7 @@ from pyident.simulation.along import AlongMotion, along
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.replica import OpenWorkers, Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise, torque_noise
-from pyident.simulation.workers import workers_with
+from pyident.simulation.workers import inline
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
 
 def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
-    return open_workers(setting.simulated) if setting.simulates else workers_with(nullcontext)
+    return open_workers(setting.simulated) if setting.simulates else inline(nullcontext)
 
 
 def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:

@@ -12,13 +12,15 @@ from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
-_BLOCKS = 20  # of neighbouring frequencies, whose falls are taken as independent
-
 
 @dataclass(frozen=True)
 class Unseen:
     """Of what exceeds the floor on held-out logs: the share that is taken, its standard deviation; and that
-    excess itself, in floors."""
+    excess itself, in floors.
+
+    With the residual r of the effects and s what they take, the energy falls by Σ (r + s)² − r², and the
+    noise in r makes that vary by 4 Σ s² r².
+    """
 
     share: float
     std: float
@@ -38,18 +40,15 @@ class HeldOut:
         listed = list(rows)
         before = residuals(search, search.chosen, self.equations)
         after = residuals(search, [*search.chosen, *further], self.equations)
-        falls = [
-            (np.square(b[listed]) - np.square(a[listed])).sum(axis=0)
-            for b, a in zip(before, after, strict=True)
-        ]
+        pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
+        fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
+        variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
         count = sum(r.shape[1] for r in search.base.residual)
         floor = float(search.examination.floor_energies[listed].sum()) / count
         floor *= sum(r.shape[1] for r in before)
-        excess = sum(float(np.square(b[listed]).sum()) for b in before) - floor
-        blocks = np.concatenate([_blocks(fall) for fall in falls])
+        excess = sum(float(np.square(b).sum()) for b, _ in pairs) - floor
         scale = max(excess, 1e-300)
-        std = float(np.sqrt(len(blocks) * np.var(blocks)))
-        return Unseen(float(blocks.sum()) / scale, std / scale, excess / max(floor, 1e-300))
+        return Unseen(fall / scale, float(np.sqrt(variance)) / scale, excess / max(floor, 1e-300))
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
@@ -84,12 +83,6 @@ def residuals(search: Search, chosen: Sequence[Candidate], logs: Sequence[Equati
     """Per log (n, E)."""
     p, x = search.fitted(chosen)
     return [_left_of(search, log, p, x, chosen) for log in logs]
-
-
-def _blocks(fall: np.ndarray) -> np.ndarray:
-    """Sums of (2 bins,) over neighbouring frequencies, real and imaginary parts together."""
-    half = fall[: len(fall) // 2] + fall[len(fall) // 2 :]
-    return np.array([part.sum() for part in np.array_split(half, min(_BLOCKS, len(half)))])
 
 
 def _left_of(
