@@ -86,8 +86,8 @@ def figure(table: pd.DataFrame, path: Path) -> None:
 
 
 def _pinocchio(robot: Robot, samples: int, with_cpp: bool) -> dict[str, float | str]:
-    from benchmarks.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
-    from benchmarks.pinocchio_plant import pinocchio_model
+    from benchmarks.peers.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
+    from benchmarks.peers.pinocchio_plant import pinocchio_model
 
     model, motion = pinocchio_model(robot), random_motion(robot, samples)
     speeds: dict[str, float | str] = {"Pinocchio, loop in Python": python_speed(model, motion)}

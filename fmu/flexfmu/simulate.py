@@ -19,6 +19,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.model_description import ModelDescription
 
+from flexfmu.finite import require_finite
 from flexfmu.names import fmi_name
 from flexmodels.coordinate import of_joint
 from flexmodels.inputs import Experiment, SimulationError
@@ -85,7 +86,7 @@ class LoadedFmu(FmuDescription):
         rows = run(experiment, parameters or {}, logged, progress)
         frame = pd.DataFrame(rows, columns=list(logged))
         frame.insert(0, "time", experiment.time)
-        _require_finite(frame)
+        require_finite(frame)
         return frame
 
     def _step_by_step(
@@ -237,14 +238,6 @@ def _described(path: Path) -> ModelDescription:
 
 def _first_line(error: Exception) -> str:
     return (str(error).strip() or type(error).__name__).splitlines()[0]
-
-
-def _require_finite(frame: pd.DataFrame) -> None:
-    bad = ~np.isfinite(frame.to_numpy(dtype=float))
-    if bad.any():
-        row = int(np.argmax(bad.any(axis=1)))
-        name = frame.columns[int(np.argmax(bad[row]))]
-        raise SimulationError(f"the FMU's {name} is not a finite number at {frame['time'].iloc[row]:.6g} s")
 
 
 @contextmanager

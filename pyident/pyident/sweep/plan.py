@@ -13,6 +13,7 @@ metrics = ["tip_error", "my_metrics.py:overshoot"]
 import fnmatch
 import importlib.util
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -21,7 +22,7 @@ from typing import Any, get_args
 import pandas as pd
 
 from flexmodels.effects.effect import EffectError
-from flexmodels.effects.trust import allowed_file
+from flexmodels.effects.trust import allowed_file, code_allowed
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot
 from flexmodels.files.toml_table import Table, number, read_toml
@@ -62,14 +63,22 @@ class StudyPlan:
     metrics: Mapping[str, Metric]
 
 
-def load_study_plan(path: str | Path, most: int = MOST_RUNS) -> StudyPlan:
+def load_study_plan(
+    path: str | Path,
+    parameters: Mapping[str, float] | None = None,
+    allow_effects: bool = False,
+    most: int = MOST_RUNS,
+) -> StudyPlan:
     """Read a plan; files that it names are beside it. Raises StudyError, RobotError, ExperimentError.
 
-    most   runs that the design is cut to (a plan of `runs` says how many it asks for: see `planned_runs`)
+    parameters      values that replace the robot's own, before the plan's shares are taken of them
+    allow_effects   run the Python files of effects and metrics that robot file and plan name
+    most            runs that the design is cut to (`planned_runs` says how many the plan asks for)
     """
     path = Path(path)
     try:
-        return _plan(Table(read_toml(path), ""), path.parent, most)
+        with code_allowed() if allow_effects else nullcontext():
+            return _plan(Table(read_toml(path), ""), path.parent, parameters or {}, most)
     except EffectError as error:
         raise StudyError(f"{path}: {error}") from None
     except (StudyError, RobotError, ExperimentError) as error:
@@ -90,8 +99,8 @@ def _runs(table: Table) -> int:
     return table.whole(table.get("runs", _RUNS), "runs", 1, MOST_RUNS)
 
 
-def _plan(table: Table, folder: Path, most: int) -> StudyPlan:
-    model, values = _model(table.text("model"), folder)
+def _plan(table: Table, folder: Path, parameters: Mapping[str, float], most: int) -> StudyPlan:
+    model, values = _model(table.text("model"), folder, parameters)
     experiment = _experiment(model, table.text("experiment"), folder)
     design = table.text("design", "latin_hypercube")
     if design not in ("grid", *_SAMPLED):
@@ -119,12 +128,17 @@ def _few(levels: Mapping[str, list[float]], most: int) -> dict[str, list[float]]
     return {name: values if count <= most else values[:1] for name, values in levels.items()}
 
 
-def _model(name: str, folder: Path) -> tuple[Robot | Path, Mapping[str, float]]:
+def _model(
+    name: str, folder: Path, parameters: Mapping[str, float]
+) -> tuple[Robot | Path, Mapping[str, float]]:
     """The model and the values of its parameters, which only a robot tells."""
     beside = folder / name
     if name.endswith(".fmu"):
+        if parameters:
+            raise StudyError("an FMU keeps its own values; name the others in the plan's [parameters]")
         return beside, {}
     robot = load_robot(beside if beside.is_file() else name)
+    robot = robot.with_parameters(parameters, robot.name)
     return robot, robot.parameters
 
 

@@ -1,4 +1,4 @@
-"""`pyident study` and `pyident sweep`: many runs, one table."""
+"""`pyident study` and `pyident sweep`: many runs."""
 
 import sys
 from pathlib import Path
@@ -6,23 +6,32 @@ from pathlib import Path
 import click
 from rich.table import Table
 
+import pyident as pi
 from flexmodels.robot import RobotError
 from pyident.cli.long_study import ask_first
 from pyident.cli.outputs import OutputFolder
-from pyident.cli.shared import console, effects_option, json_option, progress_bar, reported, write_json
+from pyident.cli.shared import (
+    console,
+    effects_option,
+    json_option,
+    progress_bar,
+    reported,
+    set_option,
+    show,
+    write_json,
+)
 from pyident.simulation.workers import scheduler_configured
 from pyident.sweep.plan import load_study_plan
-from pyident.sweep.run import run_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
 
-_scheduler = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
+scheduler_option = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
 
 
 @click.command()
 @click.argument("names", nargs=-1, required=True, metavar="NAME...")
 @click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
-@_scheduler
+@scheduler_option
 @json_option
 @reported
 def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file: str | None) -> None:
@@ -42,12 +51,12 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
         figures += result.figures
         rows += [{"study": name} | row for row in result.rows]
         for note in result.notes:
-            click.echo(f"{name}: {note}")
+            show(f"{name}: {note}")
     for row in rows:
         table.add_row(*(str(row[key]) for key in ("study", "what", "value", "goal", "met")))
     console.print(table)
     for figure in figures:
-        click.echo(f"wrote {figure}")
+        show(f"wrote {figure}")
     write_json(json_file, rows)
     if any(row["met"] == "no" for row in rows):
         sys.exit(1)
@@ -57,13 +66,20 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
 @click.argument("plan", type=click.Path(exists=True, dir_okay=False))
 @click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
 @effects_option
-@_scheduler
+@scheduler_option
 @click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
-@click.option("--yes", is_flag=True, help="Do not ask before a long study.")
+@set_option
+@click.option("--yes", is_flag=True, help="Do not ask before a very long study.")
 @json_option
 @reported
 def sweep(
-    plan: str, output: str, scheduler: str | None, workers: int | None, yes: bool, json_file: str | None
+    plan: str,
+    output: str,
+    scheduler: str | None,
+    workers: int | None,
+    parameters: dict[str, float],
+    yes: bool,
+    json_file: str | None,
 ) -> None:
     """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
 
@@ -72,15 +88,17 @@ def sweep(
     Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
     """
     ask_first(plan, workers, yes)
-    read = load_study_plan(plan)
-    with scheduler_configured(scheduler), progress_bar(f"{len(read.design)} runs") as progress:
-        found = run_plan(read, output, workers=workers, progress=progress)
+    read = load_study_plan(plan, parameters)
+    with progress_bar(f"{len(read.design)} runs") as progress:
+        found = pi.parameter_study(
+            plan, output, parameters=parameters, scheduler=scheduler, workers=workers, progress=progress
+        )
     described = summary(found, read.ranges)
     table = Table("result", *described.columns)
     for name, values in described.iterrows():
         table.add_row(str(name), *(f"{v:.4g}" for v in values))
     console.print(table)
     for sentence in failures(found):
-        click.echo(sentence)
-    click.echo(f"wrote {output}/results.parquet: {len(found)} runs")
+        show(sentence)
+    show(f"wrote {output}/results.parquet: {len(found)} runs")
     write_json(json_file, {"runs": len(found), "results": described.to_dict("index")})
