@@ -102,7 +102,7 @@ def run_plan(
         progress=progress,
     )
     if plan.method is not None:
-        with replacing(folder / "sensitivity.csv") as file:
+        with replacing(Path(folder) / "sensitivity.csv") as file:
             sensitivities(plan.method, plan.ranges, found).to_csv(file)
     return found
 

@@ -114,12 +114,12 @@ def _read(file: Path) -> pd.DataFrame:
     try:
         frame = pd.read_parquet(file)
         kinds = {str(name): np.asarray(frame[name]).dtype.kind for name in frame if name != "failure"}
-        whole = {"run", "seconds"} <= set(kinds) and set(kinds.values()) <= set("fiub")
-        whole = whole and kinds["run"] in "iu" and bool(np.all(np.asarray(frame["run"]) >= 0))
+        whole = kinds["run"] in "iu" and set(kinds.values()) <= set("fiub")
+        whole = whole and bool(np.all(np.asarray(frame["run"]) >= 0))
     except OSError:
         raise
     except Exception:
         whole, frame = False, pd.DataFrame()
-    if not whole or "failure" not in frame:
+    if not whole:
         raise StudyError(f"{file} is damaged; remove it, and the same call computes its runs again")
     return frame

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from flexfmu.build import BuildError
 from flexfmu.build import export_fmu as build
-from flexfmu.foreign import SILENCE, ForeignFmu
+from flexfmu.foreign.parent import SILENCE, ForeignFmu
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from pyident.logs.log import Log

@@ -60,7 +60,7 @@ class ForeignFmu(FmuDescription):
         return pd.DataFrame(rows, columns=answer["columns"])
 
     def _answer(self, folder: Path, request: str, progress: Callable[[float], None] | None) -> dict[str, Any]:
-        command = [sys.executable, "-m", "flexfmu.foreign_child", str(folder)]
+        command = [sys.executable, "-m", "flexfmu.foreign.child", str(folder)]
         environment = os.environ | {
             "TMPDIR": str(folder),
             "TEMP": str(folder),

@@ -1,4 +1,4 @@
-"""The process in which a foreign FMU runs: `python -m flexfmu.foreign_child FOLDER`, asked by `foreign`.
+"""The process in which a foreign FMU runs: `python -m flexfmu.foreign.child FOLDER`, asked by `parent`.
 
 The request comes in one line; answers are lines of JSON: {"progress": share}, then {"columns": names} beside
 the result file or {"error": sentence}. Whatever the FMU prints goes nowhere.
@@ -32,7 +32,7 @@ def main(folder: Path) -> None:
 def _run(folder: Path, request: dict[str, Any], answers: BinaryIO) -> list[str]:
     import numpy as np
 
-    from flexfmu.foreign import REQUEST, RESULT
+    from flexfmu.foreign.parent import REQUEST, RESULT
     from flexfmu.simulate import LoadedFmu
     from flexmodels.inputs import Experiment
 
