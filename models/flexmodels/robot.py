@@ -15,6 +15,7 @@ from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection, restricted
 from flexmodels.gearing import Transmission
 from flexmodels.linkage import Closure, PassiveJoint
+from flexmodels.servo import Servo
 
 LINK_PARAMETERS: dict[str, str] = {
     "m": "kg",
@@ -184,6 +185,7 @@ class Robot:
     """A tree of links, one on each joint, with or without pins that close loops.
 
     joints     the driven joints, numbered from 1; they have the motors, coordinates and laws
+    servo      what drives the joints where commands are positions, instead of a controller
     passive    hinges without a motor, numbered on from there
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
@@ -198,6 +200,7 @@ class Robot:
     tip: tuple[float, ...]
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
     controller: Controller | None = None
+    servo: Servo | None = None
     columns: Mapping[str, Column] = field(default_factory=dict)
     processing: Processing = Processing()
     identification: Identification | None = None

@@ -12,6 +12,7 @@ import casadi as ca
 from flexmodels.mechanics import dynamics, projected
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import LINK_PARAMETERS, Controller, Robot, parameter_name
+from flexmodels.servo import Servo
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class Equations:
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
     controller: Controller | None
+    servo: Servo | None
     descriptions: dict[str, str]
     listed: tuple[tuple[int, str, str], ...]
     rates: ca.Function
@@ -53,7 +55,7 @@ class Equations:
 
 def equations(robot: Robot) -> Equations:
     """The robot's equations of motion, eq. (8), with its laws and its controller."""
-    if robot.controller is None:
+    if robot.controller is None and robot.servo is None:
         raise ValueError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
     m = dynamics.mechanism(robot)
     n, joints = m.q.numel(), len(robot.joints)
@@ -95,6 +97,7 @@ def equations(robot: Robot) -> Equations:
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
         controller=robot.controller,
+        servo=robot.servo,
         descriptions=_descriptions(robot),
         listed=tuple((k, law.title, law.latex) for k, joint in robot.numbered for law in joint.effects),
         rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, resisting[:joints]])),
