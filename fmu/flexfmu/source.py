@@ -10,6 +10,7 @@ from pathlib import Path
 import casadi as ca
 
 from flexfmu.interface import Interface, plant_interface
+from flexfmu.names import c_string
 from flexfmu.variables import nominals
 from flexmodels.mechanics.plant import Equations
 
@@ -99,7 +100,7 @@ def _header(
     interface: Interface, period: float | None, plant: str, token: str, loop: str = "CONTROLLER"
 ) -> str:
     controller = f"#define MODEL_{loop}\n#define PERIOD {period!r}" if period else "/* no controller */"
-    return f"""/* Sizes, tables and functions of {interface.name}. */
+    return f"""/* Sizes, tables and functions of {interface.identifier}. */
 #ifndef MODEL_H
 #define MODEL_H
 
@@ -130,7 +131,7 @@ def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
     return "\n".join(
         [
             '#include "model.h"',
-            _array("char *const", "model_names", [f'"{v.name}"' for v in listed]),
+            _array("char *const", "model_names", [c_string(v.name) for v in listed]),
             f'const char model_kinds[] = "{"".join(letters)}";',
             f'const char model_bounds[] = "{"".join(bounds)}";',
             _array("double", "model_starts", [repr(float(v.start or 0.0)) for v in listed]),

@@ -47,7 +47,7 @@ def _joint(table: Table, k: int, joints: int) -> Joint:
         values={},
         bends=len(hinge.get("stiffness", "bends")) != 1,
         parent=_parent(table, k),
-        name=str(table.get("name")) if "name" in table else "",
+        name=table.text("name") if "name" in table else "",
         limits=_limits(table.table("limits")) if "limits" in table else None,
     )
     joint = replace(joint, values=hinge | _laws(table, joint, k, joints))

@@ -1,19 +1,22 @@
 """A robot as the nested tables of its file."""
 
-import os
+from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from flexmodels.effects import BASE
+from flexmodels.files.servo_table import servo_document
 from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Joint, Processing, Robot
 
 _PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
 
 
-def document(robot: Robot, folder: Path) -> dict[str, Any]:
-    """What `flexmodels.files.robot_file` reads back from a file in `folder` as the same robot."""
+def document(robot: Robot, effect_names: Mapping[str, str]) -> dict[str, Any]:
+    """What `flexmodels.files.robot_file` reads back as the same robot.
+
+    effect_names   what each of the robot's effect files is called as seen from the robot file
+    """
     document: dict[str, Any] = {
         "name": robot.name,
         "description": robot.description,
@@ -21,10 +24,12 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
         "tip": list(robot.tip),
     }
     if robot.effect_files:
-        document["effects"] = [_seen_from(folder, file) for file in robot.effect_files]
+        document["effects"] = [effect_names[file] for file in robot.effect_files]
     if robot.controller:
         c = robot.controller
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
+    if robot.servo:
+        document["servo"] = servo_document(robot.servo)
     if robot.columns:
         document["columns"] = {
             s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
@@ -54,14 +59,6 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
     if robot.closures:
         document["closure"] = [_plain(asdict(closure)) for closure in robot.closures]
     return document
-
-
-def _seen_from(folder: Path, file: str) -> str:
-    """A relative path with forward slashes where there is one (on Windows not to another drive)."""
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:
-        return Path(file).as_posix()
 
 
 def _plain(value: Any) -> Any:

@@ -6,7 +6,8 @@ from rich.table import Table
 from flexmodels.files.formats import exported, imported
 from flexmodels.files.robot_file import load_robot, save_robot, shipped
 from flexmodels.robot import RobotError
-from pyident.cli.shared import console, json_option, output_option, reported, write_json
+from pyident.cli.outputs import MODEL, ROBOT
+from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
@@ -36,7 +37,7 @@ def _list(json_file: str | None) -> None:
 
 @robots.command(name="import")
 @click.argument("file")
-@output_option
+@output_option(ROBOT)
 @click.option("--flexible", default="", metavar="K,...", help="Joints that twist and bend.")
 @click.option("--twist", default="", metavar="K,...", help="Joints that only twist.")
 @json_option
@@ -58,9 +59,10 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
 
 @robots.command(name="export")
 @click.argument("model")
-@output_option
+@output_option(MODEL)
 @click.option("--log", "logs", multiple=True, metavar="LOG", help="Say what is lost on this log; repeatable.")
 @click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
+@effects_option
 @json_option
 @reported
 def export_command(
