@@ -17,7 +17,8 @@ class Experiment:
     reference          (N, joints) [rad or m]
     feedforward        (N, joints) [N m or N]
     on                 (N, joints) 1 where a servo drives its joint, 0 where it is switched off; None: always on
-    start              (joints,) positions of servo-driven joints at the beginning; None: the first reference
+    start              (joints,) where servo-driven joints set out; None: at the first reference
+    began              [s] time of the first sample in the log that it comes from
     """
 
     time: np.ndarray
@@ -25,3 +26,4 @@ class Experiment:
     feedforward: np.ndarray
     on: np.ndarray | None = None
     start: np.ndarray | None = None
+    began: float = 0.0

@@ -8,7 +8,6 @@ import click
 from rich.table import Table
 
 from flexfmu.build import BuildError, export_fmu
-from flexfmu.simulate import LoadedFmu
 from flexfmu.ssp import export_ssp
 from flexmodels.effects import CATALOGUE
 from flexmodels.effects.effect import sheet
@@ -17,7 +16,7 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot, RobotError
 from pyident.cli.data import data, log
 from pyident.cli.judge import add_command, compare_command, diagnose_command
-from pyident.cli.outputs import FMU, LOG, ROBOT, OutputFolder
+from pyident.cli.outputs import FMU, ROBOT, OutputFolder
 from pyident.cli.robots import robots
 from pyident.cli.shared import console
 from pyident.cli.shared import effects_option as _effects
@@ -26,17 +25,17 @@ from pyident.cli.shared import output_option as _output
 from pyident.cli.shared import progress_bar as _progress
 from pyident.cli.shared import reported as _reported
 from pyident.cli.shared import write_json as _write_json
+from pyident.cli.simulate import require_loop, simulate_command
 from pyident.cli.trust import trust_command
 from pyident.estimation.base_parameters import weakest_directions
 from pyident.estimation.identify import Identified, identify
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.foreign import open_robot_log, robot_log
-from pyident.logs.log import Log, Sampled, write_log
+from pyident.logs.log import Log, Sampled
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.output_error import output_error
 from pyident.refinement.remove_bias import correct_by_replicas
-from pyident.simulation.fmu_runs import FmuRuns, simulate_robot
-from pyident.simulation.references import load_experiment, read_experiment
+from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.workers import scheduler_configured
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.run import run_plan
@@ -55,7 +54,16 @@ def main() -> None:
     """
 
 
-for _command in (robots, log, data, compare_command, diagnose_command, add_command, trust_command):
+for _command in (
+    robots,
+    log,
+    data,
+    simulate_command,
+    compare_command,
+    diagnose_command,
+    add_command,
+    trust_command,
+):
     main.add_command(_command)
 
 
@@ -117,37 +125,6 @@ def export(model: str, output: str, fmi: str, platforms: str, json_file: str | N
             path = export_fmu(equations(robot), output, fmi=int(fmi), platforms=platforms)  # pyright: ignore
     click.echo(f"wrote {path}")
     _write_json(json_file, {"ssp" if split else "fmu": str(path), "parameters": robot.parameters})
-
-
-@main.command()
-@click.argument("model")
-@click.option(
-    "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
-)
-@_output(LOG)
-@_effects
-@_json
-@_reported
-def simulate(model: str, experiment: str, output: str, json_file: str | None) -> None:
-    """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
-
-    MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
-    experiment is then a file.
-
-    Example: pyident simulate four_link --experiment identification -o log.parquet
-    """
-    if model.endswith(".fmu"):
-        with LoadedFmu(model) as fmu, _progress(f"simulating {model}") as progress:
-            plan = read_experiment(experiment, fmu.joints)
-            frame = fmu.simulate(plan, progress=progress)
-    else:
-        robot = _simulable(model)
-        plan = load_experiment(robot, experiment)
-        with _progress(f"simulating {robot.name}") as progress:
-            frame = simulate_robot(robot, plan, progress=progress)
-    write_log(Log(frame, output), output)
-    click.echo(f"wrote {output}: {len(frame)} samples, {plan.time[-1]:g} s")
-    _write_json(json_file, {"log": output, "samples": len(frame), "duration_s": float(plan.time[-1])})
 
 
 @main.command(name="identify")
@@ -257,13 +234,8 @@ def sweep(plan: str, output: str, scheduler: str | None, workers: int | None, js
 
 def _simulable(model: str) -> Robot:
     robot = load_robot(model)
-    _require_controller(robot)
+    require_loop(robot)
     return robot
-
-
-def _require_controller(robot: Robot) -> None:
-    if robot.controller is None:
-        raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
 
 
 def _locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
@@ -277,7 +249,7 @@ def _locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
 
 def _refined(robot: Robot, logs: list[Log]) -> Identified:
     """Regression, bias removed by replicas, then output error."""
-    _require_controller(robot)
+    require_loop(robot)
     with FmuRuns(robot) as runs:
         with _progress("removing the regression's bias") as progress:
             start = correct_by_replicas(robot, logs, runs, progress)
