@@ -22,6 +22,7 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription
 
 from flexfmu.names import fmi_name
+from flexmodels.coordinate import of_joint, start_of, switch_of
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
@@ -202,13 +203,13 @@ class LoadedFmu:
     def _input_names(self, experiment: Experiment) -> list[str]:
         joints = range(1, experiment.reference.shape[1] + 1)
         signals = ("r", "tau_ff", "on") if self._has_servos else ("r", "tau_ff")
-        names = [f"joint{k}.{signal}" for signal in signals for k in joints]
+        names = [of_joint(k, signal) for signal in signals for k in joints]
         self._require(set(names))
         return names
 
     @property
     def _has_servos(self) -> bool:
-        return "joint1.on" in self._references
+        return switch_of(1) in self._references
 
     def _inputs(self, experiment: Experiment) -> np.ndarray:
         inputs = [experiment.reference, experiment.feedforward]
@@ -221,7 +222,7 @@ class LoadedFmu:
         if not self._has_servos:
             return {}
         start = experiment.reference[0] if experiment.start is None else experiment.start
-        return {f"joint{k}.e_0": float(e) for k, e in enumerate(start, start=1)}
+        return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
 
 
 @contextmanager

@@ -12,6 +12,7 @@ import casadi as ca
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.names import c_string
 from flexfmu.variables import nominals
+from flexmodels.coordinate import Coordinate, of_joint
 from flexmodels.mechanics.plant import Equations
 
 _FUNCTIONS = ("rates", "breakaway", "laws", "balance", "start", "tip")
@@ -142,12 +143,10 @@ def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
 
 def _positive(equations: Equations) -> frozenset[str]:
     """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
-    deformations = equations.coordinates[equations.joints :]
-    stiffness = {name.replace("eps", "k") for name in deformations}
-    resistances = {f"joint{k}.servo.R" for k in range(1, equations.joints + 1)}
-    return frozenset(
-        stiffness | {f"{name.split('.')[0]}.J_m" for name in deformations} | {"solver.step"} | resistances
-    )
+    hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
+    inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
+    resistances = {of_joint(k, "servo.R") for k in range(1, equations.joints + 1)}
+    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | {"solver.step"} | resistances)
 
 
 def _plant_header(equations: Equations, functions: list[ca.Function], derivatives: bool) -> str:
@@ -175,7 +174,8 @@ extern const int model_stiffness[N_COORDINATES - N_JOINTS + 1]; /* parameter of 
 
 def _tables(equations: Equations) -> str:
     names = list(equations.parameters)
-    stiffness = [names.index(q.replace("eps", "k")) for q in equations.coordinates[equations.joints :]]
+    hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
+    stiffness = [names.index(str(hinge.stiffness)) for hinge in hinges]
     return "\n".join(
         [
             _array("double", "model_nominals", [repr(v) for v in nominals(equations)]),

@@ -14,7 +14,8 @@ from flexmodels.files.mjcf_import import import_mjcf
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations
-from flexmodels.robot import Controller, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
+from flexmodels.settings.controller import Controller
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is the oracle and is not installed")
 FOLDER = Path(__file__).parents[1] / "robots" / "mjcf"

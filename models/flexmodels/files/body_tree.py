@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodels.robot import Joint, Link, Robot, RobotError
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot, RobotError
 
 Body = tuple[float, np.ndarray, np.ndarray]  # mass [kg], centre [m], inertia about it [kg m2], base axes
 

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from flexmodels.atomic import replacing
-from flexmodels.robot import Joint, Robot
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import Joint
+from flexmodels.robot import Robot
 
 KEPT = frozenset({"motor_inertia", "coulomb", "viscous", "offset", "torque_delay"})
 _UNITS = {
@@ -35,7 +37,7 @@ def five_numbers(joint: Joint, delay: float = 0.0) -> dict[str, float]:
 def export_five_numbers(robot: Robot, path: str | Path) -> list[str]:
     """Write them as JSON, joint by joint; returns what they cannot say, a sentence each."""
     content: dict[str, Any] = {
-        joint.name or f"joint{k}": five_numbers(joint) | {"units": _UNITS[joint.kind]}
+        joint.name or joint_name(k): five_numbers(joint) | {"units": _UNITS[joint.kind]}
         for k, joint in robot.numbered
     }
     with replacing(path) as file:

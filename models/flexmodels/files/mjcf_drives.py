@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.robot import Controller, RobotError
+from flexmodels.robot import RobotError
+from flexmodels.settings.controller import Controller
 
 _JOINT_EQUALITY = 2  # mjEQ_JOINT
 _ON_JOINT = 0  # mjTRN_JOINT

@@ -12,8 +12,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from flexmodels.atomic import replacing
+from flexmodels.joint import Joint
+from flexmodels.link import Link
 from flexmodels.linkage import PassiveJoint
-from flexmodels.robot import Joint, Link, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
 
 KEPT = frozenset({"motor_inertia", "coulomb", "viscous", "stiffness", "damping", "joint_spring"})
 _TIMESTEP = 0.001  # [s] where there is no controller

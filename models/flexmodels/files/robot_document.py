@@ -4,10 +4,13 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE
 from flexmodels.files.servo_table import servo_document
+from flexmodels.joint import Joint
 from flexmodels.linkage import PassiveJoint
-from flexmodels.robot import Joint, Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 
 _PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
 
@@ -74,7 +77,7 @@ def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
 
 
 def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
-    follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
+    follows = {joint_name(k): factor for k, factor in joint.follows.items()}
     geared = {"geared": True} if joint.geared else {}
     return {"passive": True} | geared | _place(joint) | {"follows": follows}
 

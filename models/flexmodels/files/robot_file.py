@@ -18,18 +18,12 @@ from flexmodels.files.robot_document import document
 from flexmodels.files.servo_table import read_servo
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
 from flexmodels.gearing import Transmission
+from flexmodels.link import Link
 from flexmodels.linkage_check import check_linkage
-from flexmodels.robot import (
-    Column,
-    Controller,
-    Identification,
-    Line,
-    Link,
-    Multisine,
-    Processing,
-    Robot,
-    RobotError,
-)
+from flexmodels.robot import Robot, RobotError
+from flexmodels.settings.controller import Controller
+from flexmodels.settings.motions import Identification, Line, Multisine
+from flexmodels.settings.processing import Column, Processing
 
 _SLOWEST, _FASTEST = 1e-3, 1e6  # [Hz] of a controller
 

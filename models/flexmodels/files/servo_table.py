@@ -4,7 +4,7 @@ from typing import Any
 
 from flexmodels.files.toml_table import Table
 from flexmodels.robot import RobotError
-from flexmodels.servo import LONGEST_DELAY, PER_JOINT, POSITIVE, SHARED, Servo
+from flexmodels.settings.servo import LONGEST_DELAY, PER_JOINT, POSITIVE, SHARED, Servo
 
 _DEFAULTS = {"ki": 0.0, "kd": 0.0, "limit": 1.0, "dead_band": 0.0}
 
@@ -19,7 +19,7 @@ def read_servo(table: Table, joints: int) -> Servo:
     delay = table.number("delay", 0.0, lower=0.0)
     if delay > LONGEST_DELAY / rate:
         raise RobotError(
-            f"{table.place('delay')} = {delay:g} s is more than {LONGEST_DELAY} samples of the servo; lower rate"
+            f"{table.place('delay')} = {delay:g} s is over {LONGEST_DELAY} samples of the servo; lower rate"
         )
     unknown = table.get("unknown", ())
     names = [*PER_JOINT, *SHARED]

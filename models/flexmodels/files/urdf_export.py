@@ -7,7 +7,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from flexmodels.atomic import replacing
-from flexmodels.robot import Joint, Link, Robot, RobotError
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot, RobotError
 
 KEPT = frozenset({"coulomb", "viscous"})
 _ROUNDING = 1e-9  # of an inertia's size: how far a principal value may miss the triangle inequality
@@ -63,7 +66,7 @@ def _add_joint(root: Element, k: int, joint: Joint, parent: int, axes: np.ndarra
     limits = joint.limits
     bounded = limits is not None and limits.position is not None
     kind = "prismatic" if joint.kind == "prismatic" else "revolute" if bounded else "continuous"
-    element = SubElement(root, "joint", name=joint.name or f"joint{k}", type=kind)
+    element = SubElement(root, "joint", name=joint.name or joint_name(k), type=kind)
     turn = _roll_pitch_yaw(axes.T @ joint.triad)
     SubElement(element, "origin", xyz=_text(axes.T @ np.array(joint.origin)), rpy=_text(turn))
     SubElement(element, "parent", link=f"link{parent}" if parent else "base_link")

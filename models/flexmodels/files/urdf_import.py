@@ -15,7 +15,8 @@ from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
-from flexmodels.robot import Joint, Limits, Robot, RobotError
+from flexmodels.joint import Joint, Limits
+from flexmodels.robot import Robot, RobotError
 
 _UNUSED = ("visual", "collision", "material", "transmission", "gazebo", "sensor", "calibration")
 _KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}

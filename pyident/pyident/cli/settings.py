@@ -5,8 +5,8 @@ from math import isfinite
 
 import click
 
+from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
-from flexmodels.settings import with_settings
 
 set_option = click.option(
     "--set",

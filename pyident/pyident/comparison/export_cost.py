@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.effects import CATALOGUE
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor

@@ -1,6 +1,7 @@
 """Experiments by name or from a file of references."""
 
 from flexmodels import experiment as plans
+from flexmodels.coordinate import feedforward_of, motor_of, reference_of, switch_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.foreign import robot_log
@@ -39,13 +40,13 @@ def experiment_of(log: Log, joints: int) -> Experiment:
     Raises ExperimentError.
     """
     numbers = range(1, joints + 1)
-    missing = [f"joint{k}.r" for k in numbers if f"joint{k}.r" not in log.frame]
+    missing = [reference_of(k) for k in numbers if reference_of(k) not in log.frame]
     if missing:
         raise ExperimentError(f"{log.source}: column {missing[0]} is missing; it is needed as a reference")
-    feedforward = log.frame.reindex(columns=[f"joint{k}.tau_ff" for k in numbers]).fillna(0.0).to_numpy()
-    on = log.frame.reindex(columns=[f"joint{k}.on" for k in numbers]).fillna(1.0).to_numpy(float)
-    positions = [f"joint{k}.e" for k in numbers]
+    feedforward = log.frame.reindex(columns=[feedforward_of(k) for k in numbers]).fillna(0.0).to_numpy()
+    on = log.frame.reindex(columns=[switch_of(k) for k in numbers]).fillna(1.0).to_numpy(float)
+    positions = [motor_of(k) for k in numbers]
     start = log.signals(positions)[0] if set(positions) <= set(log.frame) else None
     time = log.signals(["time"])[:, 0]
-    reference = log.signals([f"joint{k}.r" for k in numbers])
+    reference = log.signals([reference_of(k) for k in numbers])
     return Experiment(time - time[0], reference, feedforward, on, start, float(time[0]))

@@ -14,6 +14,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from flexmodels.coordinate import joint_number, of_joint
+
 PER_JOINT: dict[str, tuple[str, str]] = {
     "kp": ("1", "Proportional gain in the servo's own units"),
     "ki": ("1/s", "Integral gain in the servo's own units"),
@@ -60,7 +62,7 @@ class Servo:
     def parameters(self) -> dict[str, float]:
         """`servo.delay` of all joints, `joint{k}.servo.kp` of one."""
         joints = {
-            f"joint{k}.servo.{name}": value
+            of_joint(k, f"servo.{name}"): value
             for name in PER_JOINT
             for k, value in enumerate(getattr(self, name), start=1)
         }
@@ -82,7 +84,7 @@ class Servo:
             elif place == "servo":
                 new[key] = (float(value),) * len(self.kp)
             else:
-                k = int(place.split(".")[0].removeprefix("joint"))
+                k = joint_number(place)
                 new[key] = tuple(float(value) if i == k else v for i, v in enumerate(new[key], start=1))
         return replace(self, **new)
 

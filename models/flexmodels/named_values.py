@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from flexmodels.robot import Robot, RobotError
-from flexmodels.servo import PER_JOINT
+from flexmodels.settings.servo import PER_JOINT
 
 
 def settable(robot: Robot) -> dict[str, float]:
