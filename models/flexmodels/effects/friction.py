@@ -94,6 +94,7 @@ quadratic_load_friction = Effect(
     title="Dry friction that grows with the square of the torque that the transmission carries",
     forces={e: _growth.symbol * load**2 * sign(de)},
     parameters=(_growth,),
+    excess_over="load_dependent_friction",
     citation="Duclusaud et al. 2024, model M6",
     needs="loads from small to the rated one, moved in both directions",
     confounders=("load_dependent_friction", "coulomb", "torque_saturation"),

@@ -43,6 +43,8 @@ def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
         for effect in CATALOGUE.values():
             if effect.base or effect.name in present.values:
                 continue
+            if effect.excess_over and effect.excess_over not in present.values:
+                continue
             try:
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
