@@ -2,7 +2,7 @@
 
 M1 Coulomb and viscous, M2 with Stribeck, M3 with load, M4 with both, M5 with load by direction, M6 with its
 square at standstill; Duclusaud, Passault, Padois and Ly, Extended friction models for the physics simulation
-of servo actuators, 2024. Simulated as they do: explicit steps of 5 ms, friction clipped at the stopping torque.
+of servo actuators, 2024. Simulated as they do: steps of 5 ms, friction clipped at the stopping torque.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""XL330: a servo without torque sensor, its friction law found from positions, one gain held out at a time."""
+"""XL330: a servo without torque sensor, its friction found from positions, one gain held out at a time."""
 
 import os
 import re

@@ -5,9 +5,9 @@ whose positions come nearest to the measured ones (robust least squares, as stic
 large). Intervals are a jackknife over the logs, linearised at the optimum: what a log leaves out moves.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,18 +21,13 @@ from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
 from pyident.simulation.references import experiment_of
 
+# Such as `FmuRuns`: a frame per set of parameters.
+Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+
 _ROUGH = 0.03  # [rad or m] error from which on it counts by its size and no longer by its square
 _STEP = 1e-3  # finite difference, of a parameter's scale
 _ROUNDS = 30
 _FEWEST = 3  # logs of a jackknife
-
-
-class Simulate(Protocol):
-    """Such as `FmuRuns`: a frame per set of parameters."""
-
-    def __call__(
-        self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
-    ) -> Iterable[pd.DataFrame]: ...
 
 
 @dataclass(frozen=True)
@@ -45,7 +40,7 @@ class ServoLog:
 
 @dataclass(frozen=True)
 class ClosedLoopFit:
-    """robot has the values;  std: None with fewer than three logs;  error: mean |simulated − measured| a log."""
+    """robot has the values;  std: None with fewer than three logs;  error: mean absolute one of each log."""
 
     robot: Robot
     values: Mapping[str, float]
@@ -93,7 +88,8 @@ def fit_closed_loop(
 
     begin = np.maximum(start, lower + 1e-9 * scale)
     best = least_squares(
-        residual, begin, jacobian, bounds=(lower, np.inf), x_scale=scale, loss="soft_l1", f_scale=_ROUGH,
+        residual, begin, jac=jacobian,  # pyright: ignore[reportArgumentType]
+        bounds=(lower, np.inf), x_scale=scale, loss="soft_l1", f_scale=_ROUGH,
         max_nfev=rounds, ftol=1e-5, xtol=1e-6,
     )  # fmt: skip
     values = dict(zip(free, (float(v) for v in best.x), strict=True))
@@ -115,7 +111,7 @@ def replay_errors(
     found = []
     for recording in recordings:
         run = _Run.of(robot, recording)
-        frame = next(iter(simulate(run.plan, [settable(robot) | run.settings])))
+        frame = next(iter(simulate(run.plan, [{**settable(robot), **run.settings}])))
         found.append((frame, frame[list(run.channels)].to_numpy() - run.measured))
     return found
 
@@ -139,7 +135,7 @@ class _Run:
         return _Run(plan, recording.log.signals(channels), channels, changed)
 
     def errors(self, simulate: Simulate, sets: Sequence[Mapping[str, float]]) -> np.ndarray:
-        frames = simulate(self.plan, [self.settings | dict(p) for p in sets])
+        frames = simulate(self.plan, [{**self.settings, **p} for p in sets])
         return np.array([(f[list(self.channels)].to_numpy() - self.measured).ravel() for f in frames])
 
 
