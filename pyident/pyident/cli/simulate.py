@@ -1,67 +1,84 @@
-"""`pyident simulate`: a robot or an FMU over an experiment."""
+"""`pyident simulate` and `pyident export`: robots as FMUs."""
 
 import click
 
-from flexfmu.simulate import LoadedFmu
-from flexmodels.files.robot_file import load_robot
-from flexmodels.robot import Robot, RobotError
-from pyident.cli.outputs import LOG
-from pyident.cli.settings import parsed, set_option, with_set
-from pyident.cli.shared import effects_option, json_option, output_option, progress_bar, reported, write_json
-from pyident.logs.log import Log, write_log
-from pyident.logs.mapping import read_mapping
-from pyident.simulation.fmu_runs import simulate_robot
-from pyident.simulation.references import load_experiment, read_experiment
+import pyident as pi
+from pyident.cli.outputs import FMU, LOG
+from pyident.cli.shared import (
+    console,
+    effects_option,
+    json_option,
+    mapping_option,
+    output_option,
+    progress_bar,
+    reported,
+    set_option,
+    show,
+    write_json,
+)
 
 
-@click.command(name="simulate")
+@click.command()
+@click.argument("model")
+@output_option(FMU)
+@effects_option
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
+@click.option(
+    "--platforms",
+    type=click.Choice(["host", "all"]),
+    default="host",
+    show_default=True,
+    help="This machine's binary, or Linux, Windows and macOS in one file.",
+)
+@set_option
+@json_option
+@reported
+def export(
+    model: str, output: str, fmi: str, platforms: str, parameters: dict[str, float], json_file: str | None
+) -> None:
+    """Write MODEL as an FMU for model exchange and co-simulation.
+
+    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
+
+    Example: pyident export four_link -o arm.fmu --fmi 3
+    """
+    robot = pi.load_robot(model)
+    with console.status("generating and compiling"):
+        path = pi.export_fmu(robot, output, int(fmi), platforms=platforms, parameters=parameters)  # pyright: ignore
+    show(f"wrote {path}")
+    kind = "ssp" if output.endswith(".ssp") else "fmu"
+    write_json(json_file, {kind: str(path), "parameters": robot.parameters | parameters})
+
+
+@click.command()
 @click.argument("model")
 @click.option(
     "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
 )
-@click.option("--mapping", metavar="FILE", help="Names, units and signs of the experiment's columns (TOML).")
-@set_option
+@mapping_option
 @output_option(LOG)
 @effects_option
+@set_option
 @json_option
 @reported
-def simulate_command(
+def simulate(
     model: str,
     experiment: str,
     mapping: str | None,
-    settings: tuple[str, ...],
     output: str,
+    parameters: dict[str, float],
     json_file: str | None,
 ) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
-    A recorded log as experiment is replayed under its own commands. MODEL may also be an FMU, of any tool,
-    with inputs joint{k}.r and outputs joint{k}.e and so on; the experiment is then a file.
+    MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
+    experiment is then a file. A recorded log is replayed under its own commands.
 
-    Example: pyident simulate four_link --experiment identification --set joint1.coulomb=40 -o log.parquet
+    Example: pyident simulate four_link --experiment identification -o log.parquet
     """
-    columns = read_mapping(mapping) if mapping else None
-    if model.endswith(".fmu"):
-        if columns is not None:
-            raise RobotError("--mapping needs a robot file; import the log first: pyident log import")
-        with LoadedFmu(model) as fmu, progress_bar(f"simulating {model}") as progress:
-            plan = read_experiment(experiment, fmu.joints)
-            frame = fmu.simulate(plan, parsed(settings), progress=progress)
-    else:
-        robot = with_set(load_robot(model), settings)
-        require_loop(robot)
-        plan = load_experiment(robot, experiment, columns)
-        with progress_bar(f"simulating {robot.name}") as progress:
-            frame = simulate_robot(robot, plan, progress=progress)
-    frame["time"] += plan.began
-    write_log(Log(frame, output), output)
-    click.echo(f"wrote {output}: {len(frame)} samples, {plan.time[-1]:g} s")
-    write_json(json_file, {"log": output, "samples": len(frame), "duration_s": float(plan.time[-1])})
-
-
-def require_loop(robot: Robot) -> None:
-    """Raises RobotError unless something drives the joints."""
-    if robot.controller is None and robot.servo is None:
-        raise RobotError(
-            f"robot {robot.name} has no [controller] and no [servo], so it cannot be simulated; add one"
-        )
+    with progress_bar(f"simulating {model}") as progress:
+        log = pi.simulate(model, experiment, parameters=parameters, mapping=mapping, progress=progress)
+    pi.write_log(log, output)
+    duration = log.period * (len(log) - 1)
+    show(f"wrote {output}: {len(log)} samples, {duration:g} s")
+    write_json(json_file, {"log": output, "samples": len(log), "duration_s": duration})
