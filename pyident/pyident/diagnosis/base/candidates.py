@@ -50,6 +50,8 @@ def candidates(
         for effect in CATALOGUE.values():
             if effect.base or effect.name in present.values:
                 continue
+            if effect.excess_over and effect.excess_over not in present.values:
+                continue
             try:
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
