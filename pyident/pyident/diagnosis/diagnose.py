@@ -14,7 +14,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.channels import integrity
+from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
@@ -52,7 +52,7 @@ def diagnose(
     rules          every threshold
     Raises LogError.
     """
-    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
+    notes = tuple(defect.sentence for log in (*logs, *heldout) for defect in check_log(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share), rules)
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
