@@ -24,6 +24,7 @@ from benchmarks.cases import Case, Point, case, timed, without_coulomb
 from benchmarks.closed_loop import Plant, run
 from benchmarks.fmu_points import fmu_costs, fmu_points
 
+from flexmodels.coordinate import of_joint
 from flexmodels.files.robot_file import load_robot
 
 GOAL = 10.0  # um
@@ -44,7 +45,7 @@ def points(case: Case) -> Iterator[Point]:
 def mujoco_points(case: Case) -> Iterator[Point]:
     from benchmarks.mujoco_plant import Integrator, MujocoPlant, Settings
 
-    dry = any(case.robot.parameters[f"joint{k}.coulomb"] for k, _ in case.robot.numbered)
+    dry = any(case.robot.parameters[of_joint(k, "coulomb")] for k, _ in case.robot.numbered)
     plans: dict[Integrator, tuple[float, ...]] = {"RK4": RK4_STEPS, "implicitfast": IMPLICITFAST_STEPS}
     for integrator, steps in plans.items():
         for stiff in (False, True) if dry else (False,):

@@ -11,6 +11,7 @@ from flexfmu.package import Package, Platforms, Version, write_fmu
 from flexfmu.source import controller_sources, model_sources
 from flexfmu.variables import states
 from flexmodels.compiler import BuildError
+from flexmodels.coordinate import of_joint, reference_of
 from flexmodels.mechanics.plant import Equations
 
 __all__ = ["BuildError", "export_controller", "export_fmu"]
@@ -58,7 +59,7 @@ def export_controller(
         derivatives=False,
         page=controller_page(equations, interface),
         icons=icons(equations),
-        push={f"joint{k}.r": 0.01 for k in range(1, equations.joints + 1)},
+        push={reference_of(k): 0.01 for k in range(1, equations.joints + 1)},
     )
     return write_fmu(package, path, 2, platforms)
 
@@ -74,4 +75,4 @@ def _push(equations: Equations) -> dict[str, float]:
     upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
     signal = "tau_ff" if equations.controller else "tau"
     levels = upper.full().ravel()
-    return {f"joint{k}.{signal}": 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}
+    return {of_joint(k, signal): 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

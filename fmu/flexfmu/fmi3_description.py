@@ -6,6 +6,7 @@ from xml.etree import ElementTree as ET
 from flexfmu.fmi2_description import numbers, unit_definitions
 from flexfmu.interface import Interface
 from flexfmu.variables import TYPES, Array, Variable, arrays
+from flexmodels.coordinate import joint_name, of_joint
 
 
 def model_description(interface: Interface, token: str, derivatives: bool) -> bytes:
@@ -64,14 +65,14 @@ def terminals(interface: Interface) -> bytes:
     names = {v.name for v in interface.listed}
     for k in range(1, interface.joints + 1):
         terminal = ET.SubElement(
-            group, "Terminal", name=f"joint{k}", matchingRule="bus", description=f"Signals of joint {k}"
+            group, "Terminal", name=joint_name(k), matchingRule="bus", description=f"Signals of joint {k}"
         )
         for signal in ("r", "tau_ff", "e", "tau"):
-            if f"joint{k}.{signal}" in names:
+            if of_joint(k, signal) in names:
                 ET.SubElement(
                     terminal,
                     "TerminalMemberVariable",
-                    variableName=f"joint{k}.{signal}",
+                    variableName=of_joint(k, signal),
                     memberName=signal,
                     variableKind="signal",
                 )
@@ -139,4 +140,6 @@ def _model_structure(root: ET.Element, interface: Interface) -> None:
     for vr in interface.initial_unknowns:
         ET.SubElement(structure, "InitialUnknown", valueReference=str(vr), dependencies=depends)
     for k in range(1, interface.indicators + 1):
-        ET.SubElement(structure, "EventIndicator", valueReference=str(reference[f"joint{k}.friction_margin"]))
+        ET.SubElement(
+            structure, "EventIndicator", valueReference=str(reference[of_joint(k, "friction_margin")])
+        )

@@ -22,6 +22,7 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription
 
 from flexfmu.names import fmi_name
+from flexmodels.coordinate import of_joint
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
@@ -200,7 +201,7 @@ class LoadedFmu:
 
     def _input_names(self, experiment: Experiment) -> list[str]:
         joints = range(1, experiment.reference.shape[1] + 1)
-        names = [f"joint{k}.{signal}" for signal in ("r", "tau_ff") for k in joints]
+        names = [of_joint(k, signal) for signal in ("r", "tau_ff") for k in joints]
         self._require(set(names))
         return names
 

@@ -9,7 +9,7 @@ from statsmodels.stats.sandwich_covariance import S_hac_simple
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.gearing import Transmission
-from flexmodels.robot import Processing
+from flexmodels.settings.processing import Processing
 from pyident.conditioning import windows as conditioned_file
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition

@@ -12,8 +12,9 @@ from pinocchio_model import pin  # pyright: ignore[reportMissingImports]
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.files.urdf_export import export_urdf
 from flexmodels.files.urdf_import import import_urdf
+from flexmodels.link import Link
 from flexmodels.mechanics import dynamics
-from flexmodels.robot import Link, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
 from pyident.cli.main import main
 from pyident.regression.regressor import Motion, regressor
 

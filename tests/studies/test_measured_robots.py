@@ -15,7 +15,7 @@ from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.simulation.replica import repeat
+from pyident.simulation.replica import repeats
 from pyident.sweep.studies import find_study
 
 
@@ -73,7 +73,7 @@ def test_thinned_equations_at_rest_are_left_out(swing):
 
 
 def test_a_motion_is_repeated_by_a_robot_with_nonlinear_parameters(swing):
-    robot, plan = repeat(load_robot("tx40"), swing)
+    robot, (plan,) = repeats(load_robot("tx40"), [swing])
     assert robot.controller is not None
     assert plan.plan.reference.shape == (20_000, 6)
 

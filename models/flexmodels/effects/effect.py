@@ -10,12 +10,9 @@ import sympy
 from sympy import Expr, Symbol
 
 from flexmodels.effects import signals
+from flexmodels.effects.law_names import EffectError, check_names
 
 SLOW = 0.01  # [rad/s or m/s] over which a sign of any other speed than the joint's own is rounded
-
-
-class EffectError(ValueError):
-    """A law that cannot be used; the message names the effect and the cure."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +171,9 @@ class Effect:
 
     def check(self) -> None:
         """Raises EffectError when the law breaks a rule of this file."""
+        check_names(
+            self.name, {p.name: p.unit for p in self.parameters}, {s.name: s.unit for s in self.states}
+        )
         coordinates = {signals.e, *signals.eps.values(), signals.beyond.e}
         known = {p.symbol for p in self.parameters} | {s.symbol for s in self.states}
         for name in {str(q) for q in set(self.forces) - coordinates}:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import butter, sosfiltfilt
 
+from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
 from pyident.checks.timing_and_signs import signs, timing
 from pyident.conditioning.weak_form import DERIVATIVES
@@ -33,7 +34,7 @@ def integrity(robot: Robot, log: Log) -> list[str]:
     """One sentence per defect, none for a sound log. Raises LogError for what cannot be judged at all."""
     require(log, robot, 2 * _STUCK)
     coordinates = list(robot.coordinates)
-    torques = [f"joint{k}.tau" for k, _ in robot.numbered]
+    torques = list(robot.torques)
     found = list(_clock(log, [*coordinates, *torques]))
     sound = True
     for name in [*coordinates, *torques]:
@@ -140,7 +141,7 @@ def _jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
     places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
     sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
     first = float(time[places[0] + 1])
-    joint = robot.joints[int(name.split(".")[0].removeprefix("joint")) - 1]
+    joint = robot.joints[joint_number(name) - 1]
     turns = sizes / (2 * np.pi)
     if joint.kind == "revolute" and sizes.min() > 3 and (np.abs(turns - np.round(turns)) < 0.02).all():
         yield f"{log.source}: {name} jumps by a turn at {first:.4g} s; unwrap it"

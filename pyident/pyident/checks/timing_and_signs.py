@@ -12,7 +12,9 @@ import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 from scipy.ndimage import uniform_filter1d
 
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.coordinate import torque_of
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import REACH, condition
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, equations
@@ -113,7 +115,7 @@ def _equations(robot: Robot, log: Log) -> Equations:
 
 def _target(robot: Robot, log: Log, data: Equations, k: int, shift: float) -> np.ndarray:
     """(E,) the transformed torque of joint k, moved back by `shift` samples."""
-    tau = log.frame[f"joint{k}.tau"].to_numpy(float)
+    tau = log.frame[torque_of(k)].to_numpy(float)
     n = np.arange(len(tau), dtype=float)
     if robot.controller is None:
         moved = CubicSpline(n, tau)(np.clip(n + shift, 0, len(tau) - 1))

@@ -9,7 +9,16 @@ from rich.table import Table
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import load_robot, save_robot, shipped
 from flexmodels.robot import Robot, RobotError
-from pyident.cli.shared import console, json_option, output_option, progress_bar, reported, write_json
+from pyident.cli.outputs import DRAFT, PAGE, ROBOT, Output
+from pyident.cli.shared import (
+    console,
+    effects_option,
+    json_option,
+    output_option,
+    progress_bar,
+    reported,
+    write_json,
+)
 from pyident.comparison.compare import Comparison, Error, compare
 from pyident.diagnosis.diagnose import diagnose
 from pyident.diagnosis.result import Diagnosis, Named
@@ -25,7 +34,8 @@ _SHOWN = 4  # names in a line
 
 @click.command(name="compare")
 @click.argument("models_and_logs", nargs=-1, required=True, metavar="MODEL [MODEL] LOG...")
-@click.option("-o", "--output", type=click.Path(dir_okay=False), help="Page (HTML) to write.")
+@output_option(PAGE, required=False)
+@effects_option
 @json_option
 @reported
 def compare_command(models_and_logs: tuple[str, ...], output: str | None, json_file: str | None) -> None:
@@ -63,11 +73,12 @@ def compare_command(models_and_logs: tuple[str, ...], output: str | None, json_f
 )
 @click.option(
     "--draft",
-    type=click.Path(dir_okay=False),
+    type=Output(DRAFT),
     metavar="FILE.py",
     help="Effect file to propose where no law explains the residual.  [needs: flexident[symbolic]]",
 )
-@click.option("-o", "--output", type=click.Path(dir_okay=False), help="Page (HTML) to write.")
+@output_option(PAGE, required=False)
+@effects_option
 @json_option
 @reported
 def diagnose_command(
@@ -111,7 +122,8 @@ def diagnose_command(
 @click.option(
     "--holdout", multiple=True, metavar="LOG", help="Log to judge on.  [default: the last, or its last third]"
 )
-@output_option
+@output_option(ROBOT)
+@effects_option
 @json_option
 @reported
 def add_command(
@@ -169,7 +181,7 @@ def _print_comparison(models: list[str], found: list[Comparison]) -> None:
                     for x in (f"{e.rmse:.3g} {e.unit}", f"{e.nrmse_percent:.3g}", f"{e.ratio:.3g}")
                 ]
                 what = f"{kind[:-1] if kind == 'equations' else 'simulated'} {name}"
-                table.add_row(what.replace("[", r"\["), *cells, f"{errors[-1].floor_percent:.3g}")
+                table.add_row(what, *cells, f"{errors[-1].floor_percent:.3g}")
         console.print(table)
 
 
@@ -208,5 +220,5 @@ def _print_waterfall(found: Extended) -> None:
     table = Table("rms on held-out data", "base", "with the effect", "floor", "unit")
     for step in found.waterfall:
         values = (f"{v:.4g}" for v in (step.before, step.after, step.floor))
-        table.add_row(step.name.replace("[", r"\["), *values, step.unit)
+        table.add_row(step.name, *values, step.unit)
     console.print(table)

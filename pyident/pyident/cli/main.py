@@ -17,13 +17,16 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot, RobotError
 from pyident.cli.data import data, log
 from pyident.cli.judge import add_command, compare_command, diagnose_command
+from pyident.cli.outputs import FMU, LOG, ROBOT, OutputFolder
 from pyident.cli.robots import robots
 from pyident.cli.shared import console
+from pyident.cli.shared import effects_option as _effects
 from pyident.cli.shared import json_option as _json
 from pyident.cli.shared import output_option as _output
 from pyident.cli.shared import progress_bar as _progress
 from pyident.cli.shared import reported as _reported
 from pyident.cli.shared import write_json as _write_json
+from pyident.cli.trust import trust_command
 from pyident.estimation.base_parameters import weakest_directions
 from pyident.estimation.identify import Identified, identify
 from pyident.estimation.lock_unlogged import locked
@@ -40,9 +43,7 @@ from pyident.sweep.run import run_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
 
-_scheduler = click.option(
-    "--scheduler", metavar="ADDRESS", help="Run on this Dask cluster, as tcp://host:8786."
-)
+_scheduler = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -54,12 +55,8 @@ def main() -> None:
     """
 
 
-main.add_command(robots)
-main.add_command(log)
-main.add_command(data)
-main.add_command(compare_command)
-main.add_command(diagnose_command)
-main.add_command(add_command)
+for _command in (robots, log, data, compare_command, diagnose_command, add_command, trust_command):
+    main.add_command(_command)
 
 
 @main.command()
@@ -77,20 +74,21 @@ def effects(name: str | None, json_file: str | None) -> None:
     if name is None:
         table = Table("effect", "law", "parameters", "source")
         for effect in CATALOGUE.values():
-            parameters = ", ".join(p.name for p in effect.parameters).replace("[", r"\[")
+            parameters = ", ".join(p.name for p in effect.parameters)
             table.add_row(effect.name, effect.title, parameters, effect.citation)
     else:
         table = Table(name, show_lines=True)
         table.add_column(CATALOGUE[name].title)
         for key, text in sheet(CATALOGUE[name]).items():
-            table.add_row(key, text.replace("[", r"\["))
+            table.add_row(key, text)
     console.print(table)
     _write_json(json_file, {n: {"title": e.title} | sheet(e) for n, e in chosen.items()})
 
 
 @main.command()
 @click.argument("model")
-@_output
+@_output(FMU)
+@_effects
 @click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
 @click.option(
     "--platforms",
@@ -126,7 +124,8 @@ def export(model: str, output: str, fmi: str, platforms: str, json_file: str | N
 @click.option(
     "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
 )
-@_output
+@_output(LOG)
+@_effects
 @_json
 @_reported
 def simulate(model: str, experiment: str, output: str, json_file: str | None) -> None:
@@ -154,7 +153,8 @@ def simulate(model: str, experiment: str, output: str, json_file: str | None) ->
 @main.command(name="identify")
 @click.argument("model")
 @click.argument("logs", nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(dir_okay=False), help="Robot file to write.")
+@_output(ROBOT, required=False)
+@_effects
 @click.option("--robust", is_flag=True, help="Give single equations that stick out less weight (Huber).")
 @click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
@@ -194,9 +194,7 @@ def identify_command(
 
 @main.command()
 @click.argument("names", nargs=-1, required=True, metavar="NAME...")
-@click.option(
-    "-o", "--output", default="out", show_default=True, type=click.Path(file_okay=False), help="Folder."
-)
+@click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
 @_scheduler
 @_json
 @_reported
@@ -230,7 +228,8 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
 
 @main.command()
 @click.argument("plan", type=click.Path(exists=True, dir_okay=False))
-@click.option("-o", "--output", required=True, type=click.Path(file_okay=False), help="Folder.")
+@click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
+@_effects
 @_scheduler
 @click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
 @_json
@@ -248,7 +247,7 @@ def sweep(plan: str, output: str, scheduler: str | None, workers: int | None, js
     described = summary(found, read.ranges)
     table = Table("result", *described.columns)
     for name, values in described.iterrows():
-        table.add_row(str(name).replace("[", r"\["), *(f"{v:.4g}" for v in values))
+        table.add_row(str(name), *(f"{v:.4g}" for v in values))
     console.print(table)
     for sentence in failures(found):
         click.echo(sentence)
@@ -291,7 +290,7 @@ def _print_identified(found: Identified) -> None:
     for b in found.base:
         percent = f"{100 * b.std / abs(b.value):.2g}" if b.value else "-"
         interval = f"{b.value - 1.96 * b.std:.5g} … {b.value + 1.96 * b.std:.5g}"
-        table.add_row(b.expression.replace("[", r"\["), f"{b.value:.6g}", percent, interval)
+        table.add_row(b.expression, f"{b.value:.6g}", percent, interval)
     console.print(table)
     click.echo(f"{len(found.reduced.columns)} parameters, rank {found.solution.rank}; worst excited:")
     for sentence in weakest_directions(found.reduced, found.solution):

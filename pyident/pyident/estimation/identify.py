@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
@@ -82,7 +83,7 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
 def _relative_error(reduced: Reduced, solution: Solution, joints: int) -> dict[str, float]:
     squares = residual_squares(reduced, solution.p)[:joints]
     signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
-    each = {f"joint{k + 1}": float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
+    each = {joint_name(k + 1): float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
     return each | {"all": float(100 * np.sqrt(squares.sum() / signal.sum()))}
 
 
