@@ -11,6 +11,7 @@ from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_nam
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
+from pyident.comparison.traces import Bump, Trace, bumps, traces
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
 from pyident.simulation.replica import OpenWorkers
@@ -88,6 +89,7 @@ class Comparison:
 
     where       the part that fails most, None where nothing stands out
     structural  whether it stands out under refitted parameters too: the structure fails, not the values
+    traces      every equation along every log
     bins, refitted   every part, under the model's own parameters and under refitted ones
     tracks      whether the simulations track the measured motion, so that torques tell and positions do not
     """
@@ -100,6 +102,12 @@ class Comparison:
     bins: tuple[Bin, ...]
     refitted: tuple[Bin, ...]
     tracks: bool
+    traces: tuple[Trace, ...] = ()
+
+    @staticmethod
+    def bumps(trace: Trace) -> list[Bump]:
+        """Where a trace leaves what replicas show, the largest first."""
+        return bumps(trace)
 
     def json(self) -> dict[str, Any]:
         """The contract of `compare --json`, and more."""
@@ -150,7 +158,18 @@ def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Par
         tuple(own),
         tuple(refitted),
         trial.tracks,
+        tuple(t for i in range(len(names)) for t in _traces_of(trial, i, data[i], replicas, own)),
     )
+
+
+def _traces_of(
+    trial: Trial, i: int, data: Part, replicas: Sequence[Sequence[Part]], bins: Sequence[Bin]
+) -> tuple[Trace, ...]:
+    """Of the judged log number i."""
+    coordinates = trial.robot.coordinates
+    motors = [coordinates.index(motor_of(joint_number(name))) for name in coordinates]
+    made = [parts[i] for parts in replicas]
+    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors)
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:
