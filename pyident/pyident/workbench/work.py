@@ -11,7 +11,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Inputs:
-    """What a question is asked of. model: shipped name or path; logs, heldout: paths; mapping: path or empty."""
+    """What a question is asked of. model: shipped name or path; logs, heldout, mapping: paths."""
 
     model: str
     logs: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Place 3: where model and logs disagree: a map, traces, the residual in its ribbon, and what it goes with."""
+"""Place 3: where model and logs disagree: a map, traces, the residual in its ribbon, its dependences."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -27,9 +27,8 @@ def show(page: "Page") -> None:
     ui.label(comparison.sentence).classes("text-base").props('data-testid="where-sentence"')
     _map(page, comparison)
     listed = [t for t in comparison.traces if not page.view.log or t.log == page.view.log]
-    coordinate = page.view.coordinate or (
-        comparison.where.coordinate if comparison.where else listed[0].coordinate
-    )
+    worst = comparison.where.coordinate if comparison.where else listed[0].coordinate
+    coordinate = page.view.coordinate or worst
     chosen = next((t for t in listed if t.coordinate == coordinate), listed[0])
     _choice(page, comparison, chosen)
     with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
@@ -90,10 +89,16 @@ def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
     logs = list(dict.fromkeys(t.log for t in comparison.traces))
     coordinates = list(dict.fromkeys(t.coordinate for t in comparison.traces))
     with ui.row().classes("items-center"):
-        ui.select(coordinates, value=chosen.coordinate, label="equation",
-                  on_change=lambda e: page.go(coordinate=e.value, span=None)).props('data-testid="coordinate"')  # fmt: skip
-        ui.select(logs, value=chosen.log, label="log",
-                  on_change=lambda e: page.go(log=e.value, span=None)).props('data-testid="log"')  # fmt: skip
+        for key, names, value in (
+            ("coordinate", coordinates, chosen.coordinate),
+            ("log", logs, chosen.log),
+        ):
+            ui.select(
+                names,
+                value=value,
+                label="equation" if key == "coordinate" else "log",
+                on_change=lambda e, k=key: page.go(**{k: e.value, "span": None}),
+            ).props(f'data-testid="{key}"')
         if page.view.span:
             ui.button("whole log", on_click=lambda: page.go(span=None)).props(
                 'data-testid="whole" flat no-caps'
@@ -156,7 +161,8 @@ def _bumps(page: "Page", comparison: Any, trace: Any) -> None:
     if not listed:
         ui.label("Nowhere.").props('data-testid="no-bumps"')
     for i, bump in enumerate(listed):
-        words = f"{i + 1}: {bump.start:.2f} to {bump.stop:.2f} s · {bump.over_floor:.2g} × · {100 * bump.share:.0f} %"
+        share = f"{bump.over_floor:.2g} × · {100 * bump.share:.0f} %"
+        words = f"{i + 1}: {bump.start:.2f} to {bump.stop:.2f} s · {share}"
         span = (bump.start - 0.5, bump.stop + 0.5)
         ui.button(words, on_click=lambda s=span: page.go(span=s)).props(
             f'data-testid="bump-{i + 1}" flat dense no-caps align=left'
