@@ -32,31 +32,31 @@ def compared(inputs: Inputs, json_file: str, progress: Progress) -> Any:
     import pyident as pi
 
     logs = [*inputs.logs, *inputs.heldout]
-    comparison = pi.compare(inputs.model, logs, mapping=inputs.mapping or None, progress=progress)
-    _write(json_file, comparison.json())
-    return comparison
+    compared = pi.compare(inputs.model, logs, mapping=inputs.mapping or None, progress=progress)
+    _write(json_file, compared.to_dict())
+    return compared.comparison
 
 
 def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> Any:
     """The diagnosis, written to `json_file`, too."""
     import pyident as pi
 
-    diagnosis = pi.diagnose(
+    diagnosed = pi.diagnose(
         inputs.model,
         list(inputs.logs),
         heldout=list(inputs.heldout),
         mapping=inputs.mapping or None,
         progress=progress,
     )
-    _write(json_file, diagnosis.json())
-    return diagnosis
+    _write(json_file, diagnosed.to_dict())
+    return diagnosed.diagnosis
 
 
 def added(inputs: Inputs, effect: str, joint: int, output: str, json_file: str, progress: Progress) -> Any:
     """The model with one more law, written to `output` if it is accepted."""
     import pyident as pi
 
-    extended = pi.add_effect(
+    added = pi.add_effect(
         inputs.model,
         effect,
         joint,
@@ -65,10 +65,10 @@ def added(inputs: Inputs, effect: str, joint: int, output: str, json_file: str, 
         mapping=inputs.mapping or None,
         progress=progress,
     )
-    _write(json_file, extended.json())
-    if extended.accepted:
-        extended.save(output)
-    return extended
+    _write(json_file, added.to_dict())
+    if added.accepted:
+        added.save(output)
+    return added.extended
 
 
 def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) -> Any:
@@ -77,7 +77,7 @@ def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) 
 
     fit = pi.identify(inputs.model, list(inputs.logs), mapping=inputs.mapping or None, progress=progress)
     fit.save(output)
-    _write(json_file, fit.json())
+    _write(json_file, fit.to_dict())
     return fit
 
 
