@@ -23,10 +23,11 @@ ROOMS = (
     "extension",
     "report",
     "sweep",
+    "verbs",
     "cli",
 )
 # Where robot, FMU and identification are put together.
-COMPOSERS = {"simulation", "sweep", "cli"}
+COMPOSERS = {"simulation", "sweep", "verbs", "cli"}
 LONGEST = 300  # lines of a file
 FULLEST = 15  # Python files in a folder
 
