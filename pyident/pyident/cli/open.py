@@ -7,7 +7,9 @@ from pyident.cli.shared import reported
 
 @click.command(name="open")
 @click.argument("folder", default=".", type=click.Path(file_okay=False))
-@click.option("--port", default=0, type=click.IntRange(0, 65535), metavar="N", help="Port.  [default: a free one]")
+@click.option(
+    "--port", default=0, type=click.IntRange(0, 65535), metavar="N", help="Port.  [default: a free one]"
+)
 @click.option("--no-browser", is_flag=True, help="Only print the URL.")
 @reported
 def open_command(folder: str, port: int, no_browser: bool) -> None:

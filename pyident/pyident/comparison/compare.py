@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_name, joint_number
+from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_name, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial

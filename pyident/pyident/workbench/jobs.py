@@ -80,6 +80,9 @@ def _run(sender: Connection, work: Callable[..., Any], arguments: tuple[Any, ...
     except (ValueError, RuntimeError, OSError, ImportError) as error:
         traceback.print_exc(file=sys.stderr)
         sender.send(("error", str(error) or type(error).__name__))
+    except Exception as error:
+        traceback.print_exc(file=sys.stderr)
+        sender.send(("error", f"fault in pyident itself, please report it ({type(error).__name__}: {error})"))
 
 
 def _stop(pid: int | None) -> None:

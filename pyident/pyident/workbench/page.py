@@ -30,7 +30,7 @@ class Page:
     """One open tab: what it looks at, and how it draws itself anew."""
 
     def __init__(self, bench: Bench, view: View):
-        self.bench, self.view, self.seen = bench, view, -1
+        self.bench, self.view, self.seen = bench, view, bench.revision
 
     def build(self) -> None:
         """Lay the page out."""

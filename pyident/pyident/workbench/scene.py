@@ -8,44 +8,52 @@ from nicegui import ui
 
 _PLAY = """
 (() => {
-  const scene = getElement(%(scene)d), frames = %(frames)s, ids = %(ids)s, step = %(step)g;
+  const frames = %(frames)s, ids = %(ids)s, pairs = %(pairs)s;
   clearInterval(window.flexidentPlayer);
-  let i = 0;
-  const draw = () => {
-    frames.forEach((arm, a) => arm[i].forEach((p, k) => {
-      const ball = scene.objects.get(ids[a].balls[k]);
-      if (ball) ball.position.set(...p);
-    }));
-    frames.forEach((arm, a) => %(pairs)s.forEach(([from, to], k) => {
-      const rod = scene.objects.get(ids[a].rods[k]);
-      if (!rod) return;
-      const p = from < 0 ? [0, 0, 0] : arm[i][from], q = arm[i][to];
-      const d = [q[0]-p[0], q[1]-p[1], q[2]-p[2]], l = Math.max(Math.hypot(...d), 1e-6);
-      rod.position.set((p[0]+q[0])/2, (p[1]+q[1])/2, (p[2]+q[2])/2);
-      rod.scale.set(1, l, 1);
-      const y = rod.up.clone().set(0, 1, 0), n = rod.up.clone().set(d[0]/l, d[1]/l, d[2]/l);
-      rod.quaternion.setFromUnitVectors(y, n);
-    }));
-    i = (i + 1) %% frames[0].length;
+  const play = (scene) => {
+    const mesh = (id) => scene.objects.get(id)?.mesh;
+    let i = 0;
+    const draw = () => {
+      frames.forEach((arm, a) => arm[i].forEach((p, k) => mesh(ids[a].balls[k])?.position.set(...p)));
+      frames.forEach((arm, a) => pairs.forEach(([from, to], k) => {
+        const rod = mesh(ids[a].rods[k]);
+        if (!rod) return;
+        const p = from < 0 ? [0, 0, 0] : arm[i][from], q = arm[i][to];
+        const d = [q[0] - p[0], q[1] - p[1], q[2] - p[2]], l = Math.max(Math.hypot(...d), 1e-6);
+        rod.position.set((p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2);
+        rod.scale.set(1, l, 1);
+        const y = rod.up.clone().set(0, 1, 0), n = rod.up.clone().set(d[0] / l, d[1] / l, d[2] / l);
+        rod.quaternion.setFromUnitVectors(y, n);
+      }));
+      i = (i + 1) %% frames[0].length;
+    };
+    draw();
+    if (frames[0].length > 1) window.flexidentPlayer = setInterval(draw, %(step)g);
   };
-  draw();
-  if (frames[0].length > 1) window.flexidentPlayer = setInterval(draw, step);
+  const wait = (tries) => {
+    const scene = getElement(%(scene)d);
+    if (scene?.objects?.get(ids[ids.length - 1].rods.at(-1))?.mesh) play(scene);
+    else if (tries) setTimeout(() => wait(tries - 1), 100);
+  };
+  wait(100);
 })();
 """
+
+_SOLID, _GHOST = "#2b6ca3", "#b5480d"
 
 
 class Arm3D:
     """A scene with one or two arms of the same tree. pairs: points that a link joins, -1 the base."""
 
-    def __init__(self, pairs: Sequence[tuple[int, int]], reach: float, colours: Sequence[str]):
-        """reach: size of the arm [m]; colours: of the joints."""
+    def __init__(self, pairs: Sequence[tuple[int, int]], reach: float, colours: Sequence[str], arms: int = 1):
+        """reach: size of the arm [m]; colours: of the joints; arms: 2 with a ghost."""
         self.pairs, self.ids = list(pairs), []
         radius = 0.02 * reach
         with ui.scene(width=520, height=380, grid=(4, 20)).props(
             'data-testid="scene" aria-label="the robot in 3D"'
         ) as scene:
             self.scene = scene
-            for colour, opacity in (("#2b6ca3", 1.0), ("#b5480d", 0.35)):
+            for colour, opacity in ((_SOLID, 1.0), (_GHOST, 0.35))[:arms]:
                 balls = []
                 for k in range(len(self.pairs)):
                     tone = colours[k] if k < len(colours) and opacity == 1.0 else colour
@@ -68,4 +76,4 @@ class Arm3D:
             "pairs": json.dumps(self.pairs),
             "step": milliseconds,
         }
-        ui.run_javascript(f"setTimeout(() => {{{script}}}, 400)")
+        ui.run_javascript(script)
