@@ -10,6 +10,7 @@ PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": R
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
 # Rooms of pyident from the ground up: each may import those before it, and itself.
 ROOMS = (
+    "rules",
     "logs",
     "conditioning",
     "kinematics",

@@ -14,14 +14,9 @@ from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial
 from pyident.comparison.traces import Bump, Trace, bumps, traces
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
+from pyident.rules.comparison import ComparisonRules
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import OpenWorkers
-
-REPLICAS = 6
-_CERTAIN = 1.25  # times the deviations that a replica shows among the others: what is no chance
-_MATTERS = 1.25  # times the floor: less is not worth a sentence
-_CARRIES = 0.1  # of the equation's excess that the named part must hold
-_SAMPLES = 0.02  # of the data that it must hold
-_OF_SIGNAL = 5e-4  # of the equation's signal that its excess must reach
 
 
 @dataclass(frozen=True)
@@ -123,28 +118,30 @@ class Comparison:
 
 
 def compare(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, replicas: int = REPLICAS
+    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, rules: Rules = RULES
 ) -> Comparison:
     """Hold an identified robot, with the parameters that it has, against logs.
 
     open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
-    replicas       how many stand for the floor, 3 or more
+    rules          every threshold
     Raises LogError, and what the simulation raises.
     """
     trial = on_trial(robot, logs)
     with open_workers(trial.simulated) as workers:
-        data, made = run_trial(trial, workers, progress, replicas)
-    return compared(trial, data, made)
+        data, made = run_trial(trial, workers, progress, rules.comparison.replicas)
+    return compared(trial, data, made, rules.comparison)
 
 
-def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Part]]) -> Comparison:
+def compared(
+    trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Part]], rules: ComparisonRules
+) -> Comparison:
     """Errors, their floors and where they stand out most."""
     names = [r.log.source for r in trial.judged]
     errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
     short = [Path(n).name for n in names]
     own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
     values, structure = (
-        _worst(bins, errors, _chance(trial.robot, replicas, short, r))
+        _worst(bins, errors, _chance(trial.robot, replicas, short, r), rules)
         for bins, r in ((own, False), (refitted, True))
     )
     where = structure or values
@@ -223,16 +220,18 @@ def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:
     return robot.parameters[stiffness] * part.part.motion.q
 
 
-def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float) -> Bin | None:
+def _worst(
+    bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float, rules: ComparisonRules
+) -> Bin | None:
     """The largest ratio among the parts that are no chance and that matter."""
     telling = [
         b
         for b in bins
-        if b.deviations > _CERTAIN * chance
-        and b.ratio > _MATTERS
-        and b.share > _CARRIES
-        and b.data_share > _SAMPLES
-        and _excess(b.coordinate, errors) > _OF_SIGNAL
+        if b.deviations > rules.certain * chance
+        and b.ratio > rules.matters
+        and b.share > rules.carries
+        and b.data_share > rules.samples
+        and _excess(b.coordinate, errors) > rules.of_signal
     ]
     return max(telling, key=lambda b: b.ratio, default=None)
 
