@@ -49,7 +49,7 @@ class Bench:
         sentences = self.checked
         chosen = [Path(p).name for p in (*self.inputs.logs, *self.inputs.heldout)]
         return bool(chosen) and all(
-            name in sentences and not sentences[name][0].startswith("refused") for name in chosen
+            name in sentences and not sentences[name][0].startswith(work.REFUSED) for name in chosen
         )
 
     def change(self, project: Project) -> None:

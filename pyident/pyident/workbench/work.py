@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 Progress = Callable[[float], None]
+REFUSED = "refused: "  # how the sentence of a log that must not be used begins
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,13 @@ def checked(inputs: Inputs, names: Sequence[str], progress: Progress) -> dict[st
     for i, name in enumerate(names):
         try:
             log = pi.read_log(name, robot=inputs.model or None, mapping=inputs.mapping or None)
-            sentences[Path(name).name] = [f"{len(log)} samples at {1 / log.period:.4g} Hz", *log.notes]
+            defects = pi.check_log(pi.load_robot(inputs.model), log)
+            listed = [f"{len(log)} samples at {1 / log.period:.4g} Hz", *log.notes]
+            refused = [f"{REFUSED}{d.sentence}" for d in defects if d.severity == "gross"]
+            doubted = [f"to look at: {d.sentence}" for d in defects if d.severity != "gross"]
+            sentences[Path(name).name] = [*refused, *listed, *doubted]
         except ValueError as error:
-            sentences[Path(name).name] = [f"refused: {error}"]
+            sentences[Path(name).name] = [f"{REFUSED}{error}"]
         progress((i + 1) / len(names))
     return sentences
 

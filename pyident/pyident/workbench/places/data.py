@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from nicegui import events, ui
 
 from pyident.workbench.project import LARGEST_UPLOAD, LOGS, MODELS, ProjectError
+from pyident.workbench.work import REFUSED
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
@@ -36,7 +37,7 @@ def show(page: "Page") -> None:
                     on_change=lambda e, name=log: page.act(lambda: bench.assign(name, e.value)),
                 ).props(f'data-testid="role-{i}" no-caps dense')
             for sentence in checked.get(log, []):
-                bad = sentence.startswith("refused")
+                bad = sentence.startswith(REFUSED)
                 ui.label(sentence).classes("text-negative" if bad else "text-sm")
     if not bench.project.model:
         ui.label("Choose a model in place 2; the checks need to know which joints a log is of.").props(
