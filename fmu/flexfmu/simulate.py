@@ -1,15 +1,13 @@
-"""FMU + experiment -> log, for any FMU that follows the log contract. The only file that imports FMPy."""
+"""FMU + experiment -> log, for FMUs that follow the log contract; FMPy is imported here and in `fmu_file`."""
 
 import ctypes
-import re
-import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from fmpy import calloc, extract, free, read_model_description, simulate_fmu
+from fmpy import calloc, extract, free, simulate_fmu
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2CallbackAllocateMemoryTYPE,
@@ -17,29 +15,15 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
-from fmpy.model_description import ModelDescription
 
 from flexfmu.finite import require_finite
+from flexfmu.fmu_file import FmuDescription, first_line
 from flexfmu.names import fmi_name
-from flexmodels.coordinate import of_joint
+from flexmodels.coordinate import of_joint, start_of, switch_of
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
-_LARGEST = 4e9  # bytes of an FMU unpacked
-
-
-class FmuDescription:
-    """What an FMU file says of itself. Raises SimulationError for a file that is none."""
-
-    def __init__(self, path: str | Path):
-        self.description = _described(Path(path))
-        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
-
-    @property
-    def joints(self) -> int:
-        """Number of driven joints: those with a reference among the inputs."""
-        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
 
 
 class LoadedFmu(FmuDescription):
@@ -57,7 +41,7 @@ class LoadedFmu(FmuDescription):
             extract(str(path), unzipdir=self._folder)
         except Exception as error:
             self._stack.close()
-            raise SimulationError(f"{path} cannot be unpacked ({_first_line(error)})") from None
+            raise SimulationError(f"{path} cannot be unpacked ({first_line(error)})") from None
 
     def __enter__(self) -> "LoadedFmu":
         return self
@@ -79,8 +63,9 @@ class LoadedFmu(FmuDescription):
         progress    called with the fraction done
         Raises SimulationError.
         """
+        parameters = self._starts(experiment) | dict(parameters or {})
         logged = self._logged() + outputs
-        self._require({*map(fmi_name, parameters or {}), *outputs})
+        self._require({*map(fmi_name, parameters), *outputs})
         plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
         run = self._step_by_step if plain else self._by_fmpy
         rows = run(experiment, parameters or {}, logged, progress)
@@ -213,31 +198,27 @@ class LoadedFmu(FmuDescription):
 
     def _input_names(self, experiment: Experiment) -> list[str]:
         joints = range(1, experiment.reference.shape[1] + 1)
-        names = [of_joint(k, signal) for signal in ("r", "tau_ff") for k in joints]
+        signals = ("r", "tau_ff", "on") if self._has_servos else ("r", "tau_ff")
+        names = [of_joint(k, signal) for signal in signals for k in joints]
         self._require(set(names))
         return names
 
+    @property
+    def _has_servos(self) -> bool:
+        return switch_of(1) in self._references
+
     def _inputs(self, experiment: Experiment) -> np.ndarray:
-        return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
+        inputs = [experiment.reference, experiment.feedforward]
+        if self._has_servos:
+            inputs.append(np.ones_like(experiment.reference) if experiment.on is None else experiment.on)
+        return np.ascontiguousarray(np.hstack(inputs))
 
-
-def _described(path: Path) -> ModelDescription:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > _LARGEST:
-            raise SimulationError(f"{path} holds {size / 1e9:.3g} GB unpacked, which no FMU of ours needs")
-        return read_model_description(str(path))
-    except FileNotFoundError:
-        raise SimulationError(f"there is no FMU {path}; check the path") from None
-    except SimulationError:
-        raise
-    except Exception as error:
-        raise SimulationError(f"{path} is not an FMU that can be read ({_first_line(error)})") from None
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).strip() or type(error).__name__).splitlines()[0]
+    def _starts(self, experiment: Experiment) -> dict[str, float]:
+        """Positions from which servos set out."""
+        if not self._has_servos:
+            return {}
+        start = experiment.reference[0] if experiment.start is None else experiment.start
+        return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
 
 
 @contextmanager

@@ -37,7 +37,7 @@ def _run(folder: Path, request: dict[str, Any], answers: BinaryIO) -> list[str]:
     from flexmodels.inputs import Experiment
 
     with np.load(folder / REQUEST) as arrays:
-        experiment = Experiment(arrays["time"], arrays["reference"], arrays["feedforward"])
+        experiment = Experiment(**{name: arrays[name][()] for name in arrays})
     told = [0.0]
 
     def progress(share: float) -> None:

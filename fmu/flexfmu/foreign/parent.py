@@ -10,13 +10,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from flexfmu.simulate import FmuDescription
+from flexfmu.fmu_file import FmuDescription
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 
@@ -44,12 +45,8 @@ class ForeignFmu(FmuDescription):
     ) -> pd.DataFrame:
         """As `LoadedFmu.simulate`. Raises SimulationError."""
         with scratch_folder() as folder:
-            np.savez(
-                folder / REQUEST,
-                time=experiment.time,
-                reference=experiment.reference,
-                feedforward=experiment.feedforward,
-            )
+            parts = {f.name: getattr(experiment, f.name) for f in fields(experiment)}
+            np.savez(folder / REQUEST, **{name: part for name, part in parts.items() if part is not None})
             words = {
                 "fmu": str(self._path.resolve()),
                 "parameters": dict(parameters or {}),

@@ -11,7 +11,8 @@ from typing import Concatenate, ParamSpec, TypeVar
 import pandas as pd
 
 from flexfmu.build import export_fmu
-from flexfmu.simulate import FmuDescription, LoadedFmu, loaded_fmu
+from flexfmu.fmu_file import FmuDescription
+from flexfmu.simulate import LoadedFmu, loaded_fmu
 from flexmodels.experiment import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
@@ -73,6 +74,17 @@ class FmuRuns:
     ) -> "Future[R]":
         """Call `work(fmu, *arguments)` in one of the processes; `work` is a function of a module."""
         return self._workers.submit(work, *arguments, **named)
+
+
+@contextmanager
+def runs_here(
+    robot: Robot,
+) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
+    """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
+    with scratch_folder() as folder:
+        path = export_fmu(equations(robot), folder / "plant.fmu", derivatives=False)
+        with LoadedFmu(path) as fmu:
+            yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
 
 
 class RivalRuns:
