@@ -15,7 +15,7 @@ from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
 from pyident.logs.log import Log, LogError, check, renamed
 from pyident.logs.log import read_log as read_plain
-from pyident.logs.mapping import Mapping
+from pyident.logs.mapping import Mapping, read_mapping
 
 Model = Robot | str | Path
 Data = Log | LogFile | pd.DataFrame | str | Path
