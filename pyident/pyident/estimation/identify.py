@@ -23,6 +23,8 @@ class Identified:
     """The outcome: the robot with its new parameters and how well the data support them.
 
     relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]
+    estimator        by which the values were found
+    notes            what its user must know, a sentence each
     """
 
     robot: Robot
@@ -31,11 +33,14 @@ class Identified:
     support: dict[str, Support]
     base: list[BaseParameter]
     relative_error: dict[str, float]
+    estimator: str = "weighted least squares"
+    notes: tuple[str, ...] = ()
 
     def json(self) -> dict[str, Any]:
         """The contract of `identify --json`."""
         units, values = self.robot.units, self.robot.parameters
         return {
+            "estimator": self.estimator,
             "parameters": {
                 name: {
                     "value": values[name],
