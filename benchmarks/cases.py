@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from benchmarks.closed_loop import Start, run, static_start
+from benchmarks.peers.closed_loop import Start, run, static_start
 from benchmarks.reference import EventExact
 
 from flexmodels.coordinate import of_joint

@@ -10,6 +10,8 @@ from flexmodels.mechanics import dynamics
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.motions import Line
 
+__all__ = ["Experiment", "identification", "line", "line_profile"]
+
 
 def identification(
     robot: Robot, seed: int = 0, duration: float | None = None, flat: bool = False

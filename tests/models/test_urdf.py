@@ -16,7 +16,8 @@ from flexmodels.link import Link
 from flexmodels.mechanics import dynamics
 from flexmodels.robot import Robot, RobotError
 from pyident.cli.main import main
-from pyident.regression.regressor import Motion, regressor
+from pyident.conditioning.motion import Motion
+from pyident.regression.regressor import regressor
 
 PUBLIC = {  # a chain of revolute joints; one with a slider and wheels; legs on a trunk
     "ur5": "ur_description/urdf/ur5_robot.urdf",

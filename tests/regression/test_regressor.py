@@ -14,7 +14,8 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.mechanics import dynamics
 from flexmodels.robot import Robot
-from pyident.regression.regressor import Motion, Regressor, regressor, regressor_blocks
+from pyident.conditioning.motion import Motion
+from pyident.regression.regressor import Regressor, regressor, regressor_blocks
 
 ROBOTS = [
     *(load_robot(name) for name in ("four_link", "emps", "parallelogram")),

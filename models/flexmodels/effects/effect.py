@@ -33,10 +33,12 @@ class Parameter:
 
     @property
     def symbol(self) -> Symbol:
+        """As it stands in an expression."""
         return Symbol(self.name, real=True)
 
     @property
     def linear(self) -> bool:
+        """Whether it has a column of Φ."""
         return not self.grid
 
 
@@ -54,6 +56,7 @@ class State:
 
     @property
     def symbol(self) -> Symbol:
+        """As it stands in an expression."""
         return Symbol(self.name, real=True)
 
     @property
@@ -121,10 +124,12 @@ class Effect:
 
     @property
     def linear(self) -> tuple[Parameter, ...]:
+        """Parameters of which the law is a weighted sum."""
         return tuple(p for p in self.parameters if p.linear)
 
     @property
     def nonlinear(self) -> tuple[Parameter, ...]:
+        """Parameters that enter in any other way."""
         return tuple(p for p in self.parameters if not p.linear)
 
     @cached_property
@@ -163,6 +168,7 @@ class Effect:
 
     @property
     def latex(self) -> str:
+        """Forces, rates of states and additions to the body, line by line."""
         rates = (rf"\dot{{{s.name}}} = {sympy.latex(s.rate)}" for s in self.states)
         bodies = (
             rf"{sympy.latex(Symbol(name))} \mathrel{{+}}= {sympy.latex(x)}" for name, x in self.body.items()

@@ -4,9 +4,10 @@ What is shown may come from files: it is never read as markup, and what would st
 """
 
 import json
+import math
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from typing import Any, NoReturn, TypeVar
@@ -86,6 +87,12 @@ def show(sentence: str) -> None:
     click.echo(printable(sentence))
 
 
+def show_notes(notes: Iterable[str]) -> None:
+    """Say what was done to the logs."""
+    for note in notes:
+        show(f"note: {note}")
+
+
 @contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
@@ -129,6 +136,38 @@ def effects_option(command: Command) -> Command:
         callback=lambda context, _, value: value and context.with_resource(code_allowed()),
         help="Run the Python files that the files given here name.",
     )(command)
+
+
+def mapping_option(command: Command) -> Command:
+    """`--mapping FILE`, wherever a log is read."""
+    return click.option(
+        "--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML)."
+    )(command)
+
+
+def set_option(command: Command) -> Command:
+    """`--set NAME=VALUE`, wherever something is simulated; a dictionary in `parameters`."""
+    return click.option(
+        "--set",
+        "parameters",
+        multiple=True,
+        metavar="NAME=VALUE",
+        callback=lambda context, option, given: dict(map(_assignment, given)),
+        help="Another value of a parameter, SI units; may be given again.",
+    )(command)
+
+
+def _assignment(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not name.strip() or not math.isfinite(number):
+        raise click.BadParameter(
+            f"{text!r} is not NAME=VALUE with a finite number, such as joint1.coulomb=3.5"
+        )
+    return name.strip(), number
 
 
 def _with_overwrite(command: Command) -> Command:

@@ -16,7 +16,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.channels import integrity
+from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.candidates import law_of
 from pyident.diagnosis.base.residual_over_floor import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
@@ -51,7 +51,7 @@ def diagnose(
     draft          look for a formula where no law explains the residual
     Raises LogError.
     """
-    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
+    notes = tuple(defect.sentence for log in (*logs, *heldout) for defect in check_log(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":

@@ -29,6 +29,15 @@ def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | Non
     """
     source = ", ".join(str(file) for file in files)
     raw = _joined([(Path(file), _columns(Path(file), mapping.header)) for file in files])
+    return _mapped(raw, mapping, source, robot)
+
+
+def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot | None = None) -> Log:
+    """The same from the columns of a data frame. Raises LogError."""
+    return _mapped({str(n): c.to_numpy() for n, c in frame.items()}, mapping, source, robot)
+
+
+def _mapped(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
     frame = pd.DataFrame({name: _signal(raw, s.column, source) * s.gain + s.offset
                           for name, s in mapping.signals.items()})  # fmt: skip
     if mapping.rate is not None:

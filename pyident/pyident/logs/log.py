@@ -48,8 +48,14 @@ class Log:
     """
 
     frame: pd.DataFrame
-    source: str
+    source: str = "the log"
     notes: tuple[str, ...] = ()
+
+    @classmethod
+    def from_frame(cls, frame: pd.DataFrame, source: str = "the data frame") -> "Log":
+        """A log of a data frame with the columns of one (SI units), checked. Raises LogError."""
+        check(frame, source)
+        return cls(frame.reset_index(drop=True), source)
 
     @property
     def names(self) -> tuple[str, ...]:

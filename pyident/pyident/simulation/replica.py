@@ -18,8 +18,9 @@ from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
+from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
-from pyident.regression.regressor import Motion, regressor
+from pyident.regression.regressor import regressor
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import Recorded, loop_of, recorded
 
