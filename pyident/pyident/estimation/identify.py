@@ -1,7 +1,7 @@
 """Robot + logs -> identified robot: conditioning, regression, physical consistency."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -95,6 +95,13 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
         base=base_parameters(reduced, solution),
         relative_error=relative_error(reduced, solution.p, len(robot.joints)),
     )
+
+
+def without_intervals(found: Identified) -> Identified:
+    """The same values of which nothing is said about how far they may be off."""
+    solution = replace(found.solution, covariance=np.full_like(found.solution.covariance, np.nan))
+    base = [replace(parameter, std=float("nan")) for parameter in found.base]
+    return replace(found, solution=solution, base=base)
 
 
 def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, float]:

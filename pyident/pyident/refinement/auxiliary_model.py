@@ -20,7 +20,7 @@ from pyident.conditioning.filters import without_phase
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
-from pyident.estimation.identify import Identified, identified
+from pyident.estimation.identify import Identified, identified, without_intervals
 from pyident.estimation.instrumental_variables import (
     Logs,
     Rows,
@@ -30,7 +30,7 @@ from pyident.estimation.instrumental_variables import (
     unknown,
 )
 from pyident.estimation.least_squares import Reduced, Solution
-from pyident.estimation.physical import lower_bounds
+from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
@@ -43,7 +43,9 @@ START = "instrumental variables with filtered signals"
 _ROUNDS = 8
 _SETTLED = 0.1  # of a standard deviation: change at which the rounds end
 _DAMPED = 0.5  # of the damping per stiffness that the hinges have in the middle: the least simulated
-_LOW = 0.15  # of the Nyquist frequency: passes the first instruments
+_LOW = (0.15, 0.04)  # of the Nyquist frequency: pass the first instruments; the better start is taken
+_SHIFTS = 10.0  # times as much as scatter counts in a weight what samples do: it does not average out
+_SMALL_STEP = 1e-4  # s
 _FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 _EXCESS = 1.2  # times what the sensors' noise leaves in the instruments' band: more is not noise alone
 
@@ -72,39 +74,55 @@ def identify_by_instruments(
     parts = [condition(log, robot) for log in logs]
     reduced, plain = estimate(Problem(robot, tuple(parts)))
     data = [_in_memory(robot, part) for part in parts]
-    start = _started(robot, data, reduced, plain)
-    best = identified(robot, reduced, start)
+    lows = _LOW if carries(robot) else ()
+    starts = [identified(robot, reduced, _started(robot, data, reduced, plain, low)) for low in lows]
+    starts = starts or [identified(robot, reduced, plain)]
+    best = starts[0]
     simulated, again = repeats(best.robot, logs)
     notes = tuple(r.note for r in again[:1] if r.note)
     try:
         with open_workers(simulated) as workers:
+            best = _nearest(starts, again, workers)
             solution, reason = _rounds(robot, best, data, again, workers, progress)
     except SimulationError as error:
-        solution, reason = start, f"the model found cannot be simulated ({error})"
+        solution, reason = best.solution, f"the model found cannot be simulated ({error})"
     if reason:
-        note = f"{reason}; the estimate is that of {START} and has no intervals"
-        return replace(_without_intervals(best), estimator=START, notes=(*notes, note))
+        name = START if carries(robot) else best.estimator
+        note = f"{reason}; the estimate is that of {name} and has no intervals"
+        return replace(without_intervals(best), estimator=name, notes=(*notes, note))
     return replace(identified(robot, reduced, solution), estimator=NAME, notes=notes)
 
 
-def _without_intervals(best: Identified) -> Identified:
-    solution = replace(best.solution, covariance=np.full_like(best.solution.covariance, np.nan))
-    return replace(
-        best, solution=solution, base=[replace(parameter, std=float("nan")) for parameter in best.base]
-    )
+def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Any) -> Identified:
+    """The start whose simulation follows the logs best. Raises SimulationError when none can be made."""
+    errors: list[float] = []
+    failure = None
+    for start in starts:
+        columns, values = start.reduced.columns, start.robot.linear_parameters.values()
+        quiet = _simulable(start.robot, columns, np.array(list(values)))
+        put_in = start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
+        try:
+            frames = _frames(again, workers, put_in)
+            errors.append(max(_missed(r, frame) for r, frame in zip(again, frames, strict=True)))
+        except SimulationError as error:
+            errors.append(float("inf"))
+            failure = error
+    if failure is not None and not np.isfinite(errors).any():
+        raise failure
+    return starts[int(np.argmin(errors))]
 
 
-def _started(robot: Robot, data: list[_Data], reduced: Reduced, plain: Solution) -> Solution:
-    """Instruments from the log itself, of low frequencies, where there is little noise."""
+def _started(robot: Robot, data: list[_Data], reduced: Reduced, plain: Solution, low: float) -> Solution:
+    """Instruments from the log itself, of frequencies below `low`, where there is little noise."""
     from scipy.signal import butter
 
-    low = np.asarray(butter(4, _LOW, output="sos"))
+    sections = np.asarray(butter(4, low, output="sos"))
 
     def rows() -> list[Rows]:
         listed = []
         for d in data:
             share = _share(robot, d.use)
-            listed.append(Rows(d.A, without_phase(low, d.A * share[:, :, None]), d.y, share))
+            listed.append(Rows(d.A, without_phase(sections, d.A * share[:, :, None]), d.y, share))
         return listed
 
     return solve_instrumental(rows, reduced, plain.weights, spectral(rows, plain.weights))
@@ -125,13 +143,17 @@ def _rounds(
     for number in range(_ROUNDS):
         quiet = _simulable(robot, reduced.columns, values)
         put_in = dict(zip(reduced.columns, quiet.tolist(), strict=True))
-        jobs = [workers.submit(_simulated, r, fixed | put_in) for r in again]
-        frames = [job.result() for job in jobs]
+        try:
+            frames = _frames(again, workers, fixed | put_in)
+        except SimulationError:
+            quiet = consistent(robot, reduced, replace(solution, p=quiet))
+            put_in = dict(zip(reduced.columns, quiet.tolist(), strict=True))
+            frames = _frames(again, workers, fixed | put_in)
         missed = max(_missed(r, frame) for r, frame in zip(again, frames, strict=True))
         if not missed < _FOLLOWS:
             return solution, f"the simulated model misses {100 * missed:.0f} % of the motion"
         rows = [_rows(robot, d, frame, quiet) for d, frame in zip(data, frames, strict=True)]
-        weights = _weights(rows, values)
+        weights = _weights(data, rows, values)
         listed = _listing(rows)
         if number == 0:
             solution = solve_instrumental(listed, reduced, weights, spectral(listed, weights))
@@ -219,7 +241,15 @@ def _low_power(values: np.ndarray) -> float:
 
 
 def _simulated(fmu: Any, again: Repeat, parameters: dict[str, float]) -> pd.DataFrame:
-    return again.simulated(fmu.simulate, parameters)
+    try:
+        return again.simulated(fmu.simulate, parameters)
+    except SimulationError:  # what a poor start makes of a small inertia may vibrate fast
+        return again.simulated(fmu.simulate, parameters | {"solver.step": _SMALL_STEP})
+
+
+def _frames(again: Sequence[Repeat], workers: Any, parameters: dict[str, float]) -> list[pd.DataFrame]:
+    jobs = [workers.submit(_simulated, r, parameters) for r in again]
+    return [job.result() for job in jobs]
 
 
 def _missed(again: Repeat, frame: pd.DataFrame) -> float:
@@ -243,9 +273,16 @@ def _share(robot: Robot, use: np.ndarray) -> np.ndarray:
     return fading(use) if robot.processing.decimate == 1 else use
 
 
-def _weights(rows: list[Rows], p: np.ndarray) -> np.ndarray:
-    """One over the rms that each coordinate's equations leave."""
-    squares = sum(np.sum(((r.y - predicted(r.A, p)) * r.share) ** 2, axis=0) for r in rows)
+def _weights(data: list[_Data], rows: list[Rows], p: np.ndarray) -> np.ndarray:
+    """One over what each coordinate's equations leave: of the log, and of the simulation.
+
+    Noise alone would give all weight to equations of deformations, which zero solves: what samples and means
+    do to them would be taken for less stiffness, and taking it away again would raise their noise.
+    """
+    squares = np.zeros(len(rows[0].y[0]))
+    for d, r in zip(data, rows, strict=True):
+        scatter, shift = (r.y - predicted(r.A, p)) * r.share, (d.y - r.y) * r.share
+        squares += np.sum(scatter**2 + (_SHIFTS * shift) ** 2, axis=0)
     rms = np.sqrt(squares / sum(len(r.y) for r in rows))
     return 1 / np.maximum(rms, 1e-6 * rms.max())
 
