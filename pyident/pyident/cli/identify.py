@@ -24,6 +24,13 @@ from pyident.cli.shared import (
 @effects_option
 @click.option("--robust", is_flag=True, help="Give single equations that stick out less weight (Huber).")
 @click.option(
+    "--estimator",
+    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
+    default="iv",
+    show_default=True,
+    help="Instruments from the simulated model, output error, or a least squares for comparison.",
+)
+@click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @mapping_option
@@ -34,6 +41,7 @@ def identify_command(
     logs: tuple[str, ...],
     output: str | None,
     robust: bool,
+    estimator: str,
     refine: bool,
     mapping: str | None,
     json_file: str | None,
@@ -48,7 +56,9 @@ def identify_command(
         if refine:
             found = pi.refine(model, logs, mapping=mapping, progress=progress)
         else:
-            found = pi.identify(model, logs, mapping=mapping, robust=robust, progress=progress)
+            found = pi.identify(
+                model, logs, mapping=mapping, robust=robust, estimator=estimator, progress=progress
+            )
     show_notes(found.notes)
     show(found.summary())
     if output:
