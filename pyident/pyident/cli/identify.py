@@ -6,6 +6,7 @@ import pyident as pi
 from pyident.cli.outputs import ROBOT
 from pyident.cli.shared import (
     effects_option,
+    force_option,
     json_option,
     mapping_option,
     output_option,
@@ -27,6 +28,7 @@ from pyident.cli.shared import (
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @mapping_option
+@force_option
 @json_option
 @reported
 def identify_command(
@@ -36,6 +38,7 @@ def identify_command(
     robust: bool,
     refine: bool,
     mapping: str | None,
+    force: bool,
     json_file: str | None,
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
@@ -46,9 +49,9 @@ def identify_command(
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
-            found = pi.refine(model, logs, mapping=mapping, progress=progress)
+            found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
         else:
-            found = pi.identify(model, logs, mapping=mapping, robust=robust, progress=progress)
+            found = pi.identify(model, logs, mapping=mapping, force=force, robust=robust, progress=progress)
     show_notes(found.notes)
     show(found.summary())
     if output:

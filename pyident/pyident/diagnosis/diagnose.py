@@ -16,7 +16,6 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.candidates import law_of
 from pyident.diagnosis.base.residual_over_floor import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
@@ -51,7 +50,6 @@ def diagnose(
     draft          look for a formula where no law explains the residual
     Raises LogError.
     """
-    notes = tuple(defect.sentence for log in (*logs, *heldout) for defect in check_log(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
@@ -59,7 +57,7 @@ def diagnose(
     found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.1 * share))
     found = with_revealing(search, found, open_workers, lambda share: progress(0.95 + 0.05 * share))
     progress(1.0)
-    return replace(found, notes=(*notes, *found.notes))
+    return found
 
 
 def searched(

@@ -22,6 +22,7 @@ def identify(
     mapping: Columns | None = None,
     robust: bool = False,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
     """Every dynamic parameter of a robot from its logs; the model's own values are never used.
@@ -30,10 +31,12 @@ def identify(
     logs      a Log, the path of one, a DataFrame with the columns of a log (SI units), or a list of these
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
     robust    give single equations that stick out less weight (Huber)
+    force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
+              in `notes`
     progress  called with the fraction done
     Hinges that the logs say nothing of are locked, which `notes` says. Raises RobotError, LogError.
     """
-    read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping)
+    read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
     found = regress(read.robot, read.logs, robust=robust)
     if progress:
         progress(1.0)
@@ -46,6 +49,7 @@ def refine(
     *,
     mapping: Columns | None = None,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
     """Like `identify`, and on until the simulated robot follows its logs (output error; a minute or so).
@@ -53,7 +57,7 @@ def refine(
     The robot needs its controller and the logs their references. Raises RobotError, LogError,
     SimulationError.
     """
-    read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping)
+    read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     return Fit(_refined(read.robot, list(read.logs), progress or (lambda _: None)), read.notes)
 
 
