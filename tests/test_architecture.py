@@ -26,6 +26,7 @@ ROOMS = (
     "report",
     "sweep",
     "verbs",
+    "workbench",
     "cli",
 )
 # Where robot, FMU and identification are put together.

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from jinja2 import Environment, PackageLoader
-
 from flexfmu.interface import Interface
 from flexmodels.mechanics.plant import Equations
 
@@ -19,5 +17,7 @@ def controller_page(equations: Equations, interface: Interface) -> str:
 
 
 def _page(template: str, **words: Any) -> str:
+    from jinja2 import Environment, PackageLoader
+
     environment = Environment(loader=PackageLoader("flexfmu"), autoescape=True)
     return environment.get_template(template).render(**words)

@@ -1,11 +1,14 @@
 """The FMU's icon: the arm's links as lines, its hinges as discs."""
 
 from io import BytesIO
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from flexmodels.mechanics.plant import Equations
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _BEND = 1.0  # [rad] so that a stretched arm shows its joints
 _SIZE = 2.56  # [inch]
@@ -30,12 +33,16 @@ def _flattened(equations: Equations) -> np.ndarray:
         q[k] = 0.3 if equations.prismatic[k] else _BEND * (-1) ** k
     lines = np.array(equations.skeleton(q)).T.reshape(-1, 2, 3)
     lines = lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 1e-9]
+    if not len(lines):
+        return np.zeros((1, 2, 2))  # hinge and tip in one point
     points = lines.reshape(-1, 3)
     _, _, axes = np.linalg.svd(points - points.mean(axis=0))
     return lines @ axes[:2].T
 
 
-def _drawing(lines: np.ndarray) -> Figure:
+def _drawing(lines: np.ndarray) -> "Figure":
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(_SIZE, _SIZE))
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set_axis_off()

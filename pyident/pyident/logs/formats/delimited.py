@@ -19,6 +19,7 @@ _LOOK = 200  # lines
 _SEPARATORS = (",", ";", "\t", "|", " ")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*|\s*(nan|inf|-inf)\s*", re.IGNORECASE)
 _COMMA = re.compile(r"\s*[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?\s*")
+_DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d.*")
 _LIST = re.compile(r"\s*[\[(].*[\])]\s*")
 _IN_NAME = re.compile(r"^(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 
@@ -97,10 +98,15 @@ def _decimal(rows: list[list[str]]) -> str:
 
 
 def _numeric(row: list[str], decimal: str) -> float:
-    """Share of a row's cells that are numbers or lists; empty ones do not count."""
+    """Share of a row's cells that are numbers, lists or dates; empty ones do not count."""
     pattern = _NUMBER if decimal == "." else _COMMA
     cells = [cell for cell in row if cell.strip()]
-    return sum(bool(pattern.fullmatch(c) or _LIST.fullmatch(c)) for c in cells) / len(cells) if cells else 0.0
+    return (
+        sum(bool(pattern.fullmatch(c) or _LIST.fullmatch(c) or _DATE.fullmatch(c)) for c in cells)
+        / len(cells)
+        if cells
+        else 0.0
+    )
 
 
 def _heads(rows: list[list[str]], width: int) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
