@@ -19,6 +19,7 @@ ROOMS = (
     "simulation",
     "refinement",
     "checks",
+    "inspection",
     "comparison",
     "diagnosis",
     "extension",

@@ -6,6 +6,7 @@ import pyident as pi
 from pyident.cli.outputs import ROBOT
 from pyident.cli.shared import (
     effects_option,
+    force_option,
     json_option,
     mapping_option,
     output_option,
@@ -34,6 +35,7 @@ from pyident.cli.shared import (
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @mapping_option
+@force_option
 @json_option
 @reported
 def identify_command(
@@ -44,6 +46,7 @@ def identify_command(
     estimator: str,
     refine: bool,
     mapping: str | None,
+    force: bool,
     json_file: str | None,
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
@@ -54,10 +57,16 @@ def identify_command(
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
-            found = pi.refine(model, logs, mapping=mapping, progress=progress)
+            found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
         else:
             found = pi.identify(
-                model, logs, mapping=mapping, robust=robust, estimator=estimator, progress=progress
+                model,
+                logs,
+                mapping=mapping,
+                force=force,
+                robust=robust,
+                estimator=estimator,
+                progress=progress,
             )
     show_notes(found.notes)
     show(found.summary())

@@ -143,6 +143,13 @@ def effects_option(command: Command) -> Command:
     )(command)
 
 
+def force_option(command: Command) -> Command:
+    """`--force`, wherever a log is believed."""
+    return click.option("--force", is_flag=True, help="Take logs that the checks refuse as grossly wrong.")(
+        command
+    )
+
+
 def mapping_option(command: Command) -> Command:
     """`--mapping FILE`, wherever a log is read."""
     return click.option(

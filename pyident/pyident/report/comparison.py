@@ -28,7 +28,9 @@ _KINDS = {
 _POINTS = 2000  # of a curve
 
 
-def write_comparison(path: Path, models: Sequence[str], found: Sequence[Comparison]) -> Path:
+def write_comparison(
+    path: Path, models: Sequence[str], found: Sequence[Comparison], notes: Sequence[str] = ()
+) -> Path:
     """Write the page of one model, or of an old and a new one, and return its path."""
     sections = [("Errors beside their floor", [_waterfall(models, found)])]
     for model, c in zip(models, found, strict=True):
@@ -40,6 +42,7 @@ def write_comparison(path: Path, models: Sequence[str], found: Sequence[Comparis
         title=" and ".join(models),
         sentences=[(m, c.sentence) for m, c in zip(models, found, strict=True)],
         tracks=found[0].tracks,
+        notes=notes,
         plotly=Markup(get_plotlyjs()),
         sections=[(title, [_html(f) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],

@@ -23,6 +23,7 @@ def identify(
     robust: bool = False,
     estimator: str = DEFAULT,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
     """Every dynamic parameter of a robot from its logs; the model's own values are never used.
@@ -32,10 +33,12 @@ def identify(
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
+    force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
+              in `notes`
     progress  called with the fraction done
     Hinges that the logs say nothing of are locked, which `notes` says. Raises RobotError, LogError.
     """
-    read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping)
+    read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
     found = _identified(read, "irls" if robust else estimator, progress)
     if progress:
         progress(1.0)
@@ -48,6 +51,7 @@ def refine(
     *,
     mapping: Columns | None = None,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
     """Like `identify`, and on until the simulated robot follows its logs (output error; a minute or so).
@@ -55,7 +59,7 @@ def refine(
     The robot needs its controller and the logs their references. Raises RobotError, LogError,
     SimulationError.
     """
-    read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping)
+    read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     found = refined(read.robot, list(read.logs), FmuRuns, progress)
     return Fit(found, (*read.notes, *found.notes))
 
