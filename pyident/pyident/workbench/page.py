@@ -52,10 +52,14 @@ class Page:
 
     def go(self, **changes: object) -> None:
         """Look at something else; the URL follows."""
-        self.view = self.view.at(**changes)
-        ui.navigate.history.replace(f"/?{self.view.query}")
+        self.look(**changes)
         self._places.refresh()
         self._content.refresh()
+
+    def look(self, **changes: object) -> None:
+        """Remember what is looked at, in the URL too; nothing is drawn anew."""
+        self.view = self.view.at(**changes)
+        ui.navigate.history.replace(f"/?{self.view.query}")
 
     def act(self, action: Callable[[], None]) -> None:
         """Do what a button says; a failure becomes a sentence on the page."""
