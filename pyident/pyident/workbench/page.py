@@ -1,6 +1,7 @@
 """The page: places on the left, the verdict and the versions always in sight, the chosen place below."""
 
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import ui
 
@@ -111,7 +112,7 @@ class Page:
                 ui.linear_progress(job.progress, show_value=False).classes("grow").props(
                     f'aria-label="{job.title}"'
                 )
-                ui.button("Cancel", on_click=lambda w=what: self.act(lambda: self.bench.cancel(w))).props(
+                ui.button("Cancel", on_click=partial(self.act, partial(self.bench.cancel, what))).props(
                     f'data-testid="cancel-{what}" flat dense'
                 )
 
@@ -130,7 +131,7 @@ class Page:
                     ui.label("→")
                 chip = ui.button(
                     version.what if i else version.model,
-                    on_click=lambda n=i: self.act(lambda: self._use(n)),
+                    on_click=partial(self.act, partial(self._use, i)),
                 ).props(
                     f'data-testid="version-{i}" dense no-caps' + (" outline" if i != project.current else "")
                 )

@@ -1,5 +1,6 @@
 """Place 3: where model and logs disagree: a map, traces, the residual in its ribbon, its dependences."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,7 +75,7 @@ class _Equation:
             share = f"{bump.over_floor:.2g} × · {100 * bump.share:.0f} %"
             words = f"{i + 1}: {bump.start:.2f} to {bump.stop:.2f} s · {share}"
             span = (bump.start - 0.5, bump.stop + 0.5)
-            ui.button(words, on_click=lambda s=span: self.look_at(s)).props(
+            ui.button(words, on_click=partial(self.look_at, span)).props(
                 f'data-testid="bump-{i + 1}" flat dense no-caps align=left'
             )
         self.whole = ui.button("whole log", on_click=lambda: self.look_at(None)).props(
