@@ -9,7 +9,7 @@ import numpy as np
 import tomli_w
 
 from flexmodels.atomic import replacing
-from flexmodels.effects import load_effects
+from flexmodels.effects import effects_of
 from flexmodels.effects.effect import EffectError
 from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
@@ -59,8 +59,7 @@ def save_robot(robot: Robot, path: str | Path) -> None:
 def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
     effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()
-    load_effects(effect_files)
-    joints, passive = read_joints(table.tables("joint"))
+    joints, passive = read_joints(table.tables("joint"), effects_of(effect_files))
     links = tuple(_link(t) for t in table.tables("link"))
     count = len(joints) + len(passive)
     if len(links) != count:
