@@ -32,9 +32,10 @@ def export_fmu(
     derivatives  whether the binary provides directional (and, in FMI 3, adjoint) derivatives
     """
     interface = plant_interface(equations)
+    derivatives = derivatives and equations.servo is None  # a servo's dead band and limits have none
     package = Package(
         interface=interface,
-        runtime=("plant", "equilibrium", *(["pid"] if equations.controller else [])),
+        runtime=("plant", "equilibrium", *_loop(equations)),
         sources=model_sources(equations, derivatives),
         derivatives=derivatives,
         page=plant_page(equations, interface),
@@ -64,15 +65,20 @@ def export_controller(
     return write_fmu(package, path, 2, platforms)
 
 
+def _loop(equations: Equations) -> tuple[str, ...]:
+    """The runtime's file that closes the loop."""
+    return ("servo",) if equations.servo else ("pid",) if equations.controller else ()
+
+
 def without_controller(equations: Equations) -> Equations:
     """The plant alone, whose inputs are the motor torques."""
-    return replace(equations, name=f"{equations.name}_plant", controller=None)
+    return replace(equations, name=f"{equations.name}_plant", controller=None, servo=None)
 
 
 def _push(equations: Equations) -> dict[str, float]:
     """Constant inputs that move every joint: 1.5 times its dry friction at rest and a little more."""
     x, u = [0.0] * len(states(equations)), [0.0] * equations.joints
     upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
-    signal = "tau_ff" if equations.controller else "tau"
+    signal = "tau_ff" if equations.controller or equations.servo else "tau"
     levels = upper.full().ravel()
     return {of_joint(k, signal): 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

@@ -56,8 +56,8 @@ class Interface:
 
 def plant_interface(equations: Equations) -> Interface:
     """The arm, with its controller or (controller None) with the torques as inputs."""
-    c = equations.controller
-    kind = "with its controller" if c else "without controller"
+    c = equations.servo or equations.controller
+    kind = "with its servos" if equations.servo else "with its controller" if c else "without controller"
     return Interface(
         name=equations.name,
         description=f"{equations.description or f'Robot {equations.name}'} ({kind})",

@@ -22,7 +22,7 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription
 
 from flexfmu.names import fmi_name
-from flexmodels.coordinate import of_joint
+from flexmodels.coordinate import of_joint, start_of, switch_of
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
@@ -68,8 +68,9 @@ class LoadedFmu:
         progress    called with the fraction done
         Raises SimulationError.
         """
+        parameters = self._starts(experiment) | dict(parameters or {})
         logged = self._logged() + outputs
-        self._require({*map(fmi_name, parameters or {}), *outputs})
+        self._require({*map(fmi_name, parameters), *outputs})
         plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
         run = self._step_by_step if plain else self._by_fmpy
         rows = run(experiment, parameters or {}, logged, progress)
@@ -201,12 +202,27 @@ class LoadedFmu:
 
     def _input_names(self, experiment: Experiment) -> list[str]:
         joints = range(1, experiment.reference.shape[1] + 1)
-        names = [of_joint(k, signal) for signal in ("r", "tau_ff") for k in joints]
+        signals = ("r", "tau_ff", "on") if self._has_servos else ("r", "tau_ff")
+        names = [of_joint(k, signal) for signal in signals for k in joints]
         self._require(set(names))
         return names
 
+    @property
+    def _has_servos(self) -> bool:
+        return switch_of(1) in self._references
+
     def _inputs(self, experiment: Experiment) -> np.ndarray:
-        return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
+        inputs = [experiment.reference, experiment.feedforward]
+        if self._has_servos:
+            inputs.append(np.ones_like(experiment.reference) if experiment.on is None else experiment.on)
+        return np.ascontiguousarray(np.hstack(inputs))
+
+    def _starts(self, experiment: Experiment) -> dict[str, float]:
+        """Positions from which servos set out."""
+        if not self._has_servos:
+            return {}
+        start = experiment.reference[0] if experiment.start is None else experiment.start
+        return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
 
 
 @contextmanager

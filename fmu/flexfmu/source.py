@@ -31,9 +31,11 @@ def model_sources(equations: Equations, derivatives: bool) -> dict[str, str]:
     }
     if derivatives:
         files["model_derivatives.c"] = '#include "model.h"\n' + _generated(extra, "derivatives")
-    period = equations.controller.period if equations.controller else None
+    loop = equations.servo or equations.controller
+    period = loop.period if loop else None
     plant = _plant_header(equations, [*functions, *extra], derivatives)
-    return {"model.h": _header(interface, period, plant, _token(interface, files))} | files
+    kind = "SERVO" if equations.servo else "CONTROLLER"
+    return {"model.h": _header(interface, period, plant, _token(interface, files), kind)} | files
 
 
 def controller_sources(interface: Interface) -> dict[str, str]:
@@ -95,8 +97,10 @@ def _renamed(function: ca.Function) -> ca.Function:
     return ca.Function(f"model_{function.name()}", symbols, function.call(symbols))
 
 
-def _header(interface: Interface, period: float | None, plant: str, token: str) -> str:
-    controller = f"#define MODEL_CONTROLLER\n#define PERIOD {period!r}" if period else "/* no controller */"
+def _header(
+    interface: Interface, period: float | None, plant: str, token: str, loop: str = "CONTROLLER"
+) -> str:
+    controller = f"#define MODEL_{loop}\n#define PERIOD {period!r}" if period else "/* no controller */"
     return f"""/* Sizes, tables and functions of {interface.identifier}. */
 #ifndef MODEL_H
 #define MODEL_H
@@ -141,7 +145,8 @@ def _positive(equations: Equations) -> frozenset[str]:
     """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
     hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
     inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
-    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | {"solver.step"})
+    resistances = {of_joint(k, "servo.R") for k in range(1, equations.joints + 1)}
+    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | {"solver.step"} | resistances)
 
 
 def _plant_header(equations: Equations, functions: list[ca.Function], derivatives: bool) -> str:

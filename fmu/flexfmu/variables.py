@@ -5,11 +5,24 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from flexfmu.names import fmi_name
-from flexmodels.coordinate import Coordinate, feedforward_of, motor_of, of_joint, reference_of, torque_of
+from flexmodels.coordinate import (
+    Coordinate,
+    feedforward_of,
+    motor_of,
+    of_joint,
+    reference_of,
+    switch_of,
+    torque_of,
+)
 from flexmodels.mechanics.plant import Equations
+from flexmodels.settings.servo import PER_JOINT, SHARED
 
 STEP = 0.5e-3  # default solver step [s]
-_NEWTON = {"kg": 1, "m": 1, "s": -2}
+_DERIVED = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "Ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
+}
 TYPES = {
     "rad": "Angle",
     "rad/s": "AngularVelocity",
@@ -64,9 +77,15 @@ class Array:
 def variables(equations: Equations) -> list[Variable]:
     """Every scalar variable of a plant by value reference (runtime/plant.h)."""
     eq = equations
-    begin = [*_references(eq), *_feedforward(eq)] if eq.controller else [*_start_positions(eq), *_holding(eq)]
+    if eq.servo:
+        begin = [*_references(eq), *_feedforward(eq), *_switches(eq), *_start_positions(eq)]
+    elif eq.controller:
+        begin = [*_references(eq), *_feedforward(eq)]
+    else:
+        begin = [*_start_positions(eq), *_holding(eq)]
+    gains = _servo(eq) if eq.servo else _gains(eq)
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
-    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *_gains(eq), step]
+    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *gains, step]
 
 
 def controller_variables(equations: Equations, integral: Mapping[str, float]) -> list[Variable]:
@@ -109,7 +128,7 @@ def base_units(unit: str) -> dict[str, int]:
     powers: dict[str, int] = {}
     for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
         for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
-            for base, power in (_NEWTON if symbol == "N" else {symbol: 1}).items():
+            for base, power in _DERIVED.get(symbol, {symbol: 1}).items():
                 powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
     return {base: power for base, power in powers.items() if power}
 
@@ -142,6 +161,21 @@ def _feedforward(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Feed-forward torque added to the controller's output at joint {k + 1}"
         yield Variable(feedforward_of(k + 1), "input", "continuous", _force_unit(eq, k), text, 0.0)
+
+
+def _switches(eq: Equations) -> Iterator[Variable]:
+    for k in range(1, eq.joints + 1):
+        text = f"Servo {k} is on (1) or lets its motor turn freely (0), read at every sample"
+        yield Variable(switch_of(k), "input", "continuous", "1", text, 1.0)
+
+
+def _servo(eq: Equations) -> Iterator[Variable]:
+    """In the order of runtime/servo.h."""
+    assert eq.servo is not None
+    kinds = PER_JOINT | SHARED
+    for name, value in eq.servo.parameters.items():
+        unit, text = kinds[name.rpartition(".")[2]]
+        yield Variable(name, "parameter", "tunable", unit, text, value, 0.0)
 
 
 def _measured(eq: Equations) -> Iterator[Variable]:
@@ -207,7 +241,7 @@ def _states(eq: Equations) -> Iterator[Variable]:
 def _torques(eq: Equations) -> Iterator[Variable]:
     for k in range(1, eq.joints + 1):
         name, unit = torque_of(k), _force_unit(eq, k - 1)
-        if eq.controller is None:
+        if eq.controller is None and eq.servo is None:
             yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
             continue
         text = f"Motor torque of joint {k}, held until the next sample"

@@ -188,6 +188,24 @@ static void start_torque(Plant *s, const double *holding) {
     pid_start(&s->pid, holding);
     plant_sample(s, 0);
 }
+#elif defined MODEL_SERVO
+double plant_next_sample(const Plant *s) { return servo_next_sample(&s->servo); }
+
+int plant_sample_due(const Plant *s, double time) { return servo_due(&s->servo, time); }
+
+void plant_sample(Plant *s, double late) {
+    double *v = s->value, input[N_INPUTS];
+    int i;
+    for (i = 0; i < N_INPUTS; ++i) input[i] = v[i] + late * s->input_rate[i];
+    servo_sample(&s->servo, v + AT_SERVO, input, v + AT_STATE, v + AT_STATE + N_COORDINATES, v + AT_TORQUE);
+    plant_settle(s);
+}
+
+static void start_torque(Plant *s, const double *holding) {
+    (void)holding;
+    servo_start(&s->servo);
+    plant_sample(s, 0);
+}
 #else
 /* The torque is an input: nothing is sampled. */
 double plant_next_sample(const Plant *s) { return (void)s, HUGE_VAL; }
@@ -213,7 +231,11 @@ int plant_initialise(Plant *s) {
     double *x = s->value + AT_STATE, force[N_COORDINATES];
     int lost;
     memset(x, 0, N_STATES * sizeof *x);
+#ifdef MODEL_SERVO
+    memcpy(x, s->value + AT_START, N_JOINTS * sizeof *x);
+#else
     memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x);
+#endif
     lost = equilibrium(s->value + AT_PARAMETER, x, force);
     memset(s->mode, 0, sizeof s->mode);
     start(s, force, x);

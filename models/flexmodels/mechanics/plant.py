@@ -15,6 +15,7 @@ from flexmodels.mechanics import dynamics, projected
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
+from flexmodels.settings.servo import Servo
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Equations:
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
     controller: Controller | None
+    servo: Servo | None
     descriptions: dict[str, str]
     listed: tuple[tuple[int, str, str], ...]
     rates: ca.Function
@@ -56,7 +58,7 @@ class Equations:
 
 def equations(robot: Robot) -> Equations:
     """The robot's equations of motion, eq. (8), with its laws and its controller."""
-    if robot.controller is None:
+    if robot.controller is None and robot.servo is None:
         raise ValueError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
     m = dynamics.mechanism(robot)
     n, joints = m.q.numel(), len(robot.joints)
@@ -98,6 +100,7 @@ def equations(robot: Robot) -> Equations:
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
         controller=robot.controller,
+        servo=robot.servo,
         descriptions=_descriptions(robot),
         listed=tuple((k, law.title, law.latex) for k, joint in robot.numbered for law in joint.effects),
         rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, resisting[:joints]])),

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_name, joint_number
+from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown
+from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
+from pyident.comparison.traces import Bump, Trace, bumps, traces
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
 from pyident.rules.comparison import ComparisonRules
@@ -19,70 +21,12 @@ from pyident.simulation.replica import OpenWorkers
 
 
 @dataclass(frozen=True)
-class Error:
-    """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves."""
-
-    rmse: float
-    signal: float
-    floor: float
-    unit: str
-
-    @property
-    def nrmse_percent(self) -> float:
-        return 100 * self.rmse / max(self.signal, 1e-300)
-
-    @property
-    def floor_percent(self) -> float:
-        return 100 * self.floor / max(self.signal, 1e-300)
-
-    @property
-    def ratio(self) -> float:
-        return self.rmse / max(self.floor, 1e-300)
-
-    def json(self) -> dict[str, Any]:
-        return {
-            "rmse": self.rmse,
-            "unit": self.unit,
-            "nrmse_percent": self.nrmse_percent,
-            "floor_percent": self.floor_percent,
-            "over_floor": self.ratio,
-        }
-
-
-@dataclass(frozen=True)
-class LogErrors:
-    """Errors on one log. equations: coordinate -> Error;  simulation: signal -> Error, and `tip`.
-
-    time, missed   (S,) [s] and signal -> (S,), log less simulation
-    """
-
-    log: str
-    equations: dict[str, Error]
-    simulation: dict[str, Error]
-    time: np.ndarray
-    missed: dict[str, np.ndarray]
-
-    def json(self) -> dict[str, Any]:
-        """The contract of `compare --json` for a log, and more."""
-        motors = {n: joint_name(joint_number(n)) for n in (*self.equations, *self.simulation) if is_motor(n)}
-        torque = {motors[n]: e.json() for n, e in self.equations.items() if n in motors}
-        balances = {n: e.json() for n, e in self.equations.items() if n not in motors}
-        e_rmse = {motors[n]: e.rmse for n, e in self.simulation.items() if n in motors}
-        tip = {"tip_rmse_m": self.simulation["tip"].rmse} if "tip" in self.simulation else {}
-        signals = {name: e.json() for name, e in self.simulation.items()}
-        return {
-            "torque": torque,
-            "deformation_balance": balances,
-            "simulation": tip | {"e_rmse": e_rmse, "signals": signals},
-        }
-
-
-@dataclass(frozen=True)
 class Comparison:
     """A model against logs.
 
     where       the part that fails most, None where nothing stands out
     structural  whether it stands out under refitted parameters too: the structure fails, not the values
+    traces      every equation along every log
     bins, refitted   every part, under the model's own parameters and under refitted ones
     tracks      whether the simulations track the measured motion, so that torques tell and positions do not
     """
@@ -95,6 +39,12 @@ class Comparison:
     bins: tuple[Bin, ...]
     refitted: tuple[Bin, ...]
     tracks: bool
+    traces: tuple[Trace, ...] = ()
+
+    @staticmethod
+    def bumps(trace: Trace) -> list[Bump]:
+        """Where a trace leaves what replicas show, the largest first."""
+        return bumps(trace)
 
     def json(self) -> dict[str, Any]:
         """The contract of `compare --json`, and more."""
@@ -147,7 +97,18 @@ def compared(
         tuple(own),
         tuple(refitted),
         trial.tracks,
+        tuple(t for i in range(len(names)) for t in _traces_of(trial, i, data[i], replicas, own)),
     )
+
+
+def _traces_of(
+    trial: Trial, i: int, data: Part, replicas: Sequence[Sequence[Part]], bins: Sequence[Bin]
+) -> tuple[Trace, ...]:
+    """Of the judged log number i."""
+    coordinates = trial.robot.coordinates
+    motors = [coordinates.index(motor_of(joint_number(name))) for name in coordinates]
+    made = [parts[i] for parts in replicas]
+    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors)
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:

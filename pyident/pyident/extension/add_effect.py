@@ -17,7 +17,8 @@ import numpy as np
 from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
 from flexmodels.robot import Robot, RobotError
 from pyident.comparison.bins import mean_square_over_floor
-from pyident.comparison.compare import Error, LogErrors, log_errors
+from pyident.comparison.compare import log_errors
+from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import Part, Progress, Trial, run_trial
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns

@@ -1,5 +1,6 @@
 """What a diagnosis may name: every effect of the catalogue at every joint where it can act."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,8 @@ from pyident.conditioning.motion import Motion
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Equations
+
+_recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ def candidates(
     for joint, present in robot.numbered:
         for effect in robot.catalogue.values():
             if effect.base or effect.name in present.values:
+                continue
+            if effect.excess_over and effect.excess_over not in present.values:
                 continue
             try:
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
@@ -135,9 +140,14 @@ def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
 
 def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
     """The motion with torques of the model's parameters whose names begin with `part`."""
+    for known in _recent:
+        if known[0] is robot and known[1] is motion and known[2] == part:
+            return known[3]
     p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
     tau = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])[:, : len(robot.joints)]
-    return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
+    made = replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
+    _recent.append((robot, motion, part, made))
+    return made
 
 
 def _columns(
