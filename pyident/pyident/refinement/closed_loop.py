@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.coordinate import motor_of
-from flexmodels.effects import CATALOGUE
 from flexmodels.experiment import Experiment
 from flexmodels.joint import parameter_name
 from flexmodels.named_values import settable, with_settings
@@ -147,7 +146,7 @@ def _lower(robot: Robot, name: str) -> float:
         parameter_name(k, effect, p.name): p.lower
         for k, joint in robot.numbered
         for effect in joint.values
-        for p in CATALOGUE[effect].parameters
+        for p in joint.catalogue[effect].parameters
     }
     return bounds.get(name, -np.inf)
 
