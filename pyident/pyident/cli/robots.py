@@ -4,7 +4,7 @@ import click
 from rich.table import Table
 
 from flexmodels.files.formats import exported, imported
-from flexmodels.files.robot_file import load_robot, save_robot, shipped
+from flexmodels.files.robot_file import check_readable, load_robot, save_robot, shipped
 from flexmodels.robot import RobotError
 from pyident.cli.outputs import JSON, MODEL, ROBOT
 from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
@@ -48,6 +48,7 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
     Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
     robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"))
+    check_readable(robot)
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
     click.echo(f"wrote {output}: joints {names}")
