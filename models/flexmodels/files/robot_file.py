@@ -11,7 +11,7 @@ import numpy as np
 import tomli_w
 
 from flexmodels.atomic import replacing
-from flexmodels.effects import load_effects
+from flexmodels.effects import effects_of
 from flexmodels.effects.effect import EffectError
 from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
@@ -72,8 +72,7 @@ def save_robot(robot: Robot, path: str | Path) -> None:
 def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
     effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()
-    load_effects(effect_files)
-    joints, passive = read_joints(table.tables("joint"))
+    joints, passive = read_joints(table.tables("joint"), effects_of(effect_files))
     require_few(len(joints))
     links = tuple(_link(t) for t in table.tables("link"))
     count = len(joints) + len(passive)
