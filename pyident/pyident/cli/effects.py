@@ -9,7 +9,7 @@ from rich.table import Table
 from flexmodels.effects import CATALOGUE, effects_of
 from flexmodels.effects.effect import Effect, EffectError, sheet
 from flexmodels.robot import RobotError
-from pyident.cli.shared import console, json_option, reported, show, write_json
+from pyident.cli.common.shared import console, json_option, reported, show, write_json
 
 
 @click.command()

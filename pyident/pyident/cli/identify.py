@@ -3,8 +3,8 @@
 import click
 
 import pyident as pi
-from pyident.cli.outputs import ROBOT
-from pyident.cli.shared import (
+from pyident.cli.common.outputs import ROBOT
+from pyident.cli.common.shared import (
     effects_option,
     force_option,
     json_option,

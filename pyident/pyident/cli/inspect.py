@@ -2,8 +2,8 @@
 
 import click
 
-from pyident.cli.outputs import MAPPING
-from pyident.cli.shared import json_option, output_option, reported, show, write_json
+from pyident.cli.common.outputs import MAPPING
+from pyident.cli.common.shared import json_option, output_option, reported, show, write_json
 
 
 @click.command(name="inspect")

@@ -9,8 +9,8 @@ import pyident as pi
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import shipped
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import DRAFT, PAGE, ROBOT, Output
-from pyident.cli.shared import (
+from pyident.cli.common.outputs import DRAFT, PAGE, ROBOT, Output
+from pyident.cli.common.shared import (
     effects_option,
     force_option,
     json_option,

@@ -6,8 +6,15 @@ from rich.table import Table
 from flexmodels.files.formats import exported, imported
 from flexmodels.files.robot_file import check_readable, load_robot, save_robot, shipped
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import JSON, MODEL, ROBOT
-from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
+from pyident.cli.common.outputs import JSON, MODEL, ROBOT
+from pyident.cli.common.shared import (
+    console,
+    effects_option,
+    json_option,
+    output_option,
+    reported,
+    write_json,
+)
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping

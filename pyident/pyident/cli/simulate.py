@@ -3,8 +3,8 @@
 import click
 
 import pyident as pi
-from pyident.cli.outputs import FMU, LOG
-from pyident.cli.shared import (
+from pyident.cli.common.outputs import FMU, LOG
+from pyident.cli.common.shared import (
     console,
     effects_option,
     json_option,

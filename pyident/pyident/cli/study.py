@@ -8,9 +8,9 @@ from rich.table import Table
 
 import pyident as pi
 from flexmodels.robot import RobotError
-from pyident.cli.long_study import ask_first
-from pyident.cli.outputs import OutputFolder
-from pyident.cli.shared import (
+from pyident.cli.common.long_study import ask_first
+from pyident.cli.common.outputs import OutputFolder
+from pyident.cli.common.shared import (
     console,
     effects_option,
     json_option,

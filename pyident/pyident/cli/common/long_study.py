@@ -2,7 +2,7 @@
 
 import click
 
-from pyident.cli.shared import show
+from pyident.cli.common.shared import show
 from pyident.sweep.cost import MANY, in_words, seconds_of
 from pyident.sweep.plan import planned_runs
 from pyident.sweep.store import StudyError

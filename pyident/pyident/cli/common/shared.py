@@ -23,8 +23,8 @@ from flexmodels.effects.effect import EffectError
 from flexmodels.effects.trust import code_allowed
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
-from pyident.cli.progress import lines
+from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
+from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
 from pyident.simulation.workers import WorkersError
