@@ -1,6 +1,7 @@
 import tempfile
 
 import pytest
+from hostile_run import TRIED
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -13,3 +14,9 @@ def own_temporary_folder(tmp_path_factory):
     patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("configuration")))
     yield folder
     patch.undo()
+
+
+def pytest_terminal_summary(terminalreporter):
+    if TRIED:
+        listed = ", ".join(f"{count} {family}" for family, count in TRIED.items())
+        terminalreporter.write_line(f"hostile inputs: {sum(TRIED.values())} ({listed})")

@@ -68,3 +68,11 @@ def _digest(path: Path) -> str:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError:
         return "unreadable"
+
+
+TRIED: dict[str, int] = {}
+
+
+def counted(family: str, number: int = 1) -> None:
+    """One more hostile input of a family was tried; the sums stand at the end of the run."""
+    TRIED[family] = TRIED.get(family, 0) + number

@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from hostile_run import Surroundings, fault, run
+from hostile_run import Surroundings, counted, fault, run
 
 from flexmodels.files.robot_file import shipped
 
@@ -40,6 +40,7 @@ def test_case(case, tmp_path, monkeypatch):
     lay_out(case, folder)
     before = Surroundings(folder)
     done = run(*(in_folder(word, folder) for word in case["words"]))
+    counted("cases")
     assert fault(done) is None
     assert done.exit_code == case.get("code", 2), done.output
     assert case["says"] in " ".join(done.output.split())

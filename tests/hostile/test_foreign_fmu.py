@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from hostile_run import Surroundings, run
+from hostile_run import Surroundings, counted, run
 
 SOURCE = Path(__file__).parent / "foreign_fmu.c"
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
@@ -52,6 +52,7 @@ def references(tmp_path):
 
 def simulated(path, references, *more):
     output = references.parent / "log.csv"
+    counted("foreign FMUs")
     return run("simulate", path, "--experiment", references, "-o", output, *more), output
 
 
