@@ -9,6 +9,7 @@ from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances, Samples, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
+from pyident.kinematics.structure import StructureError
 from pyident.rules.log_checks import LOG_CHECKS
 
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
@@ -58,8 +59,9 @@ def best_change(of: Balances) -> Better | None:
     if not now.material or len(of.samples.at) * len(of.joints) < _EQUATIONS * len(of.columns):
         return None
     few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
-    changes = enumerate(transformations(of.samples.robot, of.samples.q))
-    tried = [(_of(few, change).share, i, change) for i, change in changes]
+    looped = bool(of.samples.robot.closures)  # then other positions are out of reach, and slow to find so
+    changes = [c for c in transformations(of.samples.robot, of.samples.q) if not (looped and c.moves)]
+    tried = [(_of(few, change).share, i, change) for i, change in enumerate(changes)]
     best = [(_of(of.samples, change).share, i, change) for _, i, change in sorted(tried)[:_JUDGED]]
     left, _, change = min(best)
     far = left < LOG_CHECKS.better * now.share and now.share - left > LOG_CHECKS.material**2
@@ -100,7 +102,10 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
 
 def _of(samples: Samples, change: Transformation) -> Misfit:
     moved = samples.moved(change.motion, change.offset) if change.moves else samples
-    return misfit(balances(moved), change.torque)
+    try:
+        return misfit(balances(moved), change.torque)
+    except StructureError:  # a loop that does not close there
+        return Misfit(float("inf"))
 
 
 def _every(samples: Samples, step: int) -> Samples:

@@ -18,6 +18,7 @@ from pyident.checks.timing import timing
 from pyident.checks.twists import bends, twists
 from pyident.checks.whole_log import whole_log
 from pyident.estimation.lock_unlogged import locked
+from pyident.kinematics.structure import StructureError
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log, LogError
 
@@ -79,6 +80,9 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
         return []  # without torques, or with some: then the regression asks for the others
     try:
         of = balances(signals)
+    except StructureError as error:
+        sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
+        return [Defect("gross", "unit", "", sentence)]
     except ValueError:  # a law that needs a signal of its own
         return []
     source = log.source
