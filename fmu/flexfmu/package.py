@@ -1,7 +1,6 @@
 """The parts of an FMU -> the file: sources, binaries, descriptions, documentation, a recorded run."""
 
 import shutil
-import tempfile
 import warnings
 import zipfile
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from flexfmu.simulate import constant_run
 from flexfmu.source import RUNTIME, token_of
 from flexmodels.atomic import replacing
 from flexmodels.inputs import SimulationError
+from flexmodels.scratch import scratch_folder
 
 Version = Literal[2, 3]
 Platforms = Literal["host", "all"]
@@ -58,8 +58,8 @@ class Package:
 def write_fmu(package: Package, path: str | Path, fmi: Version, platforms: Platforms) -> Path:
     """Compile, describe, record, zip. Raises BuildError."""
     path, identifier = Path(path), package.interface.identifier
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
+    with scratch_folder() as folder:
+        root = folder
         names = _write_sources(root / "sources", package, f"fmi{fmi}")
         for platform in PLATFORMS if platforms == "all" else [HOST]:
             binary = root / "binaries" / platform.folder(fmi) / f"{identifier}{platform.suffix}"

@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import tempfile
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +13,7 @@ from flexfmu.names import c_string
 from flexfmu.variables import nominals
 from flexmodels.coordinate import Coordinate, of_joint
 from flexmodels.mechanics.plant import Equations
+from flexmodels.scratch import scratch_folder
 
 _FUNCTIONS = ("rates", "breakaway", "laws", "balance", "start", "tip")
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
@@ -80,7 +80,7 @@ def _derivatives(equations: Equations) -> list[ca.Function]:
 def _generated(functions: list[ca.Function], prefix: str) -> str:
     """CasADi's C of the functions; its own helpers carry the prefix."""
     here = os.getcwd()
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder() as folder:
         generator = ca.CodeGenerator(f"{prefix}.c", {"casadi_int": "int", "with_export": False, "cpp": False})
         for function in functions:
             generator.add(function)
@@ -89,7 +89,7 @@ def _generated(functions: list[ca.Function], prefix: str) -> str:
             generator.generate()
         finally:
             os.chdir(here)
-        return (Path(folder) / f"{prefix}.c").read_text()
+        return (folder / f"{prefix}.c").read_text()
 
 
 def _renamed(function: ca.Function) -> ca.Function:

@@ -1,6 +1,5 @@
 """Equations -> SSP file: plant and controller as two FMUs, and how they are connected."""
 
-import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -13,6 +12,7 @@ from flexfmu.variables import Variable, base_units
 from flexmodels.atomic import replacing
 from flexmodels.coordinate import motor_of, of_joint, torque_of
 from flexmodels.mechanics.plant import Equations
+from flexmodels.scratch import scratch_folder
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -25,8 +25,8 @@ def export_ssp(equations: Equations, path: str | Path, platforms: Platforms = "h
     The FMUs are of FMI 2.0, the version that SSP 1.0 names.
     """
     path, plant = Path(path), without_controller(equations)
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
+    with scratch_folder() as folder:
+        root = folder
         resources = root / "resources"
         resources.mkdir()
         export_fmu(plant, resources / "plant.fmu", 2, platforms)

@@ -79,6 +79,8 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
         )
     if path.exists() and not path.is_file():
         raise OutputError(f"{path} is a device or a pipe, no file; write to a file")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path.parent}: there is no such folder; make it first")
     if path.suffix not in kind.endings:
         raise OutputError(f"{path}: a {kind.what} must end in {', '.join(kind.endings)}")
     for other in inputs:

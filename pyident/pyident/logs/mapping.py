@@ -57,7 +57,7 @@ def read_mapping(path: str | Path) -> Mapping:
 
 
 def _mapping(table: Table) -> Mapping:
-    joints = list(range(1, int(table.number("joints", 1, lower=1)) + 1))
+    joints = list(range(1, table.whole(table.get("joints", 1), "joints", 1, 1_000) + 1))
     listed = table.table("signals")
     signals: dict[str, Source] = {}
     for name in listed.data:
