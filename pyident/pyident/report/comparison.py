@@ -8,12 +8,12 @@ import numpy as np
 import plotly.graph_objects as go
 from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
 from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import LogErrors
+from pyident.report.interactive import element, library
 
 _KINDS = {
     "frequency": "Frequency",
@@ -43,7 +43,7 @@ def write_comparison(
         sentences=[(m, c.sentence) for m, c in zip(models, found, strict=True)],
         tracks=found[0].tracks,
         notes=notes,
-        plotly=Markup(get_plotlyjs()),
+        plotly=library(),
         sections=[(title, [_html(f) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],
     )
@@ -54,7 +54,7 @@ def write_comparison(
 
 def _html(figure: go.Figure) -> Markup:
     figure.update_layout(template="plotly_white", margin={"l": 60, "r": 20, "t": 50, "b": 50})
-    return Markup(figure.to_html(full_html=False, include_plotlyjs=False))
+    return element(figure)
 
 
 def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:
