@@ -50,7 +50,7 @@ def test_both_errors_are_told_and_that_of_the_model_follows_from_its_file(fit, t
     """The written parameters, put into the regression's own equations, leave what is printed."""
     said = fit.to_dict()
     solved, written = said["relative_error_percent"]["all"], said["relative_error_of_model_percent"]["all"]
-    assert written >= solved * (1 - 1e-9)
+    assert written == pytest.approx(solved, rel=0.05)  # a log with little noise
     saved = pi.load_robot(fit.save(tmp_path / "identified.toml"))
     reduced = fit.identified.reduced
     p = np.array([saved.parameters[name] for name in reduced.columns])

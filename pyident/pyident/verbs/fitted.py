@@ -77,7 +77,7 @@ class Fit(Result):
 
     def _errors(self) -> list[str]:
         written = self.identified.model_error
-        what = "of the least-squares solution" if written else "of the regression"
+        what = "of the estimate" if written else "of the regression"
         lines = [f"relative torque error {what}: {_percentages(self.identified.relative_error)}"]
         if written:
             lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
