@@ -1,11 +1,14 @@
 """The FMU's icon: the arm's links as lines, its hinges as discs."""
 
 from io import BytesIO
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from flexmodels.mechanics.plant import Equations
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _BEND = 1.0  # [rad] so that a stretched arm shows its joints
 _SIZE = 2.56  # [inch]
@@ -13,12 +16,15 @@ _SIZE = 2.56  # [inch]
 
 def icons(equations: Equations) -> dict[str, bytes]:
     """`icon.png` (256 x 256) and `icon.svg`: the view that shows most of the arm."""
+    from matplotlib import rc_context
+
     figure = _drawing(_flattened(equations))
     out = {}
     for kind in ("png", "svg"):
         content = BytesIO()
-        metadata = {"Date": None} if kind == "svg" else {}
-        figure.savefig(content, format=kind, dpi=100, transparent=True, metadata=metadata)
+        metadata = {"Date": None} if kind == "svg" else {"Software": None}
+        with rc_context({"svg.hashsalt": equations.name}):
+            figure.savefig(content, format=kind, dpi=100, transparent=True, metadata=metadata)
         out[f"icon.{kind}"] = content.getvalue()
     return out
 
@@ -29,13 +35,18 @@ def _flattened(equations: Equations) -> np.ndarray:
     for k in range(equations.joints):
         q[k] = 0.3 if equations.prismatic[k] else _BEND * (-1) ** k
     lines = np.array(equations.skeleton(q)).T.reshape(-1, 2, 3)
-    lines = lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 1e-9]
+    lengths = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
+    if lengths.max() < 1e-9:
+        return np.array([[[0.0, 0.0], [1.0, 0.0]]])  # a joint without a tip beyond it
+    lines = lines[lengths > 1e-9]
     points = lines.reshape(-1, 3)
     _, _, axes = np.linalg.svd(points - points.mean(axis=0))
     return lines @ axes[:2].T
 
 
-def _drawing(lines: np.ndarray) -> Figure:
+def _drawing(lines: np.ndarray) -> "Figure":
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(_SIZE, _SIZE))
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set_axis_off()

@@ -4,7 +4,7 @@ import ctypes
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -21,10 +21,13 @@ from fmpy.fmi2 import (
 )
 from fmpy.model_description import ModelDescription
 
+from flexfmu.compilation import HOST
 from flexfmu.names import fmi_name
+from flexfmu.replicas import run_replicas
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
+_LOGGED = re.compile(r"joint\d+\.(r|tau_ff|e|eps\[\d\]|tau)|tip\.[xyz]")
 
 
 class LoadedFmu:
@@ -40,7 +43,7 @@ class LoadedFmu:
         except Exception as error:
             raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
         self._folder = str(extract(str(path)))
-        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
 
     def __enter__(self) -> "LoadedFmu":
         return self
@@ -51,7 +54,7 @@ class LoadedFmu:
     @property
     def joints(self) -> int:
         """Number of driven joints: those with a reference among the inputs."""
-        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
+        return sum(1 for name in self.references if re.fullmatch(r"joint\d+\.r", name))
 
     def simulate(
         self,
@@ -67,7 +70,7 @@ class LoadedFmu:
         progress    called with the fraction done
         Raises SimulationError.
         """
-        logged = self._logged() + outputs
+        logged = self.logged + outputs
         self._require({*map(fmi_name, parameters or {}), *outputs})
         plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
         run = self._step_by_step if plain else self._by_fmpy
@@ -120,7 +123,7 @@ class LoadedFmu:
                 start_values={fmi_name(name): value for name, value in parameters.items()},
                 input=signals,
                 output=list(logged),
-                relative_tolerance=1e-8,
+                relative_tolerance=None if simulation else 1e-8,
                 use_event_mode=events,
                 early_return_allowed=events,
                 logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),
@@ -134,14 +137,41 @@ class LoadedFmu:
             rows[:, logged.index(name)] = values
         return rows
 
-    def _logged(self) -> tuple[str, ...]:
-        """Outputs and references, joint by joint as the log has them."""
+    @property
+    def logged(self) -> tuple[str, ...]:
+        """Columns of a log, beside the time."""
         listed = self.description.modelVariables
-        scalar = [v for v in listed if not v.dimensions]
-        return tuple(v.name for v in scalar if v.causality in ("output", "input"))
+        return tuple(v.name for v in listed if _LOGGED.fullmatch(v.name))
+
+    @property
+    def library(self) -> Path | None:
+        """The binary for this machine."""
+        version = 2 if self.description.fmiVersion == "2.0" else 3
+        folder = Path(self._folder) / "binaries" / HOST.folder(version)
+        return next(iter(sorted(folder.glob(f"*{HOST.suffix}"))), None)
+
+    def simulate_batch(
+        self,
+        experiment: Experiment,
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+        progress: Progress | None = None,
+    ) -> list[pd.DataFrame]:
+        """Many runs of one experiment, several side by side in one core's vector registers where the FMU is ours.
+
+        parameters   a set per run, all of the same names, or one for all
+        noise        coordinate -> standard deviation of its sensor's white noise [rad or m]. That of a motor hinge
+                     passes through the loop: the controller measures it; all of it is in the frames
+        noise_seeds  a seed per run (the noise of np.random.default_rng(seed), coordinate by coordinate), or one
+                     for all; None is a run without noise
+        progress     called with the fraction done
+        Returns a frame per run, as from `simulate`. Raises SimulationError.
+        """
+        return run_replicas(self, experiment, parameters, noise or {}, noise_seeds, progress)
 
     def _require(self, names: set[str]) -> None:
-        unknown = sorted(names - set(self._references))
+        unknown = sorted(names - set(self.references))
         if unknown:
             raise SimulationError(f"the FMU has no variable {unknown[0]}")
 
@@ -167,30 +197,31 @@ class LoadedFmu:
     ) -> np.ndarray:
         time, inputs = experiment.time, self._inputs(experiment)
         slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / np.diff(time, append=time[-1] + 1)[:, None]
-        read = _vector(self._references[name] for name in logged)
-        written = _vector(self._references[name] for name in self._input_names(experiment))
+        read = _vector(self.references[name] for name in logged)
+        written = _vector(self.references[name] for name in self._input_names(experiment))
         order = (ctypes.c_int * len(written))(*([1] * len(written)))
         rows = np.empty((len(time), len(logged)))
         fmu.setupExperiment(startTime=time[0])
         if parameters:
-            fmu.setReal([self._references[fmi_name(n)] for n in parameters], list(parameters.values()))
+            fmu.setReal([self.references[fmi_name(n)] for n in parameters], list(parameters.values()))
         fmu.enterInitializationMode()
         fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[0]))
         fmu.exitInitializationMode()
-        fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[0]))
         interpolates = self.description.coSimulation.canInterpolateInputs  # pyright: ignore
         value, slope, result = (np.empty(n) for n in (len(written), len(written), len(read)))
         to_value, to_slope, to_result = map(_pointer, (value, slope, result))  # made once: they take time
         component, now, steps = fmu.component, time.tolist(), np.diff(time).tolist()
-        for i, step in enumerate(steps):
+        for i, step in enumerate([*steps, None]):
             value[:] = inputs[i]
             fmu.fmi2SetReal(component, written, len(written), to_value)
+            fmu.fmi2GetReal(component, read, len(read), to_result)  # a sample that is due answers at once
+            rows[i] = result
+            if step is None:
+                break
             if interpolates:
                 slope[:] = slopes[i]
                 fmu.fmi2SetRealInputDerivatives(component, written, len(written), order, to_slope)
             fmu.fmi2DoStep(component, now[i], step, 0)
-            fmu.fmi2GetReal(component, read, len(read), to_result)
-            rows[i + 1] = result
             if progress and i % 64 == 0:
                 progress(i / len(time))
         fmu.terminate()

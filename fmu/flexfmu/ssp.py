@@ -1,15 +1,16 @@
 """Equations -> SSP file: plant and controller as two FMUs, and how they are connected."""
 
 import tempfile
-from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from flexfmu.build import export_controller, export_fmu, without_controller
 from flexfmu.interface import Interface, controller_interface, plant_interface
-from flexfmu.package import Platforms, zip_folder
+from flexfmu.package import Platforms
+from flexfmu.provenance import sign, zip_folder
 from flexfmu.simulate import constant_run
-from flexfmu.variables import Variable, base_units
+from flexfmu.units import base_units
+from flexfmu.variables import Variable
 from flexmodels.atomic import replacing
 from flexmodels.mechanics.plant import Equations
 
@@ -56,9 +57,8 @@ def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
         f"{{{_SSD}}}SystemStructureDescription",
         version="1.0",
         name=equations.name,
-        generationTool="flexident",
-        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
     )
+    sign(root)
     connections = _connections(parts)
     outside = _outside(parts, connections)
     system = _element(root, "System", name=equations.name, description="The arm and its digital controller")

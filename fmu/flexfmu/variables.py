@@ -8,22 +8,7 @@ from flexfmu.names import fmi_name
 from flexmodels.mechanics.plant import Equations
 
 STEP = 0.5e-3  # default solver step [s]
-_NEWTON = {"kg": 1, "m": 1, "s": -2}
-TYPES = {
-    "rad": "Angle",
-    "rad/s": "AngularVelocity",
-    "rad/s2": "AngularAcceleration",
-    "m": "Length",
-    "m/s": "Velocity",
-    "m/s2": "Acceleration",
-    "N": "Force",
-    "N.m": "Torque",
-    "kg": "Mass",
-    "kg.m2": "MomentOfInertia",
-    "N.m/rad": "RotationalSpringConstant",
-    "N.m.s/rad": "RotationalDampingConstant",
-    "s": "Time",
-}
+UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
 @dataclass(frozen=True)
@@ -31,7 +16,6 @@ class Variable:
     """One variable; its place in `variables` is its value reference.
 
     derivative_of   name of the variable whose time derivative it is
-    depends_on      names that an output or a derivative depends on, None: on everything
     """
 
     name: str
@@ -43,11 +27,15 @@ class Variable:
     minimum: float | None = None
     nominal: float | None = None
     derivative_of: str | None = None
-    depends_on: tuple[str, ...] | None = None
 
     @property
     def initial(self) -> str | None:
         return {"parameter": "exact", "input": None}.get(self.causality, "calculated")
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is given, not computed."""
+        return self.causality in ("input", "parameter")
 
 
 @dataclass(frozen=True)
@@ -63,7 +51,10 @@ class Array:
 def variables(equations: Equations) -> list[Variable]:
     """Every scalar variable of a plant by value reference (runtime/plant.h)."""
     eq = equations
-    begin = [*_references(eq), *_feedforward(eq)] if eq.controller else [*_start_positions(eq), *_holding(eq)]
+    if eq.controller:
+        begin = [*_references(eq), *_feedforward(eq), *_start_speeds(eq), *_start_errors(eq)]
+    else:
+        begin = [*_start_positions(eq), *_holding(eq), *_start_speeds(eq)]
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
     return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *_gains(eq), step]
 
@@ -101,16 +92,6 @@ def states(equations: Equations) -> tuple[str, ...]:
 def nominals(equations: Equations) -> list[float]:
     """Typical sizes of the continuous states."""
     return [v.nominal or 1.0 for v in variables(equations) if v.name in states(equations)]
-
-
-def base_units(unit: str) -> dict[str, int]:
-    """Powers of the SI base units (and rad) in a unit such as `N.m/(rad.s)` or `kg.m2`."""
-    powers: dict[str, int] = {}
-    for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
-        for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
-            for base, power in (_NEWTON if symbol == "N" else {symbol: 1}).items():
-                powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
-    return {base: power for base, power in powers.items() if power}
 
 
 def _speed(coordinate: str) -> str:
@@ -157,6 +138,20 @@ def _start_positions(eq: Equations) -> Iterator[Variable]:
         yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
 
 
+def _start_speeds(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Speed of motor hinge {k + 1} at the start"
+        name = f"joint{k + 1}.de_0"
+        yield Variable(name, "parameter", "fixed", f"{_motion_unit(eq, name)}/s", text, 0.0)
+
+
+def _start_errors(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Position of motor hinge {k + 1} at the start, from its first reference, in static equilibrium"
+        name = f"joint{k + 1}.start_error"
+        yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
+
+
 def _holding(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Torque that holds joint {k + 1} at the start: the controller's joint{k + 1}.I_0"
@@ -177,11 +172,12 @@ def _states(eq: Equations) -> Iterator[Variable]:
         kind = "deformation of the flexible hinge" if small else "position of the motor hinge"
         text = f"Joint {_joint_of(name) + 1}: {kind}"
         nominal = 1e-4 if small else 1.0
-        yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal, depends_on=(name,))
+        yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal)
     for name in eq.coordinates:
         nominal = 1e-2 if "eps" in name else 1.0
         speed = _speed(name)
-        yield Variable(speed, "local", "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
+        kind = "local" if "eps" in name else "output"
+        yield Variable(speed, kind, "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
     for memory in eq.memories:
         yield Variable(memory.name, "local", "continuous", memory.unit, memory.description, nominal=1.0)
     for name in eq.coordinates:
@@ -192,7 +188,6 @@ def _states(eq: Equations) -> Iterator[Variable]:
             f"{unit[name]}/s",
             f"Rate of {name}",
             derivative_of=name,
-            depends_on=(_speed(name),),
         )
     for name in eq.coordinates:
         speed = _speed(name)
@@ -210,14 +205,14 @@ def _torques(eq: Equations) -> Iterator[Variable]:
             yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
             continue
         text = f"Motor torque of joint {k}, held until the next sample"
-        depends = (f"joint{k}.r", f"joint{k}.tau_ff", f"joint{k}.e")
-        yield Variable(name, "output", "discrete", unit, text, depends_on=depends)
+        yield Variable(name, "output", "discrete", unit, text)
 
 
 def _results(eq: Equations) -> Iterator[Variable]:
     for axis in "xyz":
         text = f"Tip position, base axis {axis}"
-        yield Variable(f"tip.{axis}", "output", "continuous", "m", text, depends_on=eq.coordinates)
+        yield Variable(f"tip.{axis}", "output", "continuous", "m", text)
+    yield from _shown(eq)
     for k in range(eq.joints):
         text = f"Torque that the laws at motor hinge {k + 1} take, the reaction of a stuck hinge included"
         yield Variable(f"joint{k + 1}.friction", "local", "continuous", _force_unit(eq, k), text)
@@ -233,6 +228,24 @@ def _results(eq: Equations) -> Iterator[Variable]:
             f"Force that the laws take at {name}, motor inertia included, the reaction of a stuck hinge not"
         )
         yield Variable(f"laws.{name}", "local", "continuous", unit, text)
+
+
+def _shown(eq: Equations) -> Iterator[Variable]:
+    """In the order of Equations.shown."""
+    for axis in "xyz":
+        text = f"Velocity of the tip, base axis {axis}"
+        yield Variable(f"tip.velocity.{axis}", "output", "continuous", "m/s", text)
+    for part in "xyzw":
+        text = f"Orientation of the tip in base axes, quaternion component {part}; (0, 0, 0, 1) at e = 0"
+        yield Variable(f"tip.orientation.{part}", "output", "continuous", "1", text)
+    for axis in "xyz":
+        text = f"Angular velocity of the tip, base axis {axis}"
+        yield Variable(f"tip.angular_velocity.{axis}", "output", "continuous", "rad/s", text)
+    for word, per in (("position", ""), ("velocity", "/s")):
+        for k in range(eq.joints):
+            unit = _motion_unit(eq, f"joint{k + 1}.e") + per
+            text = f"Joint {k + 1}: {word} of the link, behind the flexible hinge (motor side and twist)"
+            yield Variable(f"joint{k + 1}.link.{word}", "output", "continuous", unit, text)
 
 
 def _parameters(eq: Equations) -> Iterator[Variable]:
@@ -255,3 +268,9 @@ def _gains(eq: Equations) -> Iterator[Variable]:
             unit = slider if eq.prismatic[k] else hinge
             text = f"{word} gain of the controller at joint {k + 1}"
             yield Variable(f"joint{k + 1}.{gain}", "parameter", "tunable", unit, text, value)
+    for k in range(eq.joints):
+        text = f"Largest torque that the controller commands at joint {k + 1}, either way"
+        name = f"joint{k + 1}.tau_max"
+        yield Variable(name, "parameter", "tunable", _force_unit(eq, k), text, UNLIMITED, 0.0)
+    text = "Time between two samples of the controller"
+    yield Variable("controller.period", "parameter", "fixed", "s", text, eq.controller.period, 0.0)

@@ -30,7 +30,7 @@ def simulate_robot(
     Raises BuildError, SimulationError.
     """
     with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", derivatives=False)
+        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             return fmu.simulate(experiment, progress=progress)
 
@@ -52,7 +52,7 @@ class FmuRuns:
 
     def __enter__(self) -> "FmuRuns":
         with tempfile.TemporaryDirectory() as folder:
-            path = export_fmu(equations(self._robot), Path(folder) / "plant.fmu", derivatives=False)
+            path = export_fmu(equations(self._robot), Path(folder) / "plant.fmu", light=True)
             content = path.read_bytes()
         self._stack = ExitStack()
         self._workers = self._stack.enter_context(workers_with(partial(loaded_fmu, content)))
@@ -88,7 +88,7 @@ class RivalRuns:
     def __enter__(self) -> "RivalRuns":
         with tempfile.TemporaryDirectory() as folder:
             paths = [
-                export_fmu(equations(robot), Path(folder) / f"plant{i}.fmu", derivatives=False)
+                export_fmu(equations(robot), Path(folder) / f"plant{i}.fmu", light=True)
                 for i, robot in enumerate(self._robots)
             ]
             contents = tuple(path.read_bytes() for path in paths)

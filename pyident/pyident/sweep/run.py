@@ -150,7 +150,7 @@ def _content(model: Robot | str | Path) -> bytes:
     if not isinstance(model, Robot):
         return Path(model).read_bytes()
     with tempfile.TemporaryDirectory() as folder:
-        return export_fmu(equations(model), Path(folder) / "plant.fmu", derivatives=False).read_bytes()
+        return export_fmu(equations(model), Path(folder) / "plant.fmu", light=True).read_bytes()
 
 
 def _check(design: pd.DataFrame, fmu: LoadedFmu) -> None:
