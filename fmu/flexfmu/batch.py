@@ -35,7 +35,7 @@ class _Batch(ctypes.Structure):
 
 
 class BatchBinary:
-    """The batch entry of an FMU's binary; use as a context manager. Raises OSError or AttributeError without one.
+    """The batch entry of an FMU's binary, a context manager. Raises OSError or AttributeError without one.
 
     inputs, joints   numbers of inputs per sample and of joints;  width   runs that advance side by side
     """

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from flexfmu.compilation import ALL_LANES, host_lanes
-from flexfmu.documentation import controller_page, plant_page
-from flexfmu.icon import icons
+from flexfmu.code.compilation import ALL_LANES, host_lanes
+from flexfmu.code.source import controller_sources, model_sources
+from flexfmu.files.documentation import controller_page, plant_page
+from flexfmu.files.icon import icons
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
-from flexfmu.source import controller_sources, model_sources
 from flexfmu.variables import states
 from flexmodels.compiler import BuildError
 from flexmodels.mechanics.plant import Equations
@@ -31,8 +31,8 @@ def export_fmu(
     equations    with its controller inside, or with controller None: its inputs are then the torques
     fmi          version of the standard
     platforms    this machine's, or Linux, Windows and macOS in one file (needs the package ziglang)
-    light        to be simulated and thrown away: no directional (and, in FMI 3, adjoint) derivatives, sources,
-                 pictures, documentation and recorded run
+    light        to be simulated and thrown away: no directional (and, in FMI 3, adjoint) derivatives,
+                 sources, pictures, documentation and recorded run
     model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)

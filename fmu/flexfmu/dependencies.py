@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from flexfmu.generated import everything
+from flexfmu.code.generated import everything
 from flexfmu.names import fmi_name
 from flexfmu.variables import states
 from flexmodels.mechanics.plant import Equations

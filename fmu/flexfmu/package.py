@@ -10,12 +10,12 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from flexfmu import fmi2_description, fmi3_description
-from flexfmu.compilation import HOST, PLATFORMS, compile_for
+from flexfmu.code.compilation import HOST, PLATFORMS, compile_for
+from flexfmu.code.source import LICENSES, RUNTIME, token_of
+from flexfmu.files import fmi2_description, fmi3_description
+from flexfmu.files.provenance import zip_folder
 from flexfmu.interface import Interface
-from flexfmu.provenance import zip_folder
 from flexfmu.simulate import constant_run
-from flexfmu.source import LICENSES, RUNTIME, token_of
 from flexmodels.atomic import replacing
 from flexmodels.inputs import SimulationError
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ from flexfmu.batch import BatchBinary
 from flexfmu.names import fmi_name
 from flexmodels.inputs import Experiment, SimulationError
 
+T = TypeVar("T")
 Progress = Callable[[float], None]
 _LARGEST = 2**27  # bytes of rows of one call
 
@@ -39,16 +40,20 @@ def run_replicas(
     """A frame per run; see LoadedFmu.simulate_batch."""
     runs = max(len(parameters), len(seeds))
     if {len(parameters), len(seeds)} - {1, runs}:
-        raise SimulationError(f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not go together")
-    sets = [dict(p) for p in (parameters if len(parameters) == runs else [*parameters] * runs)]
-    drawn = [
-        _drawn(noise, seed, len(experiment.time)) for seed in (seeds if len(seeds) == runs else [*seeds] * runs)
-    ]
+        raise SimulationError(
+            f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not go together"
+        )
+    sets = [dict(p) for p in _repeated(parameters, runs)]
+    drawn = [_drawn(noise, seed, len(experiment.time)) for seed in _repeated(seeds, runs)]
     binary = _binary(fmu.library)
     if binary is None:
         return [_alone(fmu, experiment, p, added) for p, added in zip(sets, drawn, strict=True)]
     with binary:
         return _together(fmu, binary, experiment, sets, drawn, progress)
+
+
+def _repeated(values: Sequence[T], runs: int) -> Sequence[T]:
+    return values if len(values) == runs else [*values] * runs
 
 
 def _drawn(noise: Mapping[str, float], seed: int | None, samples: int) -> dict[str, np.ndarray]:
@@ -97,11 +102,10 @@ def _together(
     if inputs.shape[1] != binary.inputs:
         raise SimulationError(f"the FMU has {binary.joints} joints, the experiment {inputs.shape[1] // 2}")
     names = sorted({name for p in sets for name in p})
-    usual = {name: p[name] for p in reversed(sets) for name in p}
     incomplete = [name for name in names if any(name not in p for p in sets)]
     if incomplete:
         raise SimulationError(f"every parameter set must give a value of {incomplete[0]}, or none")
-    unknown = sorted({fmi_name(n) for n in usual} - set(fmu.references))
+    unknown = sorted({fmi_name(n) for n in names} - set(fmu.references))
     if unknown:
         raise SimulationError(f"the FMU has no variable {unknown[0]}")
     columns = fmu.logged
@@ -118,7 +122,7 @@ def _together(
             values,
             sensed if any(drawn[part]) else None,
             [fmu.references[name] for name in columns],
-            progress and (lambda done, a=first, n=len(values): progress((a + done * n) / len(sets))),
+            _part_of(progress, first, len(values), len(sets)),
         )
         if not finite.all():
             number = first + int(np.argmin(finite))
@@ -127,6 +131,10 @@ def _together(
             )
         frames += [_frame(experiment, columns, r, a) for r, a in zip(rows, drawn[part], strict=True)]
     return frames
+
+
+def _part_of(progress: Progress | None, first: int, runs: int, total: int) -> Progress | None:
+    return (lambda done: progress((first + done * runs) / total)) if progress else None
 
 
 def _frame(

@@ -21,7 +21,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.model_description import ModelDescription
 
-from flexfmu.compilation import HOST
+from flexfmu.code.compilation import HOST
 from flexfmu.names import fmi_name
 from flexfmu.replicas import run_replicas
 from flexmodels.inputs import Experiment, SimulationError
@@ -158,13 +158,13 @@ class LoadedFmu:
         noise_seeds: Sequence[int | None] = (None,),
         progress: Progress | None = None,
     ) -> list[pd.DataFrame]:
-        """Many runs of one experiment, several side by side in one core's vector registers where the FMU is ours.
+        """Many runs of one experiment, several side by side in vector registers where the FMU is ours.
 
         parameters   a set per run, all of the same names, or one for all
-        noise        coordinate -> standard deviation of its sensor's white noise [rad or m]. That of a motor hinge
-                     passes through the loop: the controller measures it; all of it is in the frames
-        noise_seeds  a seed per run (the noise of np.random.default_rng(seed), coordinate by coordinate), or one
-                     for all; None is a run without noise
+        noise        coordinate -> standard deviation of its sensor's white noise [rad or m]. That of a motor
+                     hinge passes through the loop: the controller measures it; all of it is in the frames
+        noise_seeds  a seed per run (the noise of np.random.default_rng(seed), coordinate by coordinate), or
+                     one for all; None is a run without noise
         progress     called with the fraction done
         Returns a frame per run, as from `simulate`. Raises SimulationError.
         """

@@ -5,11 +5,11 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from flexfmu.build import export_controller, export_fmu, without_controller
+from flexfmu.files.provenance import sign, zip_folder
+from flexfmu.files.units import base_units
 from flexfmu.interface import Interface, controller_interface, plant_interface
 from flexfmu.package import Platforms
-from flexfmu.provenance import sign, zip_folder
 from flexfmu.simulate import constant_run
-from flexfmu.units import base_units
 from flexfmu.variables import Variable
 from flexmodels.atomic import replacing
 from flexmodels.mechanics.plant import Equations

@@ -147,7 +147,9 @@ def _start_speeds(eq: Equations) -> Iterator[Variable]:
 
 def _start_errors(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
-        text = f"Position of motor hinge {k + 1} at the start, from its first reference, in static equilibrium"
+        text = (
+            f"Position of motor hinge {k + 1} at the start, from its first reference, in static equilibrium"
+        )
         name = f"joint{k + 1}.start_error"
         yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
 

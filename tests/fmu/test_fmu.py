@@ -12,8 +12,9 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 from fmu_by_hand import Opened
 
+from flexfmu.files.units import base_units
 from flexfmu.simulate import LoadedFmu
-from flexfmu.variables import arrays, base_units, states, variables
+from flexfmu.variables import arrays, states, variables
 from flexmodels.experiment import identification
 from flexmodels.mechanics.plant import equations
 

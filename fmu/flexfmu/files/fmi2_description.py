@@ -2,11 +2,10 @@
 
 from xml.etree import ElementTree as ET
 
+from flexfmu.files.provenance import sign
+from flexfmu.files.units import TYPES, base_units
 from flexfmu.interface import Interface
-from flexfmu.provenance import sign
-from flexfmu.units import TYPES, base_units
 from flexfmu.variables import Variable
-
 
 LOG_CATEGORIES = {
     "logStatusError": "What was refused, and why; always on",

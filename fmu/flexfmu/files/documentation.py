@@ -3,8 +3,8 @@
 import hashlib
 from typing import Any
 
+from flexfmu.files.provenance import TOOL
 from flexfmu.interface import Interface
-from flexfmu.provenance import TOOL
 from flexmodels.mechanics.plant import Equations
 
 

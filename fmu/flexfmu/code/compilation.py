@@ -49,7 +49,7 @@ ALL_LANES = ("avx2", "avx512")  # vectors of runs
 
 
 def host_lanes() -> tuple[str, ...]:
-    """The vector of runs that fits this machine best; wherever it runs, the FMU itself looks what is there."""
+    """The vector of runs that fits this machine best; the FMU looks itself what is there where it runs."""
     described = Path("/proc/cpuinfo")
     flags = described.read_text().split() if described.exists() else []
     if HOST.processor != "x86_64":
@@ -58,7 +58,8 @@ def host_lanes() -> tuple[str, ...]:
 
 
 _FLAGS = ["-std=gnu99", "-fvisibility=hidden", "-ffp-contract=off", "-DFMI3_OVERRIDE_FUNCTION_PREFIX"]
-_SELDOM = ("model_derivatives.c",)  # long and seldom called: compiled fast, not to be fast
+# Long and without branches: as fast after -O1, and compiled in half of the time.
+_STRAIGHT = ("model.c", "model_derivatives.c", *(f"lanes_{name}.c" for name in ALL_LANES))
 
 
 def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path, native: bool) -> None:
@@ -67,7 +68,7 @@ def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path
     flags = _FLAGS if target.system == "windows" else [*_FLAGS, "-fPIC"]
     with tempfile.TemporaryDirectory() as built:
         objects = []
-        for level, names in (("-O1", set(sources) & set(_SELDOM)), ("-O2", set(sources) - set(_SELDOM))):
+        for level, names in (("-O1", set(sources) & set(_STRAIGHT)), ("-O2", set(sources) - set(_STRAIGHT))):
             for name in sorted(names):
                 objects.append(str(Path(built) / f"{name}.o"))
                 _run([*command, *flags, level, "-c", name, "-o", objects[-1]], folder)

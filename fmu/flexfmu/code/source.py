@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
-from flexfmu.generated import Generated, inner, outer
-from flexfmu.generated import derivatives as generated_derivatives
+from flexfmu.code.generated import Generated, inner, outer
+from flexfmu.code.generated import derivatives as generated_derivatives
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.variables import nominals
 from flexmodels.mechanics.plant import Equations
@@ -102,7 +102,9 @@ def _positive(equations: Equations) -> frozenset[str]:
     return frozenset(stiffness | {f"{name.split('.')[0]}.J_m" for name in deformations} | ALWAYS_POSITIVE)
 
 
-def _plant_header(equations: Equations, functions: list[Generated], derivatives: bool, lanes: Sequence[str]) -> str:
+def _plant_header(
+    equations: Equations, functions: list[Generated], derivatives: bool, lanes: Sequence[str]
+) -> str:
     vectors = "\n".join(f"#define MODEL_{name.upper()}" for name in lanes)
     prototypes = "\n".join(g.prototype for g in functions)
     return f"""

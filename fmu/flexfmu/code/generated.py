@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from flexfmu.c_code import c_function, prototype
+from flexfmu.code.c_code import c_function, prototype
 from flexmodels.mechanics.plant import Equations
 
 

@@ -2,10 +2,10 @@
 
 from xml.etree import ElementTree as ET
 
-from flexfmu.fmi2_description import LOG_CATEGORIES, numbers, unit_definitions
+from flexfmu.files.fmi2_description import LOG_CATEGORIES, numbers, unit_definitions
+from flexfmu.files.provenance import sign
+from flexfmu.files.units import TYPES
 from flexfmu.interface import Interface
-from flexfmu.provenance import sign
-from flexfmu.units import TYPES
 from flexfmu.variables import Array, Variable, arrays
 
 
@@ -135,7 +135,7 @@ def _clock(variables: ET.Element, reference: int) -> None:
         name="controller.clock",
         valueReference=str(reference),
         description="Ticks when the controller takes a sample",
-        causality="output",
+        causality="local",
         variability="discrete",
         intervalVariability="triggered",
     )

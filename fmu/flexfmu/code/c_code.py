@@ -22,7 +22,22 @@ _CALLS = {
     getattr(ca, f"OP_{name}"): f"R_{name}"
     for name in (
         *("EXP", "LOG", "POW", "CONSTPOW", "SQRT", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "SINH"),
-        *("COSH", "TANH", "ATAN2", "FABS", "SIGN", "FMIN", "FMAX", "LT", "LE", "EQ", "NE", "NOT", "AND", "OR"),
+        *(
+            "COSH",
+            "TANH",
+            "ATAN2",
+            "FABS",
+            "SIGN",
+            "FMIN",
+            "FMAX",
+            "LT",
+            "LE",
+            "EQ",
+            "NE",
+            "NOT",
+            "AND",
+            "OR",
+        ),
         *("IF_ELSE_ZERO", "FLOOR", "CEIL", "FMOD", "COPYSIGN", "EXPM1", "LOG1P", "HYPOT", "ERF"),
     )
 }
