@@ -1,19 +1,31 @@
-# Three commands: `make study`, `make test` and `make bench`. They set up their own environment in .venv.
+# make study, make test, make docs and make bench set up what they need in .venv.
 PYTHON ?= python3
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: study test bench lint clean
+.PHONY: study test importers browser docs bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
+# Lint, types, tests, and how much of pyident they reach.
 test: lint
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
+
+# The FMU in other people's tools; each gets an environment of its own at first.
+importers: .venv/dev
+	$(BIN)/pytest -n auto -m importers
+
+browser: .venv/dev
+	$(BIN)/pytest -m browser
+
+docs: .venv/docs
+	$(BIN)/python -m sphinx -W --keep-going -n -b html docs out/docs
 
 bench: .venv/ready
-	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[bench]"
+	$(PIP) -e ".[bench]"
 	$(BIN)/python -m benchmarks -o out/bench
 
-lint: .venv/ready
+lint: .venv/dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
@@ -21,10 +33,15 @@ lint: .venv/ready
 # Without a C compiler on the path, the pip package ziglang compiles the FMUs.
 .venv/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; set PYTHON=...")'
-	@echo "setting up .venv (once; a few minutes)"
+	@echo "setting up .venv (once; about a minute)"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv || { rm -rf .venv; echo "python3 -m venv failed: on Debian, apt install python3-venv" >&2; exit 1; }
-	if command -v cc || command -v gcc || command -v clang; then extras=dev; else extras=dev,compiler; fi >/dev/null; \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[$$extras]"
+	if command -v cc || command -v gcc || command -v clang; then what=.; else what='.[compiler]'; fi >/dev/null; \
+	$(PIP) -e "$$what"
+	touch $@
+
+.venv/dev .venv/docs: .venv/ready
+	@echo "installing what $(@F) needs"
+	$(PIP) -e ".[$(@F)]"
 	touch $@
 
 clean:

@@ -11,8 +11,9 @@ from pathlib import Path
 import pandas as pd
 from benchmarks.measure import ROOT, THREADS
 from benchmarks.parameter_study import speedups
+from benchmarks.startup import PEER
 
-RUNS = ("regressor", "solve", "simulation", "parameter_study")
+RUNS = ("startup", "regressor", "solve", "simulation", "parameter_study")
 
 
 def machine() -> str:
@@ -26,7 +27,10 @@ def machine() -> str:
 
 def table(out: Path) -> pd.DataFrame:
     """What each tool reached: speed or seconds, memory, and how many times ours is better (ratio)."""
-    rows = []
+    started = pd.read_csv(out / "startup.csv")
+    peer = started.loc[started["what"] == PEER, "CPU [s]"].iloc[0]
+    rows = [("start [CPU s]", row["what"], row["CPU [s]"], None, peer / row["CPU [s]"])
+            for _, row in started.iterrows()]  # fmt: skip
     Phi = pd.read_csv(out / "regressor.csv").query("joints == 4")
     speed = dict(zip(Phi["tool"], Phi["samples per second"], strict=True))
     ours = speed["pyident, compiled"]

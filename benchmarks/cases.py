@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from benchmarks.closed_loop import Start, run, static_start
+from benchmarks.peers.closed_loop import Start, run, static_start
 from benchmarks.reference import EventExact
 
+from flexmodels.coordinate import of_joint
 from flexmodels.experiment import Experiment, identification
 from flexmodels.mechanics.plant import Equations, equations
 from flexmodels.robot import Robot
@@ -55,7 +56,7 @@ def case(name: str, robot: Robot, duration: float = 1.0) -> Case:
 
 
 def without_coulomb(robot: Robot) -> Robot:
-    return robot.with_parameters({f"joint{k}.coulomb": 0.0 for k, _ in robot.numbered})
+    return robot.with_parameters({of_joint(k, "coulomb"): 0.0 for k, _ in robot.numbered})
 
 
 def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[float, T]:

@@ -13,10 +13,11 @@ import numpy as np
 from benchmarks.measure import on_one_core, peak_memory
 
 from flexmodels.files.robot_file import load_robot
+from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.estimation.least_squares import reduce, solve
 from pyident.regression.equations import Problem
-from pyident.regression.regressor import Motion, regressor_blocks
+from pyident.regression.regressor import regressor_blocks
 
 TOOLS = ("ours", "numpy lstsq", "scipy lstsq")
 _RCOND = 1e-10

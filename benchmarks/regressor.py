@@ -20,8 +20,9 @@ from benchmarks.results import command, drawn, keep
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
 from pyident.regression.links import LinkColumns
-from pyident.regression.regressor import Motion, regressor_blocks
+from pyident.regression.regressor import regressor_blocks
 
 
 def random_motion(robot: Robot, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -85,8 +86,8 @@ def figure(table: pd.DataFrame, path: Path) -> None:
 
 
 def _pinocchio(robot: Robot, samples: int, with_cpp: bool) -> dict[str, float | str]:
-    from benchmarks.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
-    from benchmarks.pinocchio_plant import pinocchio_model
+    from benchmarks.peers.pinocchio_loop import cpp_speed, figaroh_speed, python_speed
+    from benchmarks.peers.pinocchio_plant import pinocchio_model
 
     model, motion = pinocchio_model(robot), random_motion(robot, samples)
     speeds: dict[str, float | str] = {"Pinocchio, loop in Python": python_speed(model, motion)}

@@ -21,9 +21,10 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from benchmarks.cases import Case, Point, case, timed, without_coulomb
-from benchmarks.closed_loop import Plant, run
 from benchmarks.fmu_points import fmu_costs, fmu_points
+from benchmarks.peers.closed_loop import Plant, run
 
+from flexmodels.coordinate import of_joint
 from flexmodels.files.robot_file import load_robot
 
 GOAL = 10.0  # um
@@ -42,9 +43,9 @@ def points(case: Case) -> Iterator[Point]:
 
 
 def mujoco_points(case: Case) -> Iterator[Point]:
-    from benchmarks.mujoco_plant import Integrator, MujocoPlant, Settings
+    from benchmarks.peers.mujoco_plant import Integrator, MujocoPlant, Settings
 
-    dry = any(case.robot.parameters[f"joint{k}.coulomb"] for k, _ in case.robot.numbered)
+    dry = any(case.robot.parameters[of_joint(k, "coulomb")] for k, _ in case.robot.numbered)
     plans: dict[Integrator, tuple[float, ...]] = {"RK4": RK4_STEPS, "implicitfast": IMPLICITFAST_STEPS}
     for integrator, steps in plans.items():
         for stiff in (False, True) if dry else (False,):
@@ -56,7 +57,7 @@ def mujoco_points(case: Case) -> Iterator[Point]:
 
 def pinocchio_points(case: Case) -> Iterator[Point]:
     """The Python loop, and as a bound on a loop in C++ the time of its aba calls alone."""
-    from benchmarks.pinocchio_plant import PinocchioPlant
+    from benchmarks.peers.pinocchio_plant import PinocchioPlant
 
     for step in RK4_STEPS:
         plant = PinocchioPlant(case.robot, step)

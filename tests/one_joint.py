@@ -1,7 +1,11 @@
 """A robot of one rigid joint whose simulation takes milliseconds."""
 
 from flexmodels.experiment import Experiment, identification
-from flexmodels.robot import Controller, Identification, Joint, Link, Multisine, Robot
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
+from flexmodels.settings.motions import Identification, Multisine
 
 PERIOD = 0.004
 

@@ -18,8 +18,10 @@ import numpy as np
 import pytest
 
 from flexmodels.files.robot_file import load_robot
+from flexmodels.joint import Joint
+from flexmodels.link import Link
 from flexmodels.linkage import PassiveJoint
-from flexmodels.robot import Joint, Link, Robot
+from flexmodels.robot import Robot
 
 pin = pytest.importorskip("pinocchio", reason="Pinocchio (package pin) is the oracle and is not installed")
 

@@ -10,6 +10,7 @@ PACKAGES = {"flexmodels": ROOT / "models", "flexfmu": ROOT / "fmu", "pyident": R
 MAY_IMPORT = {"flexmodels": set(), "flexfmu": {"flexmodels"}, "pyident": {"flexmodels"}}
 # Rooms of pyident from the ground up: each may import those before it, and itself.
 ROOMS = (
+    "rules",
     "logs",
     "conditioning",
     "kinematics",
@@ -23,10 +24,11 @@ ROOMS = (
     "extension",
     "report",
     "sweep",
+    "verbs",
     "cli",
 )
 # Where robot, FMU and identification are put together.
-COMPOSERS = {"simulation", "sweep", "cli"}
+COMPOSERS = {"simulation", "sweep", "verbs", "cli"}
 LONGEST = 300  # lines of a file
 FULLEST = 15  # Python files in a folder
 

@@ -16,7 +16,7 @@ LOOSE = {f"joint{k}.coulomb": 0.0 for k in range(1, 5)}
 def test_a_peer_moves_the_tip_as_our_fmu_does(four_link, four_link_fmu, peer, monkeypatch):
     pytest.importorskip(peer, reason=f"{peer} is not installed, so the benchmark leaves it out")
     monkeypatch.syspath_prepend(Path(__file__).parents[1])
-    from benchmarks.closed_loop import run, static_start
+    from benchmarks.peers.closed_loop import run, static_start
 
     experiment, robot = identification(four_link, duration=0.2), four_link.with_parameters(LOOSE)
     start = static_start(equations(robot), experiment.reference[0])
@@ -29,10 +29,10 @@ def test_a_peer_moves_the_tip_as_our_fmu_does(four_link, four_link_fmu, peer, mo
 
 def _plant(peer, robot):
     if peer == "mujoco":
-        from benchmarks.mujoco_plant import MujocoPlant, Settings
+        from benchmarks.peers.mujoco_plant import MujocoPlant, Settings
 
         return MujocoPlant(robot, Settings("RK4", 0.5e-3))
-    from benchmarks.pinocchio_plant import PinocchioPlant
+    from benchmarks.peers.pinocchio_plant import PinocchioPlant
 
     return PinocchioPlant(robot, 0.5e-3)
 
@@ -42,7 +42,7 @@ def test_phi_is_measured_and_is_pinocchios(monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parents[1])
     from benchmarks import regressor
 
-    monkeypatch.setattr("benchmarks.pinocchio_loop.cpp_speed", lambda *_: "not in a test")
+    monkeypatch.setattr("benchmarks.peers.pinocchio_loop.cpp_speed", lambda *_: "not in a test")
     found = regressor.rows([1, 4], samples=400)
     tools = ["pyident, compiled", "Pinocchio, loop in Python"]
     assert [row["tool"] for row in found if row["joints"] == 1] == tools
@@ -58,3 +58,16 @@ def test_the_solutions_that_are_compared_are_one(monkeypatch):
     assert [row["tool"] for row in found] == ["ours", "numpy lstsq", "ours, from disk"]
     assert found[1]["differs from ours"] < 1e-8
     assert all(row["seconds"] > 0 for row in found)
+
+
+def test_a_start_is_measured(monkeypatch):
+    """What takes CPU counts as such; how much is no test."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    from benchmarks.startup import CASES, PEER, cpu_seconds, measured
+
+    idle, busy = (cpu_seconds(("-c", f"sum(range({n}))")) for n in (1, 20_000_000))
+    assert busy > idle
+    monkeypatch.setattr("benchmarks.startup.CASES", {name: CASES[name] for name in list(CASES)[:2]})
+    found = measured(0)
+    assert found["what"].to_list() == [PEER]
+    assert found["ratio to numpy, pandas"].to_list() == [1.0]

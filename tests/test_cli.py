@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmodels.files.robot_file import load_robot, shipped
-from pyident.cli.main import main
+from pyident.cli.main import COMMANDS, main
 from pyident.logs.log import write_log
 
 
@@ -27,7 +27,7 @@ def test_lists():
     assert "Armstrong" in run("effects", "stribeck").output
 
 
-@pytest.mark.parametrize("command", sorted(main.commands))
+@pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_every_command_has_help_with_an_example(command):
     done = run(command, "--help")
     assert done.exit_code == 0

@@ -12,6 +12,7 @@ from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
 from flexfmu.variables import states
 from flexmodels.compiler import BuildError
+from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 
 _PLANT = ("plant", "integration", "equilibrium", "scalar", "batch", "lanes", "lanes_loop")
@@ -82,4 +83,4 @@ def _push(equations: Equations) -> dict[str, float]:
     upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
     signal = "tau_ff" if equations.controller else "tau"
     levels = upper.full().ravel()
-    return {f"joint{k}.{signal}": 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}
+    return {of_joint(k, signal): 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

@@ -1,10 +1,10 @@
 """What an FMU shows of itself: the arm with its controller, the plant alone, the controller alone."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flexfmu.dependencies import Dependencies, controller_dependencies, plant_dependencies
+from flexfmu.names import c_identifier
 from flexfmu.variables import Variable, controller_variables, states, variables
 from flexmodels.mechanics.plant import Equations
 
@@ -33,7 +33,7 @@ class Interface:
     @property
     def identifier(self) -> str:
         """The C identifier that names the binary."""
-        return re.sub(r"\W", "_", self.name)
+        return c_identifier(self.name)
 
     @property
     def unknowns(self) -> list[Variable]:

@@ -24,6 +24,7 @@ from fmpy.model_description import ModelDescription
 from flexfmu.code.compilation import HOST
 from flexfmu.names import fmi_name
 from flexfmu.replicas import run_replicas
+from flexmodels.coordinate import of_joint
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
@@ -231,7 +232,7 @@ class LoadedFmu:
 
     def _input_names(self, experiment: Experiment) -> list[str]:
         joints = range(1, experiment.reference.shape[1] + 1)
-        names = [f"joint{k}.{signal}" for signal in ("r", "tau_ff") for k in joints]
+        names = [of_joint(k, signal) for signal in ("r", "tau_ff") for k in joints]
         self._require(set(names))
         return names
 

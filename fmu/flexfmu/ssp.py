@@ -12,6 +12,7 @@ from flexfmu.package import Platforms
 from flexfmu.simulate import constant_run
 from flexfmu.variables import Variable
 from flexmodels.atomic import replacing
+from flexmodels.coordinate import motor_of, of_joint, torque_of
 from flexmodels.mechanics.plant import Equations
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -46,8 +47,8 @@ def _holding_torques(plant: Equations, fmu: Path) -> dict[str, float]:
     """Start of the controller's integrals: what the plant itself says holds it at its default start."""
     joints = range(1, plant.joints + 1)
     step = plant_interface(plant).step
-    run = constant_run(fmu, {}, step, step, tuple(f"joint{k}.tau_0" for k in joints))
-    return {f"joint{k}.I_0": float(run[f"joint{k}.tau_0"].iloc[0]) for k in joints}
+    run = constant_run(fmu, {}, step, step, tuple(of_joint(k, "tau_0") for k in joints))
+    return {of_joint(k, "I_0"): float(run[of_joint(k, "tau_0")].iloc[0]) for k in joints}
 
 
 def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
@@ -94,9 +95,9 @@ def _connections(parts: dict[str, Interface]) -> list[tuple[End, End]]:
     """Between the two: positions, torques, and the torques that hold the start."""
     out: list[tuple[End, End]] = []
     for k in range(1, parts["plant"].joints + 1):
-        out.append((("plant", f"joint{k}.e"), ("controller", f"joint{k}.e")))
-        out.append((("controller", f"joint{k}.tau"), ("plant", f"joint{k}.tau")))
-        out.append((("plant", f"joint{k}.tau_0"), ("controller", f"joint{k}.I_0")))
+        out.append((("plant", motor_of(k)), ("controller", motor_of(k))))
+        out.append((("controller", torque_of(k)), ("plant", torque_of(k))))
+        out.append((("plant", of_joint(k, "tau_0")), ("controller", of_joint(k, "I_0"))))
     return out
 
 

@@ -1,10 +1,10 @@
 """The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
 
-import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexfmu.names import fmi_name
+from flexmodels.coordinate import Coordinate, feedforward_of, motor_of, of_joint, reference_of, torque_of
 from flexmodels.mechanics.plant import Equations
 
 STEP = 0.5e-3  # default solver step [s]
@@ -95,16 +95,17 @@ def nominals(equations: Equations) -> list[float]:
 
 
 def _speed(coordinate: str) -> str:
-    return coordinate.replace(".e", ".de", 1)
+    q = Coordinate.parse(coordinate)
+    return of_joint(q.joint, f"d{q.local}")
 
 
-def _joint_of(name: str) -> int:
-    """Index from 0 of the joint in a variable's name."""
-    return int(re.findall(r"\d+", name)[0]) - 1
+def _coordinate(eq: Equations, name: str) -> Coordinate:
+    q = Coordinate.parse(name)
+    return replace(q, unit=_motion_unit(eq, q.joint - 1)) if q.is_motor else q
 
 
-def _motion_unit(eq: Equations, name: str) -> str:
-    return "m" if eq.prismatic[_joint_of(name)] and "eps" not in name else "rad"
+def _motion_unit(eq: Equations, joint: int) -> str:
+    return "m" if eq.prismatic[joint] else "rad"
 
 
 def _force_unit(eq: Equations, joint: int) -> str:
@@ -114,35 +115,33 @@ def _force_unit(eq: Equations, joint: int) -> str:
 def _references(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Reference of joint {k + 1}, read at every sample of the controller"
-        name = f"joint{k + 1}.r"
-        yield Variable(name, "input", "continuous", _motion_unit(eq, name), text, 0.0)
+        yield Variable(reference_of(k + 1), "input", "continuous", _motion_unit(eq, k), text, 0.0)
 
 
 def _feedforward(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Feed-forward torque added to the controller's output at joint {k + 1}"
-        yield Variable(f"joint{k + 1}.tau_ff", "input", "continuous", _force_unit(eq, k), text, 0.0)
+        yield Variable(feedforward_of(k + 1), "input", "continuous", _force_unit(eq, k), text, 0.0)
 
 
 def _measured(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Position of motor hinge {k + 1}, read at every sample of the controller"
-        name = f"joint{k + 1}.e"
-        yield Variable(name, "input", "continuous", _motion_unit(eq, name), text, 0.0)
+        yield Variable(motor_of(k + 1), "input", "continuous", _motion_unit(eq, k), text, 0.0)
 
 
 def _start_positions(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Position of motor hinge {k + 1} at the start, in static equilibrium"
-        name = f"joint{k + 1}.e_0"
-        yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
+        name = of_joint(k + 1, "e_0")
+        yield Variable(name, "parameter", "fixed", _motion_unit(eq, k), text, 0.0)
 
 
 def _start_speeds(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Speed of motor hinge {k + 1} at the start"
-        name = f"joint{k + 1}.de_0"
-        yield Variable(name, "parameter", "fixed", f"{_motion_unit(eq, name)}/s", text, 0.0)
+        name = of_joint(k + 1, "de_0")
+        yield Variable(name, "parameter", "fixed", f"{_motion_unit(eq, k)}/s", text, 0.0)
 
 
 def _start_errors(eq: Equations) -> Iterator[Variable]:
@@ -150,35 +149,36 @@ def _start_errors(eq: Equations) -> Iterator[Variable]:
         text = (
             f"Position of motor hinge {k + 1} at the start, from its first reference, in static equilibrium"
         )
-        name = f"joint{k + 1}.start_error"
-        yield Variable(name, "parameter", "fixed", _motion_unit(eq, name), text, 0.0)
+        name = of_joint(k + 1, "start_error")
+        yield Variable(name, "parameter", "fixed", _motion_unit(eq, k), text, 0.0)
 
 
 def _holding(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Torque that holds joint {k + 1} at the start: the controller's joint{k + 1}.I_0"
-        yield Variable(f"joint{k + 1}.tau_0", "calculatedParameter", "fixed", _force_unit(eq, k), text)
+        yield Variable(of_joint(k + 1, "tau_0"), "calculatedParameter", "fixed", _force_unit(eq, k), text)
 
 
 def _integrals(eq: Equations, start: Mapping[str, float]) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Integral of the controller at the start: the torque that holds joint {k + 1} there"
-        name = f"joint{k + 1}.I_0"
+        name = of_joint(k + 1, "I_0")
         yield Variable(name, "parameter", "fixed", _force_unit(eq, k), text, start[name])
 
 
 def _states(eq: Equations) -> Iterator[Variable]:
-    unit = {name: _motion_unit(eq, name) for name in eq.coordinates}
-    for name in eq.coordinates:
-        small = "eps" in name
+    listed = {name: _coordinate(eq, name) for name in eq.coordinates}
+    unit = {name: q.unit for name, q in listed.items()}
+    for name, q in listed.items():
+        small = not q.is_motor
         kind = "deformation of the flexible hinge" if small else "position of the motor hinge"
-        text = f"Joint {_joint_of(name) + 1}: {kind}"
+        text = f"Joint {q.joint}: {kind}"
         nominal = 1e-4 if small else 1.0
         yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal)
-    for name in eq.coordinates:
-        nominal = 1e-2 if "eps" in name else 1.0
+    for name, q in listed.items():
+        nominal = 1.0 if q.is_motor else 1e-2
         speed = _speed(name)
-        kind = "local" if "eps" in name else "output"
+        kind = "output" if q.is_motor else "local"
         yield Variable(speed, kind, "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
     for memory in eq.memories:
         yield Variable(memory.name, "local", "continuous", memory.unit, memory.description, nominal=1.0)
@@ -202,7 +202,7 @@ def _states(eq: Equations) -> Iterator[Variable]:
 
 def _torques(eq: Equations) -> Iterator[Variable]:
     for k in range(1, eq.joints + 1):
-        name, unit = f"joint{k}.tau", _force_unit(eq, k - 1)
+        name, unit = torque_of(k), _force_unit(eq, k - 1)
         if eq.controller is None:
             yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
             continue
@@ -217,15 +217,15 @@ def _results(eq: Equations) -> Iterator[Variable]:
     yield from _shown(eq)
     for k in range(eq.joints):
         text = f"Torque that the laws at motor hinge {k + 1} take, the reaction of a stuck hinge included"
-        yield Variable(f"joint{k + 1}.friction", "local", "continuous", _force_unit(eq, k), text)
+        yield Variable(of_joint(k + 1, "friction"), "local", "continuous", _force_unit(eq, k), text)
     for k in range(eq.joints):
         text = (
             f"Event indicator: how far motor hinge {k + 1} is from leaving its friction mode, "
             "a speed while it slides, a torque while it is stuck"
         )
-        yield Variable(f"joint{k + 1}.friction_margin", "local", "continuous", "1", text)
+        yield Variable(of_joint(k + 1, "friction_margin"), "local", "continuous", "1", text)
     for name in eq.coordinates:
-        unit = "N.m" if "eps" in name else _force_unit(eq, _joint_of(name))
+        unit = _coordinate(eq, name).force_unit
         text = (
             f"Force that the laws take at {name}, motor inertia included, the reaction of a stuck hinge not"
         )
@@ -245,9 +245,9 @@ def _shown(eq: Equations) -> Iterator[Variable]:
         yield Variable(f"tip.angular_velocity.{axis}", "output", "continuous", "rad/s", text)
     for word, per in (("position", ""), ("velocity", "/s")):
         for k in range(eq.joints):
-            unit = _motion_unit(eq, f"joint{k + 1}.e") + per
+            unit = _motion_unit(eq, k) + per
             text = f"Joint {k + 1}: {word} of the link, behind the flexible hinge (motor side and twist)"
-            yield Variable(f"joint{k + 1}.link.{word}", "output", "continuous", unit, text)
+            yield Variable(of_joint(k + 1, f"link.{word}"), "output", "continuous", unit, text)
 
 
 def _parameters(eq: Equations) -> Iterator[Variable]:
@@ -269,10 +269,10 @@ def _gains(eq: Equations) -> Iterator[Variable]:
         for k, value in enumerate(values):
             unit = slider if eq.prismatic[k] else hinge
             text = f"{word} gain of the controller at joint {k + 1}"
-            yield Variable(f"joint{k + 1}.{gain}", "parameter", "tunable", unit, text, value)
+            yield Variable(of_joint(k + 1, gain), "parameter", "tunable", unit, text, value)
     for k in range(eq.joints):
         text = f"Largest torque that the controller commands at joint {k + 1}, either way"
-        name = f"joint{k + 1}.tau_max"
+        name = of_joint(k + 1, "tau_max")
         yield Variable(name, "parameter", "tunable", _force_unit(eq, k), text, UNLIMITED, 0.0)
     text = "Time between two samples of the controller"
     yield Variable("controller.period", "parameter", "fixed", "s", text, eq.controller.period, 0.0)

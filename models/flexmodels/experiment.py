@@ -7,7 +7,10 @@ from scipy.optimize import least_squares
 from flexmodels import multisine
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics import dynamics
-from flexmodels.robot import Line, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
+from flexmodels.settings.motions import Line
+
+__all__ = ["Experiment", "identification", "line", "line_profile"]
 
 
 def identification(

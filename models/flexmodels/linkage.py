@@ -18,6 +18,7 @@ class PassiveJoint:
     origin    from the joint of the parent link [m]
     follows   driven joint (from 1) -> factor: its angle is the sum of factor times (e + eps[1]) of each
     parent    number of the link that it sits on, 0 for the base; None takes the link before
+    geared    turned by a gear or a belt; else pins (closures) make it follow
     """
 
     x: tuple[float, ...]
@@ -25,6 +26,7 @@ class PassiveJoint:
     origin: tuple[float, ...]
     follows: Mapping[int, float]
     parent: int | None = None
+    geared: bool = False
 
     @property
     def triad(self) -> np.ndarray:

@@ -18,10 +18,11 @@ def check_linkage(robot: Robot) -> None:
     `point` is one place in the zero pose, so a pin is closed there by construction; whether it stays closed
     shows when the driven joints move.
     """
-    if len(robot.passive) != 2 * len(robot.closures):
+    loose = sum(not joint.geared for joint in robot.passive)
+    if loose != 2 * len(robot.closures):
         raise RobotError(
-            f"closure: a loop has two passive joints and one pin, found {len(robot.passive)} passive joints "
-            f"and {len(robot.closures)} closures"
+            f"closure: a loop has two passive joints and one pin, found {loose} passive joints "
+            f"and {len(robot.closures)} closures; one that a gear turns says geared = true"
         )
     for i, closure in enumerate(robot.closures, start=1):
         if closure.links[0] <= len(robot.joints):

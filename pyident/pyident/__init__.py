@@ -1,0 +1,73 @@
+"""Identify robots with flexible joints, and find out what their models lack.
+
+    import pyident as pi
+    fit = pi.identify("four_link", pi.read_log("log.parquet"))
+    fit.summary()
+
+`model` is a Robot, the name of a shipped one or the path of a robot file; `logs` a Log, a DataFrame, the path
+of a log, or a list of these. What a function needs is loaded when it is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flexmodels.files.robot_file import load_robot as load_robot
+    from flexmodels.files.robot_file import save_robot as save_robot
+    from flexmodels.inputs import Experiment as Experiment
+    from flexmodels.robot import Robot as Robot
+    from flexmodels.robot import RobotError as RobotError
+    from pyident.logs.log import Log as Log
+    from pyident.logs.log import LogError as LogError
+    from pyident.logs.log import write_log as write_log
+    from pyident.verbs.fit import identify as identify
+    from pyident.verbs.fit import refine as refine
+    from pyident.verbs.fitted import Fit as Fit
+    from pyident.verbs.inputs import read_log as read_log
+    from pyident.verbs.judge import add_effect as add_effect
+    from pyident.verbs.judge import compare as compare
+    from pyident.verbs.judge import diagnose as diagnose
+    from pyident.verbs.judged import Added as Added
+    from pyident.verbs.judged import Compared as Compared
+    from pyident.verbs.judged import Diagnosed as Diagnosed
+    from pyident.verbs.simulate import export_fmu as export_fmu
+    from pyident.verbs.simulate import parameter_study as parameter_study
+    from pyident.verbs.simulate import simulate as simulate
+
+_HOME = {
+    "Added": "pyident.verbs.judged",
+    "Compared": "pyident.verbs.judged",
+    "Diagnosed": "pyident.verbs.judged",
+    "Experiment": "flexmodels.inputs",
+    "Fit": "pyident.verbs.fitted",
+    "Log": "pyident.logs.log",
+    "LogError": "pyident.logs.log",
+    "Robot": "flexmodels.robot",
+    "RobotError": "flexmodels.robot",
+    "add_effect": "pyident.verbs.judge",
+    "compare": "pyident.verbs.judge",
+    "diagnose": "pyident.verbs.judge",
+    "export_fmu": "pyident.verbs.simulate",
+    "identify": "pyident.verbs.fit",
+    "load_robot": "flexmodels.files.robot_file",
+    "parameter_study": "pyident.verbs.simulate",
+    "read_log": "pyident.verbs.inputs",
+    "refine": "pyident.verbs.fit",
+    "save_robot": "flexmodels.files.robot_file",
+    "simulate": "pyident.verbs.simulate",
+    "write_log": "pyident.logs.log",
+}
+__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for. Raises AttributeError for what the package does not offer."""
+    if name not in _HOME:
+        raise AttributeError(f"pyident has no {name}; it has {', '.join(sorted(_HOME))}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import is_torque
 from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
@@ -58,7 +59,7 @@ def _identify(robot: Robot, log: Log, simulate: FmuRuns, slopes: list[np.ndarray
 def _noisy(log: Log, seed: int) -> Log:
     rng, frame = np.random.default_rng(seed), log.frame.copy()
     for name in frame:
-        size = 0.002 * frame[name].abs().max() if name.endswith(".tau") else 0.0
+        size = 0.002 * frame[name].abs().max() if is_torque(name) else 0.0
         for kind, level in NOISE.items():
             if name.split("[")[0].endswith(kind):
                 size = level

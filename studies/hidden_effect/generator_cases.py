@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS, Link, Robot
+from flexmodels.link import LINK_PARAMETERS, Link
+from flexmodels.robot import Robot
 
 from .generator_laws import LAWS, Draw, Law, Levels
 from .generator_run import Hidden, Noise, Plan, reference_levels, standard

@@ -3,6 +3,8 @@
 import casadi as ca
 import numpy as np
 
+from flexmodels.coordinate import motor_of
+
 from .generator_law import Constants, Draw, law
 
 
@@ -19,7 +21,7 @@ from .generator_law import Constants, Draw, law
 def _torque_ripple(arm, k, c, _):
     N, e = c["poles"], arm.e(k)
     ripple = c["first"] * ca.cos(N * e + c["phase1"]) + c["second"] * ca.cos(2 * N * e + c["phase2"])
-    arm.resist(f"joint{k}.e", ripple)
+    arm.resist(motor_of(k), ripple)
 
 
 def _draw_torque_delay(d: Draw) -> Constants:
@@ -92,9 +94,9 @@ def _joint_coupling(arm, k, c, numbers):
     """A shaft that turns with both motors: its friction and its inertia."""
     v = arm.de(k) + c["sign"] * arm.de(k + 1)
     torque = c["coulomb"] * ca.tanh(v / c["smooth"]) + c["viscous"] * v
-    arm.resist(f"joint{k}.e", torque)
-    arm.resist(f"joint{k + 1}.e", c["sign"] * torque)
-    arm.inertia({f"joint{k}.e": 1.0, f"joint{k + 1}.e": numbers["sign"]}, c["inertia"])
+    arm.resist(motor_of(k), torque)
+    arm.resist(motor_of(k + 1), c["sign"] * torque)
+    arm.inertia({motor_of(k): 1.0, motor_of(k + 1): numbers["sign"]}, c["inertia"])
 
 
 @law(

@@ -2,13 +2,15 @@
 
 import casadi as ca
 
+from flexmodels.coordinate import motor_of, of_joint
+
 from .generator_law import dry, law
 
 
 @law("stribeck", lambda d: {"excess": d.strong(0.8, 1.4, d.value("coulomb")), "speed": d.between(0.05, 0.2)})
 def _stribeck(arm, k, c, _):
     v = arm.de(k)
-    arm.resist(f"joint{k}.e", c["excess"] / (1 + (v / c["speed"]) ** 2) * dry(v))
+    arm.resist(motor_of(k), c["excess"] / (1 + (v / c["speed"]) ** 2) * dry(v))
 
 
 @law(
@@ -22,7 +24,7 @@ def _stribeck(arm, k, c, _):
 def _asymmetric_coulomb(arm, k, c, _):
     v = arm.de(k)
     step = ca.tanh(v / c["width"])
-    arm.resist(f"joint{k}.e", (c["half"] * dry(v) + c["slope"] * v) * step)
+    arm.resist(motor_of(k), (c["half"] * dry(v) + c["slope"] * v) * step)
 
 
 @law(
@@ -32,7 +34,7 @@ def _asymmetric_coulomb(arm, k, c, _):
 )
 def _load_dependent_friction(arm, k, c, _):
     level = ca.sqrt(arm.load(k) ** 2 + c["smooth"] ** 2)
-    arm.resist(f"joint{k}.e", c["share"] * level * dry(arm.de(k)))
+    arm.resist(motor_of(k), c["share"] * level * dry(arm.de(k)))
 
 
 @law(
@@ -45,19 +47,19 @@ def _load_dependent_friction(arm, k, c, _):
 )
 def _presliding(arm, k, c, numbers):
     """Dry friction builds up over a path: LuGre's bristle, or four Maxwell elements that slip in turn."""
-    v, level = arm.de(k), arm.own[f"joint{k}.coulomb"]
+    v, level = arm.de(k), arm.own[of_joint(k, "coulomb")]
     if numbers["kind"]:
         paths = [c["bristle"] * s for s in (0.3, 0.8, 1.8, 3.5)]
         z = [
-            arm.state(f"joint{k}.slip{i}", lambda z, p=p: v / p - ca.fabs(v) / p * z * ca.fabs(z))
+            arm.state(of_joint(k, f"slip{i}"), lambda z, p=p: v / p - ca.fabs(v) / p * z * ca.fabs(z))
             for i, p in enumerate(paths)
         ]
         force = sum(z) / len(z)
     else:
         path = c["bristle"]
-        z = arm.state(f"joint{k}.bristle", lambda z: v / path - ca.fabs(v) / path * z)
+        z = arm.state(of_joint(k, "bristle"), lambda z: v / path - ca.fabs(v) / path * z)
         force = z + c["sigma1"] * (v - ca.fabs(v) * z)
-    arm.resist(f"joint{k}.e", level * (force - dry(v)))
+    arm.resist(motor_of(k), level * (force - dry(v)))
 
 
 @law(
@@ -70,7 +72,7 @@ def _presliding(arm, k, c, numbers):
 def _nonlinear_viscous(arm, k, c, numbers):
     v = arm.de(k)
     bent = v**3 - 0.3 * v if numbers["cubic"] else v * (v**2 + 1e-4) ** 0.35
-    arm.resist(f"joint{k}.e", c["coefficient"] * bent)
+    arm.resist(motor_of(k), c["coefficient"] * bent)
 
 
 @law(
@@ -85,7 +87,7 @@ def _nonlinear_viscous(arm, k, c, numbers):
 def _position_dependent_friction(arm, k, c, _):
     e = arm.e(k)
     level = c["first"] * ca.cos(e - c["phase1"]) + c["second"] * ca.cos(2 * e - c["phase2"])
-    arm.resist(f"joint{k}.e", level * dry(arm.de(k)))
+    arm.resist(motor_of(k), level * dry(arm.de(k)))
 
 
 @law(
@@ -93,4 +95,4 @@ def _position_dependent_friction(arm, k, c, _):
     lambda d: {"cold": d.strong(0.8, 1.4, d.value("viscous")), "warm_up": d.between(5, 12)},
 )
 def _viscous_drift(arm, k, c, _):
-    arm.resist(f"joint{k}.e", c["cold"] * ca.exp(-arm.t / c["warm_up"]) * arm.de(k))
+    arm.resist(motor_of(k), c["cold"] * ca.exp(-arm.t / c["warm_up"]) * arm.de(k))

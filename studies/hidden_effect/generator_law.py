@@ -12,6 +12,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from flexmodels.coordinate import of_joint
+
 from .generator_model import SMOOTH, Arm
 
 SX = Any
@@ -35,7 +37,7 @@ class Levels:
     values: Mapping[str, float]
 
     def of(self, k: int, name: str) -> float:
-        return self.values[f"joint{k}.{name}"]
+        return self.values[of_joint(k, name)]
 
 
 @dataclass(frozen=True)

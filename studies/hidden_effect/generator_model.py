@@ -13,7 +13,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS, Robot
+from flexmodels.coordinate import deformation_of, of_joint
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 
 SX = Any  # casadi.SX; its stubs do not describe operators
 SMOOTH = 1e-3  # rad/s
@@ -82,14 +84,14 @@ class Arm:
         return self.v[k - 1]
 
     def eps(self, k: int, i: int) -> SX:
-        return self.q[self.at(f"joint{k}.eps[{i}]")]
+        return self.q[self.at(deformation_of(k, i))]
 
     def deps(self, k: int, i: int) -> SX:
-        return self.v[self.at(f"joint{k}.eps[{i}]")]
+        return self.v[self.at(deformation_of(k, i))]
 
     def load(self, k: int) -> SX:
         """Torque in the transmission of joint k."""
-        stiff, damp = self.own[f"joint{k}.k[1]"], self.own[f"joint{k}.d[1]"]
+        stiff, damp = self.own[of_joint(k, "k[1]")], self.own[of_joint(k, "d[1]")]
         return stiff * self.eps(k, 1) + damp * self.deps(k, 1)
 
     def resist(self, coordinate: str, force: SX) -> None:
@@ -127,7 +129,7 @@ class Arm:
             self.added[k - 1, k - 1] += own.get("J_m", zero)
             for i in joint.deformations:
                 force = own[f"k[{i}]"] * self.eps(k, i) + own[f"d[{i}]"] * self.deps(k, i)
-                self.base[self.at(f"joint{k}.eps[{i}]")] += force
+                self.base[self.at(deformation_of(k, i))] += force
 
     def elements(self) -> tuple[list[Element], list[list[SX]]]:
         """Links and their bodies, a tilting base first."""
@@ -139,7 +141,7 @@ class Arm:
             xx, yy, zz = BASE_INERTIA
             bodies.insert(0, [ca.SX(x) for x in (BASE_MASS, 0, 0, 0, xx, 0, 0, yy, 0, zz)])
         for k, joint in self.robot.numbered:
-            eps = {i: self.at(f"joint{k}.eps[{i}]") for i in joint.deformations}
+            eps = {i: self.at(deformation_of(k, i)) for i in joint.deformations}
             bends = [eps[i] for i in (2, 3) if i in eps]
             at = [k - 1, *eps.values()]
             elements.append(self._element(joint.triad, np.array(joint.origin), k - 1, eps.get(1), bends, at))

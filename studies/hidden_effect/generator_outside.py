@@ -3,6 +3,8 @@
 import casadi as ca
 import numpy as np
 
+from flexmodels.coordinate import motor_of, of_joint
+
 from .generator_law import dry, law
 
 
@@ -14,7 +16,7 @@ from .generator_law import dry, law
 )
 def _mains_hum(arm, k, c, _):
     """A torque of its own frequency, tied to no position: rectified mains in the amplifier."""
-    arm.resist(f"joint{k}.e", c["size"] * ca.sin(2 * np.pi * c["frequency"] * arm.t + c["phase"]))
+    arm.resist(motor_of(k), c["size"] * ca.sin(2 * np.pi * c["frequency"] * arm.t + c["phase"]))
 
 
 @law("torque_sag", lambda d: {"per_speed": d.strong(0.2, 0.35, 1)}, catalogue=False)
@@ -22,15 +24,15 @@ def _torque_sag(arm, k, c, _):
     """The torque constant falls with speed."""
     v = arm.de(k)
     share = 1 - 1 / (1 + c["per_speed"] * ca.sqrt(v**2 + 1e-4))
-    arm.resist(f"joint{k}.e", share * arm.u[k - 1])
+    arm.resist(motor_of(k), share * arm.u[k - 1])
 
 
 @law("bending_friction", lambda d: {"share": d.strong(0.15, 0.35, 1)}, joints=(1, 2, 3), catalogue=False)
 def _bending_friction(arm, k, c, _):
     """The bending moment in the next joint loads this joint's bearing."""
-    moments = [arm.own[f"joint{k + 1}.k[{i}]"] * arm.eps(k + 1, i) for i in (2, 3)]
+    moments = [arm.own[of_joint(k + 1, f"k[{i}]")] * arm.eps(k + 1, i) for i in (2, 3)]
     level = ca.sqrt(moments[0] ** 2 + moments[1] ** 2 + 1)
-    arm.resist(f"joint{k}.e", c["share"] * level * dry(arm.de(k)))
+    arm.resist(motor_of(k), c["share"] * level * dry(arm.de(k)))
 
 
 @law(
@@ -65,4 +67,4 @@ def _encoder_eccentricity(arm, k, c, _):
 )
 def _offset_step(arm, k, c, _):
     """The amplifier's offset drifts to another level in mid-log."""
-    arm.resist(f"joint{k}.e", c["size"] * (1 + ca.tanh((arm.t - c["moment"]) / c["width"])) / 2)
+    arm.resist(motor_of(k), c["size"] * (1 + ca.tanh((arm.t - c["moment"]) / c["width"])) / 2)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import deformation_of, joint_name, motor_of, of_joint, torque_of
 from flexmodels.robot import Robot
 
 from .generator_laws import LAWS, Levels
@@ -130,7 +131,7 @@ def simulate_all(
     noises = sensors.normal(size=(len(time), len(robot.coordinates) + 3))
     sigma = [noise.e] * len(robot.joints) + [noise.eps] * (len(robot.coordinates) - len(robot.joints))
     measured = loop.run(time, reference, feedforward, noises * np.array([*sigma, *[noise.tip] * 3]))
-    joints = [f"joint{k}" for k, _ in robot.numbered]
+    joints = [joint_name(k) for k, _ in robot.numbered]
     names = [*robot.coordinates, "tip.x", "tip.y", "tip.z", *(f"{j}.tau" for j in joints)]
     names += [f"{j}.r" for j in joints] + [f"{j}.tau_ff" for j in joints]
     columns = np.column_stack([measured.sensors, measured.command, reference, feedforward])
@@ -236,9 +237,9 @@ def reference_levels(robot: Robot) -> Levels:
     """What the plain robot shows in its own experiment, free of noise."""
     log = simulate(robot, [], standard(robot, duration=8.2), seed=0, noise=NOISELESS)
     ks = [k for k, _ in robot.numbered]
-    torque = np.array([log[f"joint{k}.tau"].to_numpy() for k in ks])
-    speed = np.array([np.gradient(log[f"joint{k}.e"], log["time"]) for k in ks])
-    twist = np.array([log[f"joint{k}.eps[1]"].to_numpy() for k in ks])
+    torque = np.array([log[torque_of(k)].to_numpy() for k in ks])
+    speed = np.array([np.gradient(log[motor_of(k)], log["time"]) for k in ks])
+    twist = np.array([log[deformation_of(k)].to_numpy() for k in ks])
     rms = [np.sqrt((a**2).mean(axis=1)) for a in (torque, speed, twist)]
-    stiff = np.array([robot.parameters[f"joint{k}.k[1]"] for k in ks])
+    stiff = np.array([robot.parameters[of_joint(k, "k[1]")] for k in ks])
     return Levels(rms[0], rms[2] * stiff, np.abs(torque).max(axis=1), rms[1], rms[2], robot.parameters)

@@ -2,6 +2,8 @@
 
 import casadi as ca
 
+from flexmodels.coordinate import deformation_of, of_joint
+
 from .generator_law import dead_zone, law
 
 
@@ -16,9 +18,9 @@ from .generator_law import dead_zone, law
 def _hardening_stiffness(arm, k, c, numbers):
     x, scale = arm.eps(k, 1), c["scale"]
     if numbers["kind"]:  # a second spring that comes to bear beyond a knee
-        arm.resist(f"joint{k}.eps[1]", c["stiffer"] * dead_zone(x, scale, 0.15 * scale))
+        arm.resist(deformation_of(k), c["stiffer"] * dead_zone(x, scale, 0.15 * scale))
     else:
-        arm.resist(f"joint{k}.eps[1]", c["stiffer"] * (1.2 * scale * ca.sinh(x / (1.2 * scale)) - x))
+        arm.resist(deformation_of(k), c["stiffer"] * (1.2 * scale * ca.sinh(x / (1.2 * scale)) - x))
 
 
 @law(
@@ -28,7 +30,7 @@ def _hardening_stiffness(arm, k, c, numbers):
 def _backlash(arm, k, c, _):
     x = arm.eps(k, 1)
     gap = dead_zone(x, c["half"], c["round"] * c["half"]) - x
-    arm.resist(f"joint{k}.eps[1]", arm.own[f"joint{k}.k[1]"] * gap)
+    arm.resist(deformation_of(k), arm.own[of_joint(k, "k[1]")] * gap)
 
 
 @law(
@@ -46,7 +48,7 @@ def _transmission_hysteresis(arm, k, c, _):
     def slip(z):
         return (rate - shape * ca.fabs(rate) * z * ca.fabs(z) - (1 - shape) * rate * z**2) / c["path"]
 
-    arm.resist(f"joint{k}.eps[1]", c["torque"] * arm.state(f"joint{k}.bouc_wen", slip))
+    arm.resist(deformation_of(k), c["torque"] * arm.state(of_joint(k, "bouc_wen"), slip))
 
 
 @law(
@@ -59,11 +61,11 @@ def _stiffness_coupling(arm, k, c, _):
     Q = ca.blockcat([[c2, -s2, 0], [s2, c2, 0], [0, 0, 1]]) @ ca.blockcat(
         [[c3, 0, -s3], [0, 1, 0], [s3, 0, c3]]
     )
-    K = ca.diag(ca.vertcat(*(arm.own[f"joint{k}.k[{i}]"] for i in (1, 2, 3))))
+    K = ca.diag(ca.vertcat(*(arm.own[of_joint(k, f"k[{i}]")] for i in (1, 2, 3))))
     eps = ca.vertcat(*(arm.eps(k, i) for i in (1, 2, 3)))
     more = (Q @ K @ Q.T - K) @ eps
     for i in (1, 2, 3):
-        arm.resist(f"joint{k}.eps[{i}]", more[i - 1])
+        arm.resist(deformation_of(k, i), more[i - 1])
 
 
 @law(
@@ -80,4 +82,4 @@ def _kinematic_error(arm, k, c, _):
     """The gear's output is ahead by delta(e): the spring sees eps1 - delta, and turns the motor back."""
     N, e, x = c["teeth"], arm.e(k), arm.eps(k, 1)
     delta = c["first"] * ca.sin(N * e + c["phase1"]) + c["second"] * ca.sin(2 * N * e + c["phase2"])
-    arm.potential(arm.own[f"joint{k}.k[1]"] * (delta**2 / 2 - x * delta))
+    arm.potential(arm.own[of_joint(k, "k[1]")] * (delta**2 / 2 - x * delta))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import deformation_of, of_joint
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.checks.encoder_delay import Skew, encoder_skews, without_skew
@@ -130,7 +131,7 @@ def _equations(robot: Robot, log: Log, k: int) -> _Equations:
     part = condition(log, robot)
     Phi = regressor(robot, part.motion)
     names = ("J_m", "coulomb", "viscous", "offset")
-    exact = Phi.matrix[:, k - 1, [Phi.columns.index(f"joint{k}.{name}") for name in names]]
+    exact = Phi.matrix[:, k - 1, [Phi.columns.index(of_joint(k, name)) for name in names]]
     links = [i for i, name in enumerate(Phi.columns) if name.startswith("link")]
     of_links = Phi.matrix[:, k - 1, links]
     moving = part.use[:: part.thinning, k - 1] > 0
@@ -139,7 +140,7 @@ def _equations(robot: Robot, log: Log, k: int) -> _Equations:
         return thin(columns, part.thinning)[moving]
 
     return _Equations(
-        -thinned(part.motion.q[:, robot.coordinates.index(f"joint{k}.eps[1]")]),
+        -thinned(part.motion.q[:, robot.coordinates.index(deformation_of(k))]),
         thinned(exact),
         thinned(of_links[:, of_links.any(axis=0)]),
         thinned(part.target[:, k - 1]),
@@ -165,7 +166,7 @@ def _balance(robot: Robot, log: Log, other: Log, k: int) -> Balance:
 def _of_all_equations(robot: Robot, log: Log) -> list[float]:
     """Stiffness of axes 1 to 3 that the regression of motors and links together finds."""
     reduced, found = estimate(Problem(robot, (condition(log, robot),)))
-    return [float(found.p[reduced.columns.index(f"joint{k}.k[1]")]) for k in (1, 2, 3)]
+    return [float(found.p[reduced.columns.index(of_joint(k, "k[1]"))]) for k in (1, 2, 3)]
 
 
 def _skew_rows(delays: list[Skew]) -> list[dict[str, str]]:

@@ -68,7 +68,7 @@ def _worst(robot: Robot, solution: Solution, kind: str) -> float:
 def _sampled_torque(part: Conditioned, log: Log, robot: Robot) -> np.ndarray:
     target = part.target.copy()
     reach = conditioning.REACH
-    target[:, : len(robot.joints)] = log.signals([f"joint{k}.tau" for k, _ in robot.numbered])[reach:-reach]
+    target[:, : len(robot.joints)] = log.signals(list(robot.torques))[reach:-reach]
     return target
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from flexmodels.coordinate import motor_of
 from flexmodels.experiment import Experiment
 from flexmodels.multisine import crest_factor
 from flexmodels.robot import Robot
@@ -46,7 +47,7 @@ def bandwidths(robot: Robot, amplitude: float = 0.02, speed: float = 1.0) -> dic
         reference[:, k - 1] += shape - shape[0]
         run = simulate_robot(robot, Experiment(time, reference, 0 * steady))
         last = slice(len(time) - 1 - round(period * rate), len(time) - 1)
-        out = np.fft.rfft((run[f"joint{k}.e"] - quiet[f"joint{k}.e"]).to_numpy()[last])
+        out = np.fft.rfft((run[motor_of(k)] - quiet[motor_of(k)]).to_numpy()[last])
         into = np.fft.rfft((reference - steady)[last, k - 1])
         at = np.round(lines * period).astype(int)
         loops[f"joint {k}"] = Loop(lines, out[at] / into[at])

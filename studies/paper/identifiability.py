@@ -5,9 +5,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
 from pyident.estimation.identify import Identified
 from pyident.estimation.least_squares import reduce, solve
-from pyident.regression.regressor import Motion, regressor
+from pyident.regression.regressor import regressor
 
 
 def explanation(found: Identified, structural: np.ndarray) -> str:

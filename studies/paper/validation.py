@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from flexmodels.coordinate import torque_of
 from flexmodels.experiment import Experiment, line_profile
 from flexmodels.robot import Robot
 
@@ -50,12 +51,12 @@ class Tip:
         return rms(self.deviation[:, DIRECTIONS[direction]]) / self.difference_rms(model, direction)
 
     def torque_difference(self, model: str, joint: int) -> float:
-        column = f"joint{joint}.tau"
+        column = torque_of(joint)
         return rms(self.runs[model][column] - self.runs["original"][column])
 
     def torque_variation(self, joint: int) -> float:
         """rms of the original's torque on the line."""
-        return rms(self.runs["original"][f"joint{joint}.tau"])
+        return rms(self.runs["original"][torque_of(joint)])
 
 
 def tip_figure(tip: Tip) -> Figure:
@@ -105,9 +106,9 @@ def torque_figure(tip: Tip) -> Figure:
     figure = Figure(figsize=(9, 1.7 * len(joints)), layout="constrained")
     axes = figure.subplots(len(joints), 2, sharex=True)
     for i, k in enumerate(joints):
-        axes[i, 0].plot(tip.plan.time, tip.runs["original"][f"joint{k}.tau"], "C0", lw=1)
+        axes[i, 0].plot(tip.plan.time, tip.runs["original"][torque_of(k)], "C0", lw=1)
         for n, model in enumerate(tip.identified):
-            difference = tip.runs[model][f"joint{k}.tau"] - tip.runs["original"][f"joint{k}.tau"]
+            difference = tip.runs[model][torque_of(k)] - tip.runs["original"][torque_of(k)]
             axes[i, 1].plot(tip.plan.time, difference, f"C{n + 1}", lw=0.8, label=model)
         axes[i, 0].set_ylabel(f"joint {k} [N m]")
         for ax in axes[i]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import of_joint
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
@@ -67,8 +68,8 @@ def _with_rests(robot: Robot, log: Log) -> Identified:
 
 def _table(found: Identified) -> pd.DataFrame:
     p = dict(zip(found.reduced.columns, found.solution.p, strict=True))
-    published = {f"joint{k}.viscous": v for k, v in enumerate(VISCOUS, start=1)}
-    published |= {f"joint{k}.coulomb": v for k, v in enumerate(COULOMB, start=1)}
+    published = {of_joint(k, "viscous"): v for k, v in enumerate(VISCOUS, start=1)}
+    published |= {of_joint(k, "coulomb"): v for k, v in enumerate(COULOMB, start=1)}
     names = ("inertia", "viscous", "coulomb")
     published |= {f"joint5.joint_coupling.{n}": v for n, v in zip(names, COUPLING, strict=True)}
     table = pd.DataFrame({"identified": {name: p[name] for name in published}, "published": published})

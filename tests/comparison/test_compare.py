@@ -9,12 +9,12 @@ from click.testing import CliRunner
 from two_link_logs import hidden, inline, loaded, made_log, two_link
 
 from flexmodels.files.robot_file import load_robot, save_robot
-from pyident.cli import judge as cli_diagnosis
 from pyident.cli.main import main
 from pyident.comparison.compare import compare
 from pyident.estimation.identify import identify
 from pyident.logs.log import read_log, write_log
 from pyident.report.comparison import write_comparison
+from pyident.verbs import judge
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def test_a_measured_axis_without_controller(data, folder):
 
 
 def test_the_command(monkeypatch, folder, logs, tmp_path):
-    monkeypatch.setattr(cli_diagnosis, "FmuRuns", inline(folder))
+    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
     write_log(logs[1], tmp_path / "log.parquet")
     save_robot(replace(two_link(), name="old"), tmp_path / "old.toml")
     words = ["compare", tmp_path / "old.toml", tmp_path / "log.parquet", "--json", tmp_path / "c.json"]

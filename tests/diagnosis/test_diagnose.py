@@ -187,7 +187,7 @@ def test_the_command(monkeypatch, folder, tmp_path):
     for log in logs_of(hidden(), folder):
         paths.append(str(tmp_path / f"{log.source.replace(' ', '')}.parquet"))
         write_log(log, paths[-1])
-    monkeypatch.setattr("pyident.cli.judge.FmuRuns", inline(folder))
+    monkeypatch.setattr("pyident.verbs.judge.FmuRuns", inline(folder))
     page, answer = tmp_path / "page.html", tmp_path / "answer.json"
     ran = CliRunner().invoke(
         main, ["diagnose", str(TWO_LINK), *paths, "-o", str(page), "--json", str(answer)]

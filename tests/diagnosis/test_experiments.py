@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from one_joint import one_joint
 
-from flexmodels.robot import Identification, Multisine, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
+from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.motions.separating import Separation, distance, separating, variants
 from pyident.estimation.identify import identify
 from pyident.logs.log import Log

@@ -6,10 +6,10 @@ from two_link_logs import hidden, inline, loaded, made_log, two_link
 
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import RobotError
-from pyident.cli import judge as cli_diagnosis
 from pyident.cli.main import main
 from pyident.extension.add_effect import add_effect, split
 from pyident.logs.log import write_log
+from pyident.verbs import judge
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_an_effect_is_not_added_twice(folder, logs):
 
 
 def test_the_command(monkeypatch, folder, logs, tmp_path):
-    monkeypatch.setattr(cli_diagnosis, "FmuRuns", inline(folder))
+    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
     save_robot(two_link(), tmp_path / "old.toml")
     write_log(logs[0], tmp_path / "log.parquet")
 

@@ -9,7 +9,8 @@ from one_joint import PERIOD, one_joint
 from two_link_logs import inline, loaded
 
 from flexmodels.experiment import Experiment
-from flexmodels.robot import Identification, Multisine, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.motions.detectable import limits
 from pyident.diagnosis.motions.revealing import revealing

@@ -12,7 +12,8 @@ from flexfmu.simulate import LoadedFmu
 from flexmodels.effects import CATALOGUE, load_effects
 from flexmodels.experiment import Experiment, identification
 from flexmodels.mechanics.plant import equations
-from flexmodels.robot import Identification, Multisine, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.base.residual_over_floor import Examination, examine, set_up
 from pyident.diagnosis.unexplained import formula as symbolic
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law

@@ -38,6 +38,22 @@ def test_hat_means_are_exact_between_jumps_of_the_acceleration():
     np.testing.assert_allclose(mean[:, 0], at, atol=2e-2 * period**2)
 
 
+def test_the_velocity_is_the_mean_under_the_hat():
+    """Analytic signals: polynomials of degree 8 exactly, sines as sinc² of half a period's angle."""
+    period, time = 0.004, 0.004 * np.arange(-12, 13)
+    inner = time[4:-4]
+    for degree in range(1, 9):
+        _, mean, _ = hat_means((time[:, None] / 0.05) ** degree, period)
+        powers = [(inner + side * period) ** (degree + 1) for side in (1, 0, -1)]
+        exact = (powers[0] - 2 * powers[1] + powers[2]) / (degree + 1) / period**2 / 0.05**degree
+        np.testing.assert_allclose(mean[:, 0], exact, rtol=1e-10, atol=1e-10 * np.abs(exact).max())
+    for hertz, error in ((1.0, 1e-10), (5.0, 1e-8), (20.0, 1e-4), (50.0, 0.02)):
+        omega = 2 * np.pi * hertz
+        _, mean, _ = hat_means(np.sin(omega * time)[:, None], period)
+        exact = omega * np.cos(omega * inner) * np.sinc(hertz * period) ** 2
+        assert np.abs(mean[:, 0] - exact).max() < error * omega, hertz
+
+
 def test_thinning_keeps_slow_signals_in_place():
     time = np.arange(4000) / 1000
     slow, fast = np.sin(2 * np.pi * 2 * time), np.sin(2 * np.pi * 90 * time)

@@ -31,7 +31,7 @@ def server(tmp_path, monkeypatch):
     small = DataSet("a small one", "none", "owner/name", "abc", (recording,))
     monkeypatch.setitem(data.DATA_SETS, "small", small)
     monkeypatch.delenv("PYIDENT_DATA", raising=False)
-    monkeypatch.setattr(data.pooch, "os_cache", lambda _: tmp_path / "cache")
+    monkeypatch.setattr("pooch.os_cache", lambda _: tmp_path / "cache")
     http = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Quiet, directory=str(tmp_path / "server")))
     thread = threading.Thread(target=http.serve_forever, daemon=True)
     thread.start()

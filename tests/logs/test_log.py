@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from flexmodels.robot import Column
+from flexmodels.settings.processing import Column
 from pyident.logs.log import Log, LogError, read_log, require, write_log
 
 

@@ -9,7 +9,7 @@ from statsmodels.stats.sandwich_covariance import S_hac_simple
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.gearing import Transmission
-from flexmodels.robot import Processing
+from flexmodels.settings.processing import Processing
 from pyident.conditioning import windows as conditioned_file
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
@@ -18,7 +18,7 @@ from pyident.estimation.identify import identify
 from pyident.estimation.newey_west import LongRun
 from pyident.logs import disk as log_file
 from pyident.logs.foreign import open_robot_log, robot_log
-from pyident.logs.log import Log, LogError, write_log
+from pyident.logs.log import Log, LogError, read_log, write_log
 from pyident.regression.equations import Problem
 
 
@@ -131,7 +131,7 @@ def test_short_logs_are_read_into_memory(tmp_path, monkeypatch):
         (lambda f: f.assign(note="text"), "column note holds something that is not a number"),
     ],
 )
-@pytest.mark.parametrize("reader", [log_file.log_file, log_file.read_log], ids=["disk", "memory"])
+@pytest.mark.parametrize("reader", [log_file.log_file, read_log], ids=["disk", "memory"])
 def test_a_wrong_log_is_explained(change, words, reader, tmp_path):
     change(motor_log(2500).frame).to_csv(tmp_path / "log.csv", index=False)
     with pytest.raises(LogError, match=words):

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pandas as pd
@@ -181,7 +182,7 @@ def test_data_sets(data, monkeypatch, tmp_path):
 
 def test_the_import_command(data, tmp_path):
     raw = data / "kuka_kr300" / "A" / "data.mat"
-    file = data_sets.resources.files("pyident") / "mappings" / "kuka_kr300.toml"
+    file = resources.files("pyident.logs") / "mappings" / "kuka_kr300.toml"
     words = [
         "log",
         "import",

@@ -15,6 +15,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.linkage import Closure
 from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations
+from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
 from pyident.estimation.identify import identified
@@ -24,7 +25,7 @@ from pyident.kinematics.robot_structure import of_robot
 from pyident.kinematics.structure import StructureError
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.regression.regressor import Motion, regressor
+from pyident.regression.regressor import regressor
 
 ROBOT = load_robot("parallelogram")
 SHOULDER, LOWER, REACH, DROP = (0.25, 0.8), 1.0, 1.3, 0.2  # of parallelogram.toml [m]

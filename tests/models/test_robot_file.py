@@ -37,7 +37,7 @@ def test_four_link_has_the_papers_76_parameters(four_link):
         ("tip = [0.0, 0.0, 0.535]", "tip = [0.0, 0.535]", r"tip must be 3 numbers"),
         ("k = [2.8e5, 5.5e5, 5.5e5]", "k = [2.8e5, -5.5e5, 5.5e5]", r"joint\[1\]\.k\[2\]"),
         ("J_com = [1.2, 1.1, 0.50]", "J_com = [-9.0, 1.1, 0.50]", r"link\[1\].*negative principal"),
-        ("locked = [4]", "locked = [9]", r"line\.locked must name joints from 1 to 4"),
+        ("locked = [4]", "locked = [9]", r"line\.locked must be a whole number from 1 to 4, not 9"),
         ("[controller]", "[controller", "not a TOML file"),
     ],
 )

@@ -12,10 +12,12 @@ from pinocchio_model import pin  # pyright: ignore[reportMissingImports]
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.files.urdf_export import export_urdf
 from flexmodels.files.urdf_import import import_urdf
+from flexmodels.link import Link
 from flexmodels.mechanics import dynamics
-from flexmodels.robot import Link, Robot, RobotError
+from flexmodels.robot import Robot, RobotError
 from pyident.cli.main import main
-from pyident.regression.regressor import Motion, regressor
+from pyident.conditioning.motion import Motion
+from pyident.regression.regressor import regressor
 
 PUBLIC = {  # a chain of revolute joints; one with a slider and wheels; legs on a trunk
     "ur5": "ur_description/urdf/ur5_robot.urdf",

@@ -11,9 +11,11 @@ from pinocchio_model import PinocchioRobot, mixed_robot, random_motion, tree_rob
 from flexmodels.effects import CATALOGUE, signals
 from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.files.robot_file import load_robot
+from flexmodels.link import LINK_PARAMETERS
 from flexmodels.mechanics import dynamics
-from flexmodels.robot import LINK_PARAMETERS, Robot
-from pyident.regression.regressor import Motion, Regressor, regressor, regressor_blocks
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression.regressor import Regressor, regressor, regressor_blocks
 
 ROBOTS = [
     *(load_robot(name) for name in ("four_link", "emps", "parallelogram")),

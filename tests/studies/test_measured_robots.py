@@ -7,15 +7,15 @@ import pandas as pd
 import pytest
 
 from flexmodels.files.robot_file import load_robot
+from pyident.checks.check_log import check_log
 from pyident.checks.encoder_delay import encoder_skews, without_skew
-from pyident.checks.timing_and_signs import signs
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.simulation.replica import repeat
+from pyident.simulation.replica import repeats
 from pyident.sweep.studies import find_study
 
 
@@ -47,7 +47,7 @@ def test_regression_of_all_equations_leaves_the_kuka_its_stiffness(data):
 def test_twist_only_joints_have_the_right_signs(data):
     robot = load_robot("kuka_kr300")
     run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
-    assert signs(robot, run_a) == []
+    assert check_log(robot, run_a) == ()
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_thinned_equations_at_rest_are_left_out(swing):
 
 
 def test_a_motion_is_repeated_by_a_robot_with_nonlinear_parameters(swing):
-    robot, plan = repeat(load_robot("tx40"), swing)
+    robot, (plan,) = repeats(load_robot("tx40"), [swing])
     assert robot.controller is not None
     assert plan.plan.reference.shape == (20_000, 6)
 

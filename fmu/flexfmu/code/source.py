@@ -8,7 +8,9 @@ from pathlib import Path
 from flexfmu.code.generated import Generated, inner, outer
 from flexfmu.code.generated import derivatives as generated_derivatives
 from flexfmu.interface import Interface, plant_interface
+from flexfmu.names import c_string
 from flexfmu.variables import nominals
+from flexmodels.coordinate import Coordinate, of_joint
 from flexmodels.mechanics.plant import Equations
 
 ALWAYS_POSITIVE = frozenset({"solver.step", "controller.period"})
@@ -86,7 +88,7 @@ def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
     return "\n".join(
         [
             '#include "model.h"',
-            _array("char *const", "model_names", [f'"{v.name}"' for v in listed]),
+            _array("char *const", "model_names", [c_string(v.name) for v in listed]),
             f'const char model_kinds[] = "{"".join(letters)}";',
             f'const char model_bounds[] = "{"".join(bounds)}";',
             _array("double", "model_starts", [repr(float(v.start or 0.0)) for v in listed]),
@@ -97,9 +99,9 @@ def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
 
 def _positive(equations: Equations) -> frozenset[str]:
     """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
-    deformations = equations.coordinates[equations.joints :]
-    stiffness = {name.replace("eps", "k") for name in deformations}
-    return frozenset(stiffness | {f"{name.split('.')[0]}.J_m" for name in deformations} | ALWAYS_POSITIVE)
+    hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
+    inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
+    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | ALWAYS_POSITIVE)
 
 
 def _plant_header(
@@ -127,7 +129,8 @@ extern const int model_stiffness[N_COORDINATES - N_JOINTS + 1]; /* parameter of 
 
 def _tables(equations: Equations) -> str:
     names = list(equations.parameters)
-    stiffness = [names.index(q.replace("eps", "k")) for q in equations.coordinates[equations.joints :]]
+    hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
+    stiffness = [names.index(str(hinge.stiffness)) for hinge in hinges]
     return "\n".join(
         [
             _array("double", "model_nominals", [repr(v) for v in nominals(equations)]),

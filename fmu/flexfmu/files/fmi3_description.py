@@ -7,6 +7,7 @@ from flexfmu.files.provenance import sign
 from flexfmu.files.units import TYPES
 from flexfmu.interface import Interface
 from flexfmu.variables import Array, Variable, arrays
+from flexmodels.coordinate import joint_name, of_joint
 
 
 def model_description(interface: Interface, token: str, derivatives: bool) -> bytes:
@@ -67,14 +68,14 @@ def terminals(interface: Interface) -> bytes:
     names = {v.name for v in interface.listed}
     for k in range(1, interface.joints + 1):
         terminal = ET.SubElement(
-            group, "Terminal", name=f"joint{k}", matchingRule="bus", description=f"Signals of joint {k}"
+            group, "Terminal", name=joint_name(k), matchingRule="bus", description=f"Signals of joint {k}"
         )
         for signal in ("r", "tau_ff", "e", "tau"):
-            if f"joint{k}.{signal}" in names:
+            if of_joint(k, signal) in names:
                 ET.SubElement(
                     terminal,
                     "TerminalMemberVariable",
-                    variableName=f"joint{k}.{signal}",
+                    variableName=of_joint(k, signal),
                     memberName=signal,
                     variableKind="signal",
                 )
@@ -158,7 +159,7 @@ def _model_structure(root: ET.Element, interface: Interface) -> None:
         vr = str(reference[v.name])
         ET.SubElement(structure, "InitialUnknown", valueReference=vr, dependencies=depends)
     for k in range(1, interface.indicators + 1):
-        name = f"joint{k}.friction_margin"
+        name = of_joint(k, "friction_margin")
         depends = places(interface.dependencies.running[name])
         vr = str(reference[name])
         ET.SubElement(structure, "EventIndicator", valueReference=vr, dependencies=depends)

@@ -10,12 +10,9 @@ import sympy
 from sympy import Expr, Symbol
 
 from flexmodels.effects import signals
+from flexmodels.effects.law_names import EffectError, check_names
 
 SLOW = 0.01  # [rad/s or m/s] over which a sign of any other speed than the joint's own is rounded
-
-
-class EffectError(ValueError):
-    """A law that cannot be used; the message names the effect and the cure."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +33,12 @@ class Parameter:
 
     @property
     def symbol(self) -> Symbol:
+        """As it stands in an expression."""
         return Symbol(self.name, real=True)
 
     @property
     def linear(self) -> bool:
+        """Whether it has a column of Φ."""
         return not self.grid
 
 
@@ -57,6 +56,7 @@ class State:
 
     @property
     def symbol(self) -> Symbol:
+        """As it stands in an expression."""
         return Symbol(self.name, real=True)
 
     @property
@@ -124,10 +124,12 @@ class Effect:
 
     @property
     def linear(self) -> tuple[Parameter, ...]:
+        """Parameters of which the law is a weighted sum."""
         return tuple(p for p in self.parameters if p.linear)
 
     @property
     def nonlinear(self) -> tuple[Parameter, ...]:
+        """Parameters that enter in any other way."""
         return tuple(p for p in self.parameters if not p.linear)
 
     @cached_property
@@ -166,6 +168,7 @@ class Effect:
 
     @property
     def latex(self) -> str:
+        """Forces, rates of states and additions to the body, line by line."""
         rates = (rf"\dot{{{s.name}}} = {sympy.latex(s.rate)}" for s in self.states)
         bodies = (
             rf"{sympy.latex(Symbol(name))} \mathrel{{+}}= {sympy.latex(x)}" for name, x in self.body.items()
@@ -174,6 +177,9 @@ class Effect:
 
     def check(self) -> None:
         """Raises EffectError when the law breaks a rule of this file."""
+        check_names(
+            self.name, {p.name: p.unit for p in self.parameters}, {s.name: s.unit for s in self.states}
+        )
         coordinates = {signals.e, *signals.eps.values(), signals.beyond.e}
         known = {p.symbol for p in self.parameters} | {s.symbol for s in self.states}
         for name in {str(q) for q in set(self.forces) - coordinates}:

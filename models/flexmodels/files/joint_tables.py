@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE, CATALOGUE
 from flexmodels.effects.restriction import objection
 from flexmodels.files.toml_table import Table
+from flexmodels.joint import Joint, Limits
 from flexmodels.linkage import Closure, PassiveJoint
-from flexmodels.robot import Joint, Limits, RobotError
+from flexmodels.robot import RobotError
 
 _BASE_PARAMETERS = {p.name: effect for effect in BASE.values() for p in effect.parameters}
 
@@ -47,7 +49,7 @@ def _joint(table: Table, k: int, joints: int) -> Joint:
         values={},
         bends=len(hinge.get("stiffness", "bends")) != 1,
         parent=_parent(table, k),
-        name=str(table.get("name")) if "name" in table else "",
+        name=table.text("name") if "name" in table else "",
         limits=_limits(table.table("limits")) if "limits" in table else None,
     )
     joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
@@ -115,6 +117,7 @@ def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
         origin=table.vector("origin", 3, (0.0, 0.0, 0.0)),
         follows=factors,
         parent=_parent(table, k),
+        geared=table.flag("geared"),
     )
     table.done()
     return joint
@@ -122,9 +125,10 @@ def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
 
 def _followed(follows: Table, name: str, joints: tuple[Joint, ...]) -> int:
     """The number of a driven joint that a passive one may follow."""
-    k = int(name[5:]) if name.startswith("joint") and name[5:].isdecimal() else 0
-    if not 1 <= k <= len(joints):
+    numbers = {joint_name(k): k for k in range(1, len(joints) + 1)}
+    if name not in numbers:
         raise RobotError(f"{follows.place(name)} is no driven joint; they are joint1 to joint{len(joints)}")
+    k = numbers[name]
     if joints[k - 1].kind == "prismatic" or 2 in joints[k - 1].deformations:
         raise RobotError(f"{follows.place(name)} must be a hinge that does not bend; give it k = [k1]")
     return k

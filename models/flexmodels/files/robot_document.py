@@ -1,19 +1,24 @@
 """A robot as the nested tables of its file."""
 
-import os
+from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
+from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE
+from flexmodels.joint import Joint
 from flexmodels.linkage import PassiveJoint
-from flexmodels.robot import Joint, Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 
 _PREFIXES = ("stiffness", "damping")  # written as the arrays k and d
 
 
-def document(robot: Robot, folder: Path) -> dict[str, Any]:
-    """What `flexmodels.files.robot_file` reads back from a file in `folder` as the same robot."""
+def document(robot: Robot, effect_names: Mapping[str, str]) -> dict[str, Any]:
+    """What `flexmodels.files.robot_file` reads back as the same robot.
+
+    effect_names   what each of the robot's effect files is called as seen from the robot file
+    """
     document: dict[str, Any] = {
         "name": robot.name,
         "description": robot.description,
@@ -21,7 +26,7 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
         "tip": list(robot.tip),
     }
     if robot.effect_files:
-        document["effects"] = [_seen_from(folder, file) for file in robot.effect_files]
+        document["effects"] = [effect_names[file] for file in robot.effect_files]
     if robot.controller:
         c = robot.controller
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
@@ -56,14 +61,6 @@ def document(robot: Robot, folder: Path) -> dict[str, Any]:
     return document
 
 
-def _seen_from(folder: Path, file: str) -> str:
-    """A relative path with forward slashes where there is one (on Windows not to another drive)."""
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:
-        return Path(file).as_posix()
-
-
 def _plain(value: Any) -> Any:
     """Tuples as lists, for TOML."""
     if isinstance(value, dict):
@@ -77,8 +74,9 @@ def _place(joint: Joint | PassiveJoint) -> dict[str, Any]:
 
 
 def _passive_document(joint: PassiveJoint) -> dict[str, Any]:
-    follows = {f"joint{k}": factor for k, factor in joint.follows.items()}
-    return {"passive": True} | _place(joint) | {"follows": follows}
+    follows = {joint_name(k): factor for k, factor in joint.follows.items()}
+    geared = {"geared": True} if joint.geared else {}
+    return {"passive": True} | geared | _place(joint) | {"follows": follows}
 
 
 def _joint_document(joint: Joint) -> dict[str, Any]:

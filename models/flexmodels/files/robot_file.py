@@ -1,6 +1,5 @@
 """Robot files: TOML in and out. A wrong file gets one sentence that names the key."""
 
-import tomllib
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -12,22 +11,20 @@ import tomli_w
 from flexmodels.atomic import replacing
 from flexmodels.effects import load_effects
 from flexmodels.effects.effect import EffectError
+from flexmodels.effects.trust import allowed_file
+from flexmodels.files.effect_copies import effects_beside
 from flexmodels.files.joint_tables import read_closures, read_joints
 from flexmodels.files.robot_document import document
-from flexmodels.files.toml_table import Table, number
+from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
 from flexmodels.gearing import Transmission
+from flexmodels.link import Link
 from flexmodels.linkage_check import check_linkage
-from flexmodels.robot import (
-    Column,
-    Controller,
-    Identification,
-    Line,
-    Link,
-    Multisine,
-    Processing,
-    Robot,
-    RobotError,
-)
+from flexmodels.robot import Robot, RobotError
+from flexmodels.settings.controller import Controller
+from flexmodels.settings.motions import Identification, Line, Multisine
+from flexmodels.settings.processing import Column, Processing
+
+_SLOWEST, _FASTEST = 1e-3, 1e6  # [Hz] of a controller
 
 
 def shipped() -> dict[str, Path]:
@@ -36,29 +33,32 @@ def shipped() -> dict[str, Path]:
     return {file.stem: file for file in sorted(folder.glob("*.toml"))}
 
 
-def load_robot(model: str | Path) -> Robot:
-    """A shipped robot by name, or a TOML file by path. Raises RobotError."""
+def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
+    """A shipped robot by name, or a TOML file by path. Raises RobotError.
+
+    allow_effects   run the Python files that its `effects` names; without it only those that are trusted
+    """
     path = shipped().get(str(model), Path(model))
     if not path.is_file():
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
     try:
-        return _robot(tomllib.loads(path.read_text(encoding="utf-8")), path)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RobotError(f"{path}: not a TOML file ({error})") from None
+        return _robot(read_toml(path), path, allow_effects)
     except (RobotError, EffectError) as error:
         raise RobotError(f"{path}: {error}") from None
 
 
 def save_robot(robot: Robot, path: str | Path) -> None:
-    """Write a robot file."""
+    """Write a robot file, and beside it a copy of every effect file from elsewhere. Raises RobotError."""
+    folder = Path(path).resolve().parent
+    beside = {file: effects_beside(file, folder) for file in robot.effect_files}
     with replacing(path) as file:
-        file.write_text(tomli_w.dumps(document(robot, Path(path).resolve().parent)), encoding="utf-8")
+        file.write_text(tomli_w.dumps(document(robot, beside)), encoding="utf-8")
 
 
-def _robot(data: Mapping[str, Any], path: Path) -> Robot:
+def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
-    effect_files = _effect_files(table, path) if "effects" in table else ()
+    effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()
     load_effects(effect_files)
     joints, passive = read_joints(table.tables("joint"))
     links = tuple(_link(t) for t in table.tables("link"))
@@ -69,7 +69,7 @@ def _robot(data: Mapping[str, Any], path: Path) -> Robot:
     columns = _columns(table.table("columns")) if "columns" in table else {}
     processing = _processing(table.table("processing")) if "processing" in table else Processing()
     robot = Robot(
-        name=str(table.get("name", path.stem)),
+        name=table.text("name", path.stem),
         joints=joints,
         links=links,
         tip=table.vector("tip", 3, (0.0, 0.0, 0.0)),
@@ -81,7 +81,7 @@ def _robot(data: Mapping[str, Any], path: Path) -> Robot:
         if "identification" in table
         else None,
         line=_line(table.table("line"), len(joints)) if "line" in table else None,
-        description=str(table.get("description", " ")).strip(),
+        description=_description(table),
         passive=passive,
         closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
         transmission=_transmission(table.table("transmission"), len(joints))
@@ -95,12 +95,21 @@ def _robot(data: Mapping[str, Any], path: Path) -> Robot:
     return robot
 
 
-def _effect_files(table: Table, path: Path) -> tuple[str, ...]:
-    """Absolute paths of the listed files, which stand relative to the robot file."""
+def _description(table: Table) -> str:
+    """Several lines become one."""
+    given = table.get("description", "")
+    return line_of_text(" ".join(given.split()) if isinstance(given, str) else given, "description")
+
+
+def _effect_files(table: Table, path: Path, allow: bool) -> tuple[str, ...]:
+    """Absolute paths of the listed files, which stand beside the robot file and may run."""
     listed = table.get("effects")
     if not isinstance(listed, list) or not all(isinstance(name, str) for name in listed):
         raise RobotError("effects must be a list of Python files")
-    return tuple(str((path.parent / name).resolve()) for name in listed)
+    allowed = [
+        allowed_file(name, path.parent, "--allow-effects (allow_effects=True)", allow) for name in listed
+    ]
+    return tuple(map(str, allowed))
 
 
 def _link(table: Table) -> Link:
@@ -128,7 +137,7 @@ def _symmetric(J: tuple[float, ...]) -> np.ndarray:
 
 def _controller(table: Table, n: int) -> Controller:
     controller = Controller(
-        rate=table.number("rate", lower=0.0, above=True),
+        rate=table.number("rate", lower=_SLOWEST, upper=_FASTEST),
         Kp=table.vector("Kp", n),
         Kd=table.vector("Kd", n),
         Ki=table.vector("Ki", n),
@@ -140,11 +149,12 @@ def _controller(table: Table, n: int) -> Controller:
 def _columns(table: Table) -> dict[str, Column]:
     columns = {}
     for signal, value in table.data.items():
+        line_of_text(signal, f"{table.where} key")
         if isinstance(value, str):
             columns[signal] = Column(value)
         else:
             entry = Table(value, table.place(signal))
-            columns[signal] = Column(str(entry.get("source")), entry.number("gain", 1.0))
+            columns[signal] = Column(entry.text("source"), entry.number("gain", 1.0))
             entry.done()
     return columns
 
@@ -171,15 +181,14 @@ def _transmission(table: Table, n: int) -> Transmission:
 
 
 def _processing(table: Table) -> Processing:
-    decimate = table.number("decimate", 1, lower=1)
     derivative = table.get("derivative") if "derivative" in table else None
     if derivative not in (None, "central", "hat"):
         raise RobotError(f"{table.place('derivative')} must be central or hat, not {derivative!r}")
     processing = Processing(
         derivative=derivative,
         cutoff=table.number("cutoff", lower=0.0, above=True) if "cutoff" in table else None,
-        order=int(table.number("order", 4, lower=1)),
-        decimate=int(decimate),
+        order=table.whole(table.get("order", 4), "order", 1, 20),
+        decimate=table.whole(table.get("decimate", 1), "decimate", 1, 1_000_000),
         dead_zone=table.number("dead_zone", 0.0, lower=0.0),
     )
     table.done()
@@ -194,7 +203,7 @@ def _identification(table: Table, n: int) -> Identification:
         duration=table.number("duration", lower=0.0, above=True),
         multisine=Multisine(
             rms=multisine.vector("rms", n, lower=0.0),
-            lines=int(multisine.number("lines", lower=1)),
+            lines=multisine.whole(multisine.get("lines"), "lines", 1, 100_000),
             lowest=multisine.number("lowest", lower=0.0, above=True),
             highest=multisine.number("highest", lower=0.0, above=True),
         ),
@@ -205,9 +214,10 @@ def _identification(table: Table, n: int) -> Identification:
 
 
 def _line(table: Table, n: int) -> Line:
-    locked = tuple(int(k) for k in table.get("locked", ()))
-    if any(not 1 <= k <= n for k in locked):
-        raise RobotError(f"{table.place('locked')} must name joints from 1 to {n}")
+    listed = table.get("locked", ())
+    if not isinstance(listed, list | tuple):
+        raise RobotError(f"{table.place('locked')} must be a list of joints from 1 to {n}")
+    locked = tuple(table.whole(k, "locked", 1, n) for k in listed)
     line = Line(
         start=table.vector("start", 3),
         end=table.vector("end", 3),

@@ -1,11 +1,18 @@
 """A TOML table that complains in one sentence."""
 
+import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from flexmodels.robot import RobotError
+
+LARGEST_NUMBER = 1e30  # of any quantity in SI units: its square and its product with others stay finite
+_LARGEST = 20_000_000  # bytes of a TOML file
+_LONGEST = 1_000  # characters of a text
+_DIGITS, _SHOWN = 40, 80  # of a whole number, of any value that a sentence shows
 
 
 class Table:
@@ -30,10 +37,19 @@ class Table:
             raise RobotError(f"{self.place(key)} is missing")
         return default
 
+    def text(self, key: str, default: str | None = None) -> str:
+        """A line of text."""
+        return line_of_text(self.get(key, default), self.place(key))
+
     def number(
-        self, key: str, default: float | None = None, lower: float = -np.inf, above: bool = False
+        self,
+        key: str,
+        default: float | None = None,
+        lower: float = -np.inf,
+        above: bool = False,
+        upper: float = LARGEST_NUMBER,
     ) -> float:
-        return number(self.get(key, default), self.place(key), lower, above)
+        return number(self.get(key, default), self.place(key), lower, above, upper)
 
     def vector(self, key: str, size: int, default: Any = None, lower: float = -np.inf) -> tuple[float, ...]:
         value = self.get(key, default)
@@ -45,14 +61,16 @@ class Table:
         """A value found at `key` as a whole number."""
         found = number(value, self.place(key))
         if found != int(found) or not lower <= found <= upper:
-            raise RobotError(f"{self.place(key)} must be a whole number from {lower} to {upper}, not {value}")
+            raise RobotError(
+                f"{self.place(key)} must be a whole number from {lower} to {upper}, not {_short(value)}"
+            )
         return int(found)
 
     def flag(self, key: str) -> bool:
         self.read.add(key)
         value = self.data.get(key, False)
         if not isinstance(value, bool):
-            raise RobotError(f"{self.place(key)} must be true or false, not {value!r}")
+            raise RobotError(f"{self.place(key)} must be true or false, not {_short(value)}")
         return value
 
     def table(self, key: str) -> "Table":
@@ -67,12 +85,45 @@ class Table:
     def done(self) -> None:
         unknown = sorted(set(self.data) - self.read)
         if unknown:
-            raise RobotError(f"{self.place(unknown[0])} is not a known key; remove or rename it")
+            raise RobotError(f"{self.place(unknown[0])[:_SHOWN]} is not a known key; remove or rename it")
 
 
-def number(value: Any, place: str, lower: float = -np.inf, above: bool = False) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise RobotError(f"{place} must be a finite number, not {value!r}")
+def read_toml(path: Path) -> dict[str, Any]:
+    """The content of a TOML file. Raises RobotError."""
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise RobotError(f"{path}: more than {_LARGEST // 10**6} MB are no TOML file of ours")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise RobotError(f"{path}: not a TOML file of ours (its tables are nested too deeply)") from None
+    except ValueError as error:  # of TOML, of UTF-8, and of whole numbers with thousands of digits
+        raise RobotError(f"{path}: not a TOML file ({error})") from None
+
+
+def line_of_text(value: Any, place: str) -> str:
+    """Text that may stand in XML, on pages and in a terminal. Raises RobotError."""
+    if not isinstance(value, str) or len(value) > _LONGEST or not value.isprintable():
+        raise RobotError(f"{place} must be one line of printable text of at most {_LONGEST} characters")
+    return value
+
+
+def number(
+    value: Any, place: str, lower: float = -np.inf, above: bool = False, upper: float = LARGEST_NUMBER
+) -> float:
+    """A finite number from `lower` (or above it) to `upper`. Raises RobotError."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
+        raise RobotError(f"{place} must be a finite number, not {_short(value)}")
+    if abs(value) > LARGEST_NUMBER:
+        raise RobotError(f"{place} must be a finite number up to {LARGEST_NUMBER:g}, not {_short(value)}")
     if value < lower or (above and value <= lower):
-        raise RobotError(f"{place} = {value} must be {'above' if above else 'at least'} {lower:g}")
+        raise RobotError(f"{place} = {_short(value)} must be {'above' if above else 'at least'} {lower:g}")
+    if value > upper:
+        raise RobotError(f"{place} = {_short(value)} must be at most {upper:g}")
     return float(value)
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, int) and abs(value) >= 10**_DIGITS:
+        return f"a whole number of more than {_DIGITS} digits"
+    text = repr(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."

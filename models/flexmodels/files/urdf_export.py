@@ -7,8 +7,12 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from flexmodels.atomic import replacing
-from flexmodels.robot import Joint, Link, Robot, RobotError
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot, RobotError
 
+KEPT = frozenset({"coulomb", "viscous"})
 _ROUNDING = 1e-9  # of an inertia's size: how far a principal value may miss the triangle inequality
 
 
@@ -62,7 +66,7 @@ def _add_joint(root: Element, k: int, joint: Joint, parent: int, axes: np.ndarra
     limits = joint.limits
     bounded = limits is not None and limits.position is not None
     kind = "prismatic" if joint.kind == "prismatic" else "revolute" if bounded else "continuous"
-    element = SubElement(root, "joint", name=joint.name or f"joint{k}", type=kind)
+    element = SubElement(root, "joint", name=joint.name or joint_name(k), type=kind)
     turn = _roll_pitch_yaw(axes.T @ joint.triad)
     SubElement(element, "origin", xyz=_text(axes.T @ np.array(joint.origin)), rpy=_text(turn))
     SubElement(element, "parent", link=f"link{parent}" if parent else "base_link")
@@ -92,7 +96,7 @@ def _left_out(robot: Robot) -> list[str]:
     if flexible:
         notes.append(f"the flexible hinges of joints {', '.join(flexible)} are locked: a URDF has none")
     laws = {law for joint in robot.joints for law, values in joint.values.items() if any(values.values())}
-    others = sorted(laws - {"coulomb", "viscous", "stiffness", "damping"})
+    others = sorted(laws - KEPT - {"stiffness", "damping"})
     if others:
         notes.append(f"a URDF has no place for {', '.join(others)}; they are left out")
     return notes

@@ -3,7 +3,7 @@
 Fixed joints are merged into the link that carries them; the mass of the root does not move and is dropped.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,12 +14,12 @@ from scipy.spatial.transform import Rotation
 from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
-from flexmodels.robot import Joint, Limits, Link, Robot, RobotError
+from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
+from flexmodels.joint import Joint, Limits
+from flexmodels.robot import Robot, RobotError
 
 _UNUSED = ("visual", "collision", "material", "transmission", "gazebo", "sensor", "calibration")
 _KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
-_HINGE_FREQUENCY = 10.0  # [Hz] of a nominal flexible hinge: a start, not a measurement
-_HINGE_DAMPING = 0.02  # of critical, likewise
 
 
 @dataclass
@@ -37,7 +37,7 @@ class _Tree:
 
     joints: list[Joint] = field(default_factory=list)
     places: list[np.ndarray] = field(default_factory=lambda: [np.zeros(3)])
-    bodies: list[list[tuple[float, np.ndarray, np.ndarray]]] = field(default_factory=lambda: [[]])
+    bodies: list[list[Body]] = field(default_factory=lambda: [[]])
     ends: list[_Frame] = field(default_factory=list)
 
 
@@ -59,12 +59,12 @@ def import_urdf(path: str | Path, flexible: Iterable[int] = (), twist: Iterable[
     robot = Robot(
         name=model.name,
         joints=tuple(replace(j, parent=None) for j in tree.joints) if chain else tuple(tree.joints),
-        links=tuple(_lumped(b, at) for b, at in zip(tree.bodies[1:], tree.places[1:], strict=True)),
-        tip=_plain(tip.position - tree.places[tip.link]),
+        links=tuple(lumped(b, at) for b, at in zip(tree.bodies[1:], tree.places[1:], strict=True)),
+        tip=plain(tip.position - tree.places[tip.link]),
         tip_link=None if tip.link == len(tree.joints) else tip.link,
         description=f"imported from {Path(path).name}",
     )
-    return _with_hinges(robot, list(flexible), list(twist), tree)
+    return with_hinges(robot, list(flexible), list(twist), tree.bodies, tree.places)
 
 
 def _parse(path: Path) -> Any:
@@ -104,7 +104,7 @@ def _walk(model: Any, name: str, frame: _Frame, tree: _Tree) -> None:
         tree.ends.append(frame)
 
 
-def _body(inertial: Any, frame: _Frame) -> tuple[float, np.ndarray, np.ndarray]:
+def _body(inertial: Any, frame: _Frame) -> Body:
     shift, turn = _pose(inertial.origin)
     axes = frame.axes @ turn
     J = np.zeros((3, 3)) if inertial.inertia is None else np.array(inertial.inertia.to_matrix(), float)
@@ -120,13 +120,14 @@ def _joint(joint: Any, origin: np.ndarray, axes: np.ndarray, parent: int) -> Joi
         raise RobotError(
             f"joint {joint.name} mimics {joint.mimic.joint}; make it fixed, or driven by a motor of its own"
         )
-    triad = axes @ _triad(np.array(joint.axis if joint.axis is not None else (1, 0, 0), float), joint.name)
+    direction = (1, 0, 0) if joint.axis is None else joint.axis
+    triad = axes @ triad_along(np.array(direction, float), joint.name)
     dynamics = joint.dynamics
     return Joint(
         kind=_KINDS[joint.type],  # pyright: ignore[reportArgumentType]
-        x=_plain(triad[:, 0]),
-        y=_plain(triad[:, 1]),
-        origin=_plain(origin),
+        x=plain(triad[:, 0]),
+        y=plain(triad[:, 1]),
+        origin=plain(origin),
         flexible=False,
         values={
             "motor_inertia": {"J_m": 0.0},
@@ -152,76 +153,8 @@ def _positive(value: float | None) -> float | None:
     return float(value) if value else None
 
 
-def _triad(axis: np.ndarray, name: str) -> np.ndarray:
-    """x' along the axis; y' along the frame's axis after the one that is nearest to it."""
-    length = np.linalg.norm(axis)
-    if not length > 0:
-        raise RobotError(f"joint {name} has an axis of zero length; write down its direction")
-    x = axis / length
-    y = np.eye(3)[(int(np.argmax(np.abs(x))) + 1) % 3]
-    y = y - x * (x @ y)
-    y /= np.linalg.norm(y)
-    return np.column_stack([x, y, np.cross(x, y)])
-
-
 def _pose(origin: Any) -> tuple[np.ndarray, np.ndarray]:
     if origin is None:
         return np.zeros(3), np.eye(3)
     turn = Rotation.from_euler("xyz", origin.rpy or (0, 0, 0)).as_matrix()
     return np.array(origin.xyz or (0, 0, 0), float), turn
-
-
-def _lumped(bodies: list[tuple[float, np.ndarray, np.ndarray]], at: np.ndarray) -> Link:
-    """Bodies that move together as one, about the joint at `at`."""
-    parts = [tuple(Link.of_centre(m, centre - at, J).values.values()) for m, centre, J in bodies]
-    total = np.sum(parts, axis=0) if parts else np.zeros(10)
-    return Link(float(total[0]), _plain(total[1:4]), _plain(total[4:]))
-
-
-def _with_hinges(robot: Robot, flexible: list[int], twist: list[int], tree: _Tree) -> Robot:
-    for k in (*flexible, *twist):
-        if not 1 <= k <= len(robot.joints):
-            raise RobotError(f"there is no joint {k} to make flexible; robot {robot.name} has 1 to "
-                             f"{len(robot.joints)}")  # fmt: skip
-    if both := set(flexible) & set(twist):
-        raise RobotError(f"joint {min(both)} cannot both bend and only twist; name it once")
-    joints = [
-        _flexible(joint, k in flexible, _inertias(robot, tree, k)) if k in (*flexible, *twist) else joint
-        for k, joint in robot.numbered
-    ]
-    return replace(robot, joints=tuple(joints))
-
-
-def _flexible(joint: Joint, bends: bool, inertias: np.ndarray) -> Joint:
-    if joint.kind == "prismatic":
-        raise RobotError(f"joint {joint.name} is a slider, which has no flexible hinge here; leave it rigid")
-    k = np.maximum(inertias, 1e-6) * (2 * np.pi * _HINGE_FREQUENCY) ** 2
-    d = 2 * _HINGE_DAMPING * k / (2 * np.pi * _HINGE_FREQUENCY)
-    axes = (1, 2, 3) if bends else (1,)
-    hinge = {
-        "stiffness": {f"k[{i}]": float(k[i - 1]) for i in axes},
-        "damping": {f"d[{i}]": float(d[i - 1]) for i in axes},
-    }
-    return replace(joint, flexible=True, bends=bends, values={**joint.values, **hinge})
-
-
-def _inertias(robot: Robot, tree: _Tree, k: int) -> np.ndarray:
-    """Of everything behind joint k in the zero pose, about x', z' and y' (twist and the two bendings)."""
-    moved: Sequence[int] = [n for n in range(1, len(robot.links) + 1) if k in _ancestry(robot, n)]
-    bodies = [body for n in moved for body in tree.bodies[n]]
-    xx, xy, xz, yy, yz, zz = _lumped(bodies, tree.places[k]).J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    triad = robot.joints[k - 1].triad
-    return np.diag(triad.T @ J @ triad)[[0, 2, 1]]
-
-
-def _ancestry(robot: Robot, link: int) -> list[int]:
-    chain = []
-    while link:
-        chain.append(link)
-        link = robot.parents[link - 1]
-    return chain
-
-
-def _plain(vector: np.ndarray) -> tuple[float, ...]:
-    return tuple(float(v) for v in vector)

@@ -11,9 +11,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from flexmodels.coordinate import deformation_of, motor_of
+from flexmodels.joint import Joint
+from flexmodels.link import LINK_PARAMETERS
 from flexmodels.linkage import PassiveJoint
 from flexmodels.mechanics import quaternions
-from flexmodels.robot import LINK_PARAMETERS, Joint, Robot
+from flexmodels.robot import Robot
 
 SX = Any  # casadi.SX; its stubs do not describe operators
 
@@ -70,11 +73,11 @@ def mechanism(robot: Robot) -> Mechanism:
     ends: list[int | None] = [None]  # last hinge of the base and of every link
     for k, joint in robot.numbered:
         parent, body = ends[robot.parents[k - 1]], _inertia(bodies[:, k - 1])
-        i = names.index(f"joint{k}.e")
+        i = names.index(motor_of(k))
         motor = _turning_hinge if joint.kind == "revolute" else _slider
         hinges.append(motor(joint, parent, i, q[i], None if joint.flexible else body))
         if joint.flexible:
-            at = [names.index(f"joint{k}.eps[{i}]") for i in joint.deformations]
+            at = [names.index(deformation_of(k, i)) for i in joint.deformations]
             hinges.append(_flexible_hinge(joint, len(hinges) - 1, at, q[at], v[at], body))
         ends.append(len(hinges) - 1)
     tree = ca.sparsify(ca.DM(np.vstack([np.eye(n), robot.following])))

@@ -5,7 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS
+from flexmodels.link import LINK_PARAMETERS
 
 SX = Any  # casadi.SX; its stubs do not describe operators
 

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from flexmodels.joint import parameter_name
+from flexmodels.link import LINK_PARAMETERS
 from flexmodels.mechanics import dynamics, projected
 from flexmodels.mechanics.payload import PAYLOAD, carried
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
-from flexmodels.robot import LINK_PARAMETERS, Controller, Robot, parameter_name
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
 
 
 @dataclass(frozen=True)

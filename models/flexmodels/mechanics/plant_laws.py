@@ -10,10 +10,13 @@ from typing import Any
 import casadi as ca
 import sympy
 
+from flexmodels.coordinate import Coordinate, of_joint
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, State
+from flexmodels.joint import parameter_name, unit_at
+from flexmodels.link import LINK_PARAMETERS
 from flexmodels.mechanics import dynamics
-from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name, unit_at
+from flexmodels.robot import Robot
 
 SX = Any  # casadi.SX; its stubs do not describe operators
 
@@ -108,7 +111,7 @@ class PlantLaws:
 
     def _memories(self):
         for k, effect, state in self._states():
-            name = f"joint{k + 1}.{effect.name}.{state.name}"
+            name = of_joint(k + 1, f"{effect.name}.{state.name}")
             unit = unit_at(self.robot.joints[k], state.unit)
             yield Memory(name, unit, f"Joint {k + 1}, {effect.title}: {state.name}")
         if self._has_clock:
@@ -122,10 +125,8 @@ class PlantLaws:
 
     def _places(self, k: int) -> dict[str, int]:
         """Coordinates of the joint, and the next one's motor hinge, by their signals' names."""
-        names, joint = self.robot.coordinates, self.robot.joints[k]
-        at = {"e": names.index(f"joint{k + 1}.e")}
-        at |= {f"eps{i}": names.index(f"joint{k + 1}.eps[{i}]") for i in joint.deformations}
-        return at | ({"beyond.e": names.index(f"joint{k + 2}.e")} if k + 1 < self.joints else {})
+        at = {c.symbol: i for i, c in enumerate(self.robot.q) if c.joint == k + 1}
+        return at | ({"beyond.e": self.robot.q.index(Coordinate(k + 2, "e"))} if k + 1 < self.joints else {})
 
     def _signals(self, k: int, u: SX) -> dict[str, SX]:
         known = {name: self.m.q[i] for name, i in self.places[k].items()}
@@ -175,7 +176,9 @@ class PlantLaws:
         parameters = {
             p.name: self.parameters[parameter_name(k + 1, effect.name, p.name)] for p in effect.parameters
         }
-        states = {s.name: self.z[names.index(f"joint{k + 1}.{effect.name}.{s.name}")] for s in effect.states}
+        states = {
+            s.name: self.z[names.index(of_joint(k + 1, f"{effect.name}.{s.name}"))] for s in effect.states
+        }
         return parameters | states
 
 

@@ -1,202 +1,180 @@
-"""Defects of a log that a diagnosis would take for physics: one sentence each, with the cure.
-
-Judged are the channels as they were recorded (saturated, stuck, coarse, with jumps) and the log as a whole
-(clock, repeated or missing rows, torques that come late or with the wrong sign: see `alignment`).
-"""
+"""Single channels of a log: not recorded, stuck, coarse, at a limit, with jumps or spikes, too slow."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
-from scipy.signal import butter, sosfiltfilt
 
+from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
-from pyident.checks.timing_and_signs import signs, timing
-from pyident.conditioning.weak_form import DERIVATIVES
-from pyident.logs.log import Log, require
+from pyident.checks.defect import Defect, Severity
+from pyident.checks.jumps import jumps, spikes
+from pyident.checks.quantisation import coarse, step_of
+from pyident.checks.runs import Runs, runs
+from pyident.logs.log import Log
+from pyident.rules.log_checks import LOG_CHECKS
 
-_AT_LIMIT = 0.003  # share of the samples at the extreme value
-_CROWDED = 6.0  # times the mean of the next bins: the crest of a sine gives 3.4
-_BIN = 1e-3  # of a channel's range
-_ODD = 25.0  # robust standard deviations of fourth differences: a jump
-_BEYOND = 4.0  # times what all but one in a hundred of them are
-_STUCK = 10  # samples
-_BEHIND = 0.2  # of the way at the speed before: what a stuck channel jumps by when it is free again
-_COARSE = 0.2  # of the acceleration's rms: what rounding may make of it
-_SLOWEST = 20  # samples: the slowest update that is looked for
-_ON_THE_BEAT = 0.98  # of the changes of a channel fall on every m-th sample
-_DRIFT = 0.5  # samples
+_NEIGHBOURS = 6  # runs on either side that a stuck one is compared with
+_BRAKING = 0.01  # [s] between samples: with more, a joint may well stop from one to the next
+_AT_SPEED = 0.25  # of a joint's rms speed: what it has when it meets the end of its channel
+_FROZEN = 0.1  # [s] that a torque must keep one value
+_WAY = 0.03  # of a joint's range: what it goes while it moves
 
 
-def integrity(robot: Robot, log: Log) -> list[str]:
-    """One sentence per defect, none for a sound log. Raises LogError for what cannot be judged at all."""
-    require(log, robot, 2 * _STUCK)
-    coordinates = list(robot.coordinates)
-    torques = [f"joint{k}.tau" for k, _ in robot.numbered]
-    found = list(_clock(log, [*coordinates, *torques]))
-    sound = True
+def channels(robot: Robot, log: Log) -> Iterator[Defect]:
+    """Defects of every position and torque that the log holds."""
+    coordinates = [name for name in robot.coordinates if name in log.names]
+    torques = [torque_of(k) for k, _ in robot.numbered if torque_of(k) in log.names]
     for name in [*coordinates, *torques]:
         x = log.frame[name].to_numpy(float)
         if np.ptp(x) <= 1e-12 * max(float(np.abs(x).max()), 1e-300):
-            found.append(f"{log.source}: {name} is {x[0]:.6g} throughout; the channel was not recorded")
-            sound = False
+            yield from _constant(log, name, x)
             continue
-        checks = [_stuck, _slow] if name in torques else [_stuck, _slow, _jumps, _coarse]
-        for check in [*checks, _limit] if name in torques else checks:
-            found += check(robot, log, name, x)
-    if sound:
-        found += [*timing(robot, log), *signs(robot, log)]
-    return found
+        found = runs(x)
+        yield from _stuck(log, name, x, found)
+        yield from _slow(log, name, found)
+        if name in torques:
+            yield from _limit(log, name, x)
+            yield from spikes(log, name, x)
+            yield from _unsigned(log, name, x)
+        else:
+            yield from _clipped(log, name, x, found)
+            yield from jumps(robot, log, name, x)
+            yield from coarse(robot, log, name, x)
 
 
-@dataclass(frozen=True)
-class _Runs:
-    """Where a channel repeats its value: first sample and number of samples of every run."""
-
-    start: np.ndarray
-    length: np.ndarray
-
-
-def _runs(x: np.ndarray) -> _Runs:
-    change = np.flatnonzero(np.diff(x)) + 1
-    start = np.concatenate([[0], change])
-    return _Runs(start, np.diff(np.append(start, len(x))))
-
-
-def _clock(log: Log, channels: list[str]) -> Iterator[str]:
-    time = log.frame["time"].to_numpy(float)
-    even = np.linspace(time[0], time[-1], len(time))
-    off = float(np.abs(time - even).max() / log.period)
-    if off > _DRIFT:
-        yield (
-            f"{log.source}: the clock drifts, time is up to {off:.2g} samples away from a uniform one; "
-            f"resample the log to a uniform period"
-        )
-    q = log.signals(channels)
-    same = (np.diff(q, axis=0) == 0).all(axis=1)
-    if len(channels) > 1 and (~same).mean() > 0.5:
-        alone = np.flatnonzero(same[1:-1] & ~same[:-2] & ~same[2:]) + 1
-        if len(alone) >= 3:
-            yield (
-                f"{log.source}: {len(alone)} rows repeat the row before in every channel, first at "
-                f"{time[alone[0] + 1]:.4g} s; rows were recorded twice: remove them"
-            )
+def _constant(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
+    """A channel of one value: an axis may stand still, but not with all else of its joint moving."""
+    k = joint_number(name)
+    others = [motor_of(k), reference_of(k), torque_of(k)]
+    moving = [o for o in others if o != name and o in log.names and _moves(log, o)]
+    if name == motor_of(k):
+        moving = [o for o in moving if o == reference_of(k)]
+    if moving:
+        yield _defect("gross", "constant", log, name, f"is {x[0]:.6g} throughout while {moving[0]} moves; "
+                                                      "the "
+                      f"channel was not recorded")  # fmt: skip
 
 
-def _limit(_: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
-    width = max(_BIN * float(np.ptp(x)), 1.01 * _step(x))
+def _is_torque(name: str) -> bool:
+    return name == torque_of(joint_number(name))
+
+
+def _moves(log: Log, name: str) -> bool:
+    """Whether a channel goes somewhere, beyond noise about one value."""
+    x = log.frame[name].to_numpy(float)
+    return bool(np.std(x) > 0 and np.sqrt(np.mean(np.diff(x) ** 2)) < np.std(x))
+
+
+def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
+    """A value that stays while its channel was moving, and then catches up in one step.
+
+    An axis that slows down, stands or starts smoothly stays longer and longer on each value of its encoder,
+    so the runs beside a long one are long too, and it goes on with a step like all others.
+    """
+    time, torque = log.frame["time"].to_numpy(float), _is_torque(name)
+    long = np.flatnonzero(of.length > LOG_CHECKS.gap_rows)
+    steps = np.abs(np.diff(x))
+    ends = (of.start + of.length - 1)[long]
+    usual = float(np.delete(steps, ends[ends < len(steps)]).max(initial=0.0))
+    for at in long:
+        start, length = int(of.start[at]), int(of.length[at])
+        before, after = of.length[max(at - _NEIGHBOURS, 0) : at], of.length[at + 1 : at + 1 + _NEIGHBOURS]
+        if len(before) < 3 or length < LOG_CHECKS.freeze * before.max():
+            continue
+        ended = start + length >= len(x)
+        if torque:
+            stuck = _frozen(log, name, start, length, after)
+        elif ended:
+            stuck = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1])
+        else:
+            stuck = steps[start + length - 1] > LOG_CHECKS.catch_up * usual
+        if stuck:
+            yield _defect("gross", "stuck", log, name, f"is stuck from {time[start]:.4g} s for {length} "
+                          f"samples; cut the log there")  # fmt: skip
+            return
+
+
+def _frozen(log: Log, name: str, start: int, length: int, after: np.ndarray) -> bool:
+    """A torque that changes from sample to sample keeps one value while its joint moves on."""
+    e = motor_of(joint_number(name))
+    if e not in log.names or len(after) < 3 or length < LOG_CHECKS.freeze * after.max():
+        return False
+    tau, x = log.frame[name].to_numpy(float), log.frame[e].to_numpy(float)
+    at_end = min(tau.max() - tau[start], tau[start] - tau.min()) < 0.01 * np.ptp(tau)  # a limit, not stuck
+    long = length > max(2 * LOG_CHECKS.gap_rows, _FROZEN / log.period)
+    return long and not at_end and np.ptp(x[start : start + length]) > _WAY * np.ptp(x)
+
+
+def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
+    """A position that runs into its largest or smallest value at full speed, and leaves it so."""
+    samples, steps = 0, np.abs(np.diff(x))
+    for extreme in (x.max(), x.min()):
+        for at in np.flatnonzero((x[of.start] == extreme) & (of.length > LOG_CHECKS.gap_rows)):
+            first, last = int(of.start[at]), int(of.start[at] + of.length[at] - 1)
+            if _sudden(log, steps[:first][::-1]) and _sudden(log, steps[last:]):
+                samples += int(of.length[at])
+    if samples > LOG_CHECKS.at_limit * len(x):
+        yield _defect("gross", "limit", log, name, f"stands at its largest or smallest value in "
+                      f"{100 * samples / len(x):.2g} % of the samples and gets there at full speed: the "
+                      f"channel is clipped; widen its range")  # fmt: skip
+
+
+def _sudden(log: Log, steps: np.ndarray) -> bool:
+    """Steps (sizes) from a stop outwards: whether a joint came to it, or left it, faster than any motor can.
+
+    The second (the first is cut short) is as long as those beyond, in a log that resolves a braking.
+    """
+    if log.period > _BRAKING or len(steps) < 6:
+        return False
+    second, beyond = float(steps[1]), float(steps[2:6].mean())
+    return second > 0.8 * beyond and second > _AT_SPEED * float(np.sqrt(np.mean(steps**2)))
+
+
+def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
+    """A torque that piles up at its extreme."""
+    width = max(LOG_CHECKS.limit_bin * float(np.ptp(x)), 1.01 * step_of(x))
     for side, extreme in ((1.0, float(x.max())), (-1.0, float(x.min()))):
         depth = ((extreme - x) * side / width).astype(int)
         counts = np.bincount(depth[depth < 6], minlength=6)
-        if counts[0] > max(_AT_LIMIT * len(x), 10) and counts[0] > _CROWDED * counts[1:].mean():
-            yield (
-                f"{log.source}: {name} stands at {extreme:.4g} in {100 * counts[0] / len(x):.2g} % of the "
-                f"samples: it runs into a limit; repeat the motion with less torque"
-            )
+        share = counts[0] / len(x)
+        resting = extreme == 0 or _longest(depth == 0) > 0.5 * counts[0] > 0.25 * len(x)
+        least = max(LOG_CHECKS.at_limit, 10 / len(x))
+        if share > least and counts[0] > LOG_CHECKS.crowded * counts[1:].mean() and not resting:
+            severity: Severity = "gross" if share > LOG_CHECKS.limit_gross else "doubtful"
+            yield _defect(severity, "limit", log, name, f"stands at {extreme:.4g} in {100 * share:.2g} % of "
+                                                        "the "
+                          f"samples: it runs into a limit; repeat the motion with less torque")  # fmt: skip
 
 
-def _stuck(_: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
-    """A value that stays while it was moving fast just before, and then catches up; or stays to the end."""
-    runs = _runs(x)
-    step = _step(x)
-    for at in np.flatnonzero(runs.length > _STUCK):
-        start, length = int(runs.start[at]), int(runs.length[at])
-        speed = np.abs(np.diff(x[max(start - 5, 0) : start]))
-        after = x[start + length : start + length + 1]
-        behind = len(after) == 0 or abs(after[0] - x[start]) > _BEHIND * length * speed.min(initial=np.inf)
-        if len(speed) and speed.min() > 2 * step and behind and x[start] not in (x.max(), x.min()):
-            time = log.frame["time"].to_numpy(float)
-            yield (
-                f"{log.source}: {name} is stuck from {time[start]:.4g} s for {length} samples; "
-                f"cut the log there"
-            )
-            return
+def _longest(true: np.ndarray) -> int:
+    found = runs(true.astype(int))
+    return int(max((n for s, n in zip(found.start, found.length, strict=True) if true[s]), default=0))
 
 
-def _slow(_: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
+def _unsigned(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
+    """A torque that comes down to zero again and again and never goes below: its magnitude."""
+    low = np.abs(x) < 0.02 * np.abs(x).max()
+    inside = runs(low.astype(int))
+    touches = sum(bool(low[s]) for s in inside.start)
+    if (x.min() >= 0 or x.max() <= 0) and touches >= 4:
+        yield _defect("doubtful", "unsigned", log, name, f"comes to zero {touches} times and never changes "
+                                                         "its "
+                      f"sign; it looks like a magnitude: record the signed torque")  # fmt: skip
+
+
+def _slow(log: Log, name: str, of: Runs) -> Iterator[Defect]:
     """A channel that changes on every m-th sample only."""
-    change = np.flatnonzero(np.diff(x)) + 1
-    for m in range(_SLOWEST, 1, -1):
+    change = of.start[1:]
+    for m in range(LOG_CHECKS.slowest_update, 1, -1):
         beats = np.bincount(change % m, minlength=m)
-        if beats.max() >= _ON_THE_BEAT * len(change) and len(change) > 0.3 * len(x) / m:
-            yield (
-                f"{log.source}: {name} changes only every {_ordinal(m)} sample; it was recorded at a lower "
-                f"rate: keep every {_ordinal(m)} row"
-            )
+        if beats.max() >= LOG_CHECKS.on_the_beat * len(change) and len(change) > 0.3 * len(log) / m:
+            nth = f"{m}{ {2: 'nd', 3: 'rd'}.get(m, 'th') }"
+            yield _defect("gross" if m > 3 and not _is_torque(name) else "doubtful", "rate", log, name,
+                          f"changes only every {nth} sample; it was recorded at a lower rate: keep every "
+                          f"{nth} "
+                          f"row")  # fmt: skip
             return
 
 
-def _jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
-    """Fourth differences that stick out: a jump stands in four of them, in a ratio of 1, -3, 3, -1."""
-    fourth = np.abs(np.diff(x, 4))
-    scale = 1.4826 * float(np.median(fourth))
-    bound = max(_ODD * scale, _BEYOND * float(np.quantile(fourth, 0.99)), 16 * _step(x))
-    high = np.flatnonzero(fourth > bound)
-    if not len(high):
-        return
-    increment = np.diff(x)
-    odd = increment - median_filter(increment, 7, mode="nearest")
-    places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
-    sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
-    first = float(time[places[0] + 1])
-    joint = robot.joints[int(name.split(".")[0].removeprefix("joint")) - 1]
-    turns = sizes / (2 * np.pi)
-    if joint.kind == "revolute" and sizes.min() > 3 and (np.abs(turns - np.round(turns)) < 0.02).all():
-        yield f"{log.source}: {name} jumps by a turn at {first:.4g} s; unwrap it"
-        return
-    again = "" if len(places) == 1 else f" and at {len(places) - 1} other samples"
-    yield (
-        f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; "
-        f"a count was lost or rows are missing: cut the log there or mend the channel"
-    )
-
-
-def _clusters(at: np.ndarray) -> list[np.ndarray]:
-    """Groups of neighbouring samples."""
-    return np.split(at, np.flatnonzero(np.diff(at) > 4) + 1)
-
-
-def _coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[str]:
-    """Rounding that makes a good part of the acceleration, without noise that would smooth it."""
-    step = _step(x)
-    if step == 0 or _noise(x) > step:
-        return
-    plan, T = robot.processing, log.period
-    nyquist = 0.5 / T
-    top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)
-    share = (2 * np.pi) ** 2 * np.sqrt(top**5 / 5 / nyquist)  # rms acceleration per rms of white noise
-    smooth = sosfiltfilt(np.asarray(butter(4, top / nyquist, output="sos")), x[:, None], axis=0)
-    _, _, dde = DERIVATIVES["central"](np.asarray(smooth), T)
-    acceleration = float(np.sqrt(np.mean(dde[20:-20] ** 2)))
-    rounding = step / np.sqrt(12) * share
-    if rounding > _COARSE * acceleration:
-        yield (
-            f"{log.source}: {name} comes in steps of {step:.3g}, which make some "
-            f"{100 * min(rounding / max(acceleration, 1e-300), 1):.0f} % of its acceleration; "
-            f"lower processing.cutoff in the robot file or record with a finer resolution"
-        )
-
-
-def _step(x: np.ndarray) -> float:
-    """The step in which a channel is quantised, 0: none."""
-    values = np.unique(x)
-    if len(values) < 3:
-        return 0.0
-    gaps = np.diff(values)
-    tiny = 1e-9 * float(np.abs(values).max())
-    real = np.sort(gaps[gaps > tiny])
-    if not len(real):
-        return 0.0
-    step = float(np.median(real[: max(3, len(real) // 100)]))
-    off = np.abs(gaps / step - np.round(gaps / step))
-    return step if np.mean(off < 0.05) > 0.95 and np.median(np.round(gaps / step)) < 50 else 0.0
-
-
-def _noise(x: np.ndarray) -> float:
-    """Standard deviation of a channel's white noise, from its sixth differences."""
-    return float(1.4826 * np.median(np.abs(np.diff(x, 6))) / np.sqrt(924))
-
-
-def _ordinal(m: int) -> str:
-    return f"{m}{ {2: 'nd', 3: 'rd'}.get(m, 'th') }"
+def _defect(severity: Severity, kind: str, log: Log, name: str, text: str) -> Defect:
+    return Defect(severity, kind, name, f"{log.source}: {name} {text}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodels.coordinate import deformation_of, motor_of, of_joint
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import condition
@@ -33,18 +34,20 @@ def encoder_skews(robot: Robot, log: Log) -> list[Skew]:
     part = condition(log, robot)
     Phi = regressor(robot, part.motion)
     flexible = [k for k, joint in robot.numbered if joint.flexible]
-    rows = [Phi.rows.index(f"joint{k}.eps[1]") for k in flexible]
+    rows = [Phi.rows.index(deformation_of(k)) for k in flexible]
     late = np.zeros((*Phi.matrix.shape[:2], len(flexible)))
     for i, (k, row) in enumerate(zip(flexible, rows, strict=True)):
         late[:, row, i] = part.motion.dq[:, k - 1]
     use = part.use[:: part.thinning]
     A = thin(np.concatenate([Phi.matrix, late], axis=2), part.thinning) * use[:, :, None]
     y = thin(part.target, part.thinning) * use
-    found = solve_weighted(reduce([(A, y)], Phi.rows, (*Phi.columns, *(f"joint{k}.late" for k in flexible))))
+    found = solve_weighted(
+        reduce([(A, y)], Phi.rows, (*Phi.columns, *(of_joint(k, "late") for k in flexible)))
+    )
     p, covariance = found.p, found.covariance
     out = []
     for i, k in enumerate(flexible):
-        at = (Phi.columns.index(f"joint{k}.k[1]"), len(Phi.columns) + i)
+        at = (Phi.columns.index(of_joint(k, "k[1]")), len(Phi.columns) + i)
         stiffness, product = p[at[0]], p[at[1]]
         slope = np.array([-product / stiffness**2, 1 / stiffness])
         std = float(np.sqrt(slope @ covariance[np.ix_(at, at)] @ slope))
@@ -62,7 +65,7 @@ def without_skew(log: Log, skews: list[Skew]) -> tuple[Log, list[str]]:
             f"joint {skew.joint}: link encoder {1e3 * skew.delay:.3g} ± {1e3 * skew.std:.2g} ms late, {fate}"
         )
         if sure:
-            e, eps = f"joint{skew.joint}.e", f"joint{skew.joint}.eps[1]"
+            e, eps = motor_of(skew.joint), deformation_of(skew.joint)
             link = frame.assign(**{eps: frame[eps] + frame[e]})
             frame = frame.assign(**{eps: delayed(link, {eps: skew.delay})[eps] - frame[e]})
     return Log(frame, log.source, (*log.notes, *notes)), notes

@@ -5,7 +5,8 @@ from rich.table import Table
 
 from flexmodels.files.robot_file import load_robot
 from pyident.checks.encoder_delay import encoder_skews, without_skew
-from pyident.cli.shared import console, json_option, output_option, reported, write_json
+from pyident.cli.outputs import LOG
+from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
 from pyident.logs.datasets import DATA_SETS, fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import write_log
@@ -27,7 +28,8 @@ def log() -> None:
 )
 @click.option("--robot", "model", metavar="MODEL", help="Refer motor-side columns to this robot's joints.")
 @click.option("--skew", is_flag=True, help="Estimate and correct the delay of link encoders (needs --robot).")
-@output_option
+@output_option(LOG)
+@effects_option
 @json_option
 @reported
 def import_command(

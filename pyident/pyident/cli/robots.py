@@ -3,11 +3,14 @@
 import click
 from rich.table import Table
 
+from flexmodels.files.formats import exported, imported
 from flexmodels.files.robot_file import load_robot, save_robot, shipped
-from flexmodels.files.urdf_export import export_urdf
-from flexmodels.files.urdf_import import import_urdf
 from flexmodels.robot import RobotError
-from pyident.cli.shared import console, json_option, output_option, reported, write_json
+from pyident.cli.outputs import MODEL, ROBOT
+from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
+from pyident.comparison.export_cost import cost_of_export
+from pyident.logs.foreign import robot_log
+from pyident.logs.mapping import read_mapping
 
 
 @click.group(invoke_without_command=True)
@@ -33,39 +36,55 @@ def _list(json_file: str | None) -> None:
 
 
 @robots.command(name="import")
-@click.argument("urdf")
-@output_option
+@click.argument("file")
+@output_option(ROBOT)
 @click.option("--flexible", default="", metavar="K,...", help="Joints that twist and bend.")
 @click.option("--twist", default="", metavar="K,...", help="Joints that only twist.")
 @json_option
 @reported
-def import_command(urdf: str, output: str, flexible: str, twist: str, json_file: str | None) -> None:
-    """Write the robot of a URDF as a robot file.
+def import_command(file: str, output: str, flexible: str, twist: str, json_file: str | None) -> None:
+    """Write the robot of a URDF or of an MJCF (.xml) as a robot file.
 
-    Example: pyident robots import arm.urdf -o arm.toml --flexible 1,2 --twist 3
+    Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
-    robot = import_urdf(urdf, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"))
+    robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"))
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
     click.echo(f"wrote {output}: joints {names}")
-    write_json(json_file, {"robot": output, "joints": [joint.name for joint in robot.joints]})
+    for note in notes:
+        click.echo(f"note: {note}")
+    content = {"robot": output, "joints": [joint.name for joint in robot.joints], "notes": list(notes)}
+    write_json(json_file, content)
 
 
 @robots.command(name="export")
 @click.argument("model")
-@output_option
+@output_option(MODEL)
+@click.option("--log", "logs", multiple=True, metavar="LOG", help="Say what is lost on this log; repeatable.")
+@click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
+@effects_option
 @json_option
 @reported
-def export_command(model: str, output: str, json_file: str | None) -> None:
-    """Write the rigid part of MODEL as a URDF.
+def export_command(
+    model: str, output: str, logs: tuple[str, ...], mapping: str | None, json_file: str | None
+) -> None:
+    """Write MODEL for other simulators: a URDF, an MJCF (.xml), or five numbers per joint (.json).
 
-    Example: pyident robots export identified.toml -o identified.urdf
+    The five numbers are armature, damping, friction, bias and delay, as simulators for learning take them.
+
+    Example: pyident robots export identified.toml -o identified.xml --log log.parquet
     """
-    notes = export_urdf(load_robot(model), output)
+    robot = load_robot(model)
+    notes, kept = exported(robot, output)
     click.echo(f"wrote {output}")
+    columns = read_mapping(mapping) if mapping else None
+    costs = {log: cost_of_export(robot, robot_log(log, robot, columns), kept) for log in logs}
+    for log, cost in costs.items():
+        notes.append(f"on {log} {cost.sentence}")
     for note in notes:
         click.echo(f"note: {note}")
-    write_json(json_file, {"urdf": output, "notes": notes})
+    shares = {log: {"all_laws_percent": c.all_laws, "kept_percent": c.kept} for log, c in costs.items()}
+    write_json(json_file, {"file": output, "notes": notes, "relative_error": shares})
 
 
 def _numbers(text: str, option: str) -> list[int]:

@@ -1,53 +1,102 @@
-"""What every command shares: its options, its progress bar, and how bad input ends."""
+"""What every command shares: its options, its progress bar, and how bad input ends.
+
+What is shown may come from files: it is never read as markup, and what would steer a terminal is escaped.
+"""
 
 import json
+import math
+import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import wraps
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from flexfmu.build import BuildError
 from flexmodels.atomic import replacing
+from flexmodels.effects.effect import EffectError
+from flexmodels.effects.trust import code_allowed
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
+from pyident.cli.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
 from pyident.simulation.workers import WorkersError
 from pyident.sweep.store import StudyError
 
-console = Console()
-_BAD_INPUT = (RobotError, LogError, ExperimentError, SimulationError, BuildError, StudyError, WorkersError)
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+console = Console(markup=False, emoji=False, highlight=False)
+_STOPPED = 130
+_OUR_FAULT = 70  # as sysexits.h has it
+_BAD_INPUT = (BuildError, EffectError, ExperimentError, LogError, OutputError, RobotError)
+_BAD_INPUT += (SimulationError, StudyError, WorkersError)
 
 
 def reported(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Bad input ends in one sentence and exit code 2; Ctrl-C in 130."""
+    """Bad input ends in one sentence and exit code 2, a fault of ours in one and 70, Ctrl-C in 130."""
 
     @wraps(command)
     def run(*args: Any, **kwargs: Any) -> Any:
         try:
+            check_outputs(click.get_current_context())
             return command(*args, **kwargs)
         except _BAD_INPUT as error:
-            click.echo(f"error: {error}", err=True)
-            sys.exit(2)
+            ended(f"error: {error}", 2)
         except OSError as error:
-            click.echo(f"error: {error.filename}: {error.strerror}", err=True)
-            sys.exit(2)
+            ended(f"error: {reason(error)}", 2)
+        except MemoryError:
+            ended("error: there is not enough memory for this; take shorter logs or fewer runs", 2)
         except KeyboardInterrupt:
-            click.echo("stopped", err=True)
-            sys.exit(130)
+            ended("stopped", _STOPPED)
+        except click.exceptions.ClickException:
+            raise
+        except Exception as error:
+            if os.environ.get("PYIDENT_TRACEBACK"):
+                raise
+            ended(f"fault in pyident itself: {type(error).__name__}: {error} (the environment variable "
+                  "PYIDENT_TRACEBACK=1 shows where); please report it", _OUR_FAULT)  # fmt: skip
 
     return run
+
+
+def ended(sentence: str, code: int) -> NoReturn:
+    """Say one line on the error stream and leave."""
+    click.echo(printable(sentence), err=True)
+    sys.exit(code)
+
+
+def reason(error: OSError) -> str:
+    """What went wrong with which file, in words, whatever of it is known."""
+    words = error.strerror or str(error) or type(error).__name__
+    return f"{error.filename}: {words}" if error.filename else words
+
+
+def printable(text: str) -> str:
+    """The text with every character that a terminal would obey written as its code."""
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
+
+
+def show(sentence: str) -> None:
+    """Say one line."""
+    click.echo(printable(sentence))
+
+
+def show_notes(notes: Iterable[str]) -> None:
+    """Say what was done to the logs."""
+    for note in notes:
+        show(f"note: {note}")
 
 
 @contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(text, total=1.0)
+        task = bar.add_task(escape(printable(text)), total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)
 
 
@@ -57,7 +106,79 @@ def write_json(path: str | None, content: Any) -> None:
             file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
-json_option = click.option("--json", "json_file", metavar="FILE", help="Write the result for machines.")
-output_option = click.option(
-    "-o", "--output", required=True, type=click.Path(dir_okay=False), help="File to write."
-)
+def output_option(kind: Kind, required: bool = True) -> Callable[[Command], Command]:
+    """`-o FILE` of one kind."""
+    endings = " or ".join(kind.endings)
+    option = click.option(
+        "-o",
+        "--output",
+        required=required,
+        type=Output(kind),
+        help=f"{kind.what.capitalize()} ({endings}) to write.",
+    )
+    return lambda command: _with_overwrite(option(command))
+
+
+def json_option(command: Command) -> Command:
+    """`--json FILE`"""
+    option = click.option(
+        "--json", "json_file", type=Output(JSON), help="Write the result for machines (.json)."
+    )
+    return _with_overwrite(option(command))
+
+
+def effects_option(command: Command) -> Command:
+    """`--allow-effects`: without it a robot file is data."""
+    return click.option(
+        "--allow-effects",
+        is_flag=True,
+        expose_value=False,
+        callback=lambda context, _, value: value and context.with_resource(code_allowed()),
+        help="Run the Python files that the files given here name.",
+    )(command)
+
+
+def mapping_option(command: Command) -> Command:
+    """`--mapping FILE`, wherever a log is read."""
+    return click.option(
+        "--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML)."
+    )(command)
+
+
+def set_option(command: Command) -> Command:
+    """`--set NAME=VALUE`, wherever something is simulated; a dictionary in `parameters`."""
+    return click.option(
+        "--set",
+        "parameters",
+        multiple=True,
+        metavar="NAME=VALUE",
+        callback=lambda context, option, given: dict(map(_assignment, given)),
+        help="Another value of a parameter, SI units; may be given again.",
+    )(command)
+
+
+def _assignment(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not name.strip() or not math.isfinite(number):
+        raise click.BadParameter(
+            f"{text!r} is not NAME=VALUE with a finite number, such as joint1.coulomb=3.5"
+        )
+    return name.strip(), number
+
+
+def _with_overwrite(command: Command) -> Command:
+    """`--overwrite`, once."""
+    if any(option.name == "overwrite" for option in getattr(command, "__click_params__", ())):
+        return command
+    return click.option(
+        "--overwrite",
+        is_flag=True,
+        expose_value=False,
+        is_eager=True,
+        callback=lambda context, _, value: context.meta.update({OVERWRITE: value}),
+        help="Replace existing files of another kind too.",
+    )(command)

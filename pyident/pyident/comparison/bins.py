@@ -8,18 +8,17 @@ of replicas likewise, and sorted into bins.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from flexmodels.coordinate import Coordinate, Side, deformation_of, joint_name, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.model_against_replicas import Part
 from pyident.conditioning.motion import Motion
 from pyident.regression.spectrum import Band, Floor, floor
 
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # Hz
-Balance = Literal["motor", "transmission", "link"]
 _TOP = 0.4  # of the Nyquist frequency: above, differences and noise are all there is
 _LEAST_GAIN = 0.02
 _LEAST_LINES = 4  # of the spectrum in a band
@@ -41,7 +40,7 @@ class Bin:
     """
 
     coordinate: str
-    balance: Balance
+    balance: Side
     kind: str
     label: str
     low: float
@@ -54,18 +53,7 @@ class Bin:
 
     @property
     def joint(self) -> str:
-        return self.coordinate.split(".")[0]
-
-
-def joint_of(coordinate: str) -> int:
-    """Number of its joint, from 1."""
-    return int(coordinate.split(".")[0].removeprefix("joint"))
-
-
-def balance_of(coordinate: str) -> Balance:
-    """Of the paper's eq. (8): the motor's, the transmission's torsion, the link's bending."""
-    name = coordinate.split(".")[1]
-    return "motor" if name == "e" else "transmission" if name == "eps[1]" else "link"
+        return joint_name(joint_number(self.coordinate))
 
 
 def breakdown(
@@ -202,12 +190,12 @@ def _states_of(robot: Robot, c: int, motion: Motion) -> dict[str, np.ndarray]:
     assert motion.time is not None
     assert motion.tau is not None
     coordinates = robot.coordinates
-    k = joint_of(coordinates[c])
-    motor, joint = coordinates.index(f"joint{k}.e"), robot.joints[k - 1]
+    k = joint_number(coordinates[c])
+    motor, joint = coordinates.index(motor_of(k)), robot.joints[k - 1]
     v = motion.dq[:, motor]
     found = {"all": np.zeros(len(v)), "speed": np.abs(v), "direction": v, "position": motion.q[:, motor]}
     if joint.flexible:
-        twist = coordinates.index(f"joint{k}.eps[1]")
+        twist = coordinates.index(deformation_of(k))
         found["load"] = np.abs(joint.values["stiffness"]["k[1]"] * motion.q[:, twist])
         found["deformation"] = motion.q[:, twist if c == motor else c]
     else:
@@ -231,7 +219,7 @@ def _masks(values: np.ndarray, edges: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _rows(robot: Robot, c: int, key: str, edges: np.ndarray, names: Sequence[str]) -> Iterator[Row]:
-    k = joint_of(robot.coordinates[c])
+    k = joint_number(robot.coordinates[c])
     turns = robot.joints[k - 1].kind == "revolute"
     angle, force = ("rad", "N m") if turns else ("m", "N")
     unit = {"speed": f"{angle}/s", "direction": f"{angle}/s", "position": angle, "load": force}.get(key, "")
@@ -268,7 +256,7 @@ def _judged(coordinate: str, rows: Sequence[Row], found: np.ndarray, counts: np.
         bins.append(
             Bin(
                 coordinate,
-                balance_of(coordinate),
+                Coordinate.parse(coordinate).side,
                 kind,
                 label,
                 low,

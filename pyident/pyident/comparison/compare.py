@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_name, joint_number
 from flexmodels.robot import Robot
-from pyident.comparison.bins import Bin, breakdown, joint_of
+from pyident.comparison.bins import Bin, breakdown
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
@@ -68,9 +69,10 @@ class LogErrors:
 
     def json(self) -> dict[str, Any]:
         """The contract of `compare --json` for a log, and more."""
-        torque = {name.split(".")[0]: e.json() for name, e in self.equations.items() if name.endswith(".e")}
-        balances = {name: e.json() for name, e in self.equations.items() if not name.endswith(".e")}
-        e_rmse = {n.split(".")[0]: e.rmse for n, e in self.simulation.items() if n.endswith(".e")}
+        motors = {n: joint_name(joint_number(n)) for n in (*self.equations, *self.simulation) if is_motor(n)}
+        torque = {motors[n]: e.json() for n, e in self.equations.items() if n in motors}
+        balances = {n: e.json() for n, e in self.equations.items() if n not in motors}
+        e_rmse = {motors[n]: e.rmse for n, e in self.simulation.items() if n in motors}
         tip = {"tip_rmse_m": self.simulation["tip"].rmse} if "tip" in self.simulation else {}
         signals = {name: e.json() for name, e in self.simulation.items()}
         return {
@@ -196,11 +198,10 @@ def _left(part: Part, values: np.ndarray, c: int) -> float:
 
 def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:
     """(N, n) whose column c is what the equation's error is measured by: motor torque or elastic moment."""
-    name, kind = robot.coordinates[c].split(".")
-    if kind == "e":
+    stiffness = robot.q[c].stiffness
+    if stiffness is None:
         return part.part.target * part.part.use
-    k = robot.parameters[f"{name}.{kind.replace('eps', 'k')}"]
-    return k * part.part.motion.q
+    return robot.parameters[stiffness] * part.part.motion.q
 
 
 def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float) -> Bin | None:
@@ -235,7 +236,7 @@ def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:
 def _first(where: Bin | None, structural: bool) -> str:
     if where is None:
         return "Nothing stands out: the equations leave what the method itself leaves."
-    place = f"joint {joint_of(where.coordinate)}, {where.balance} side"
+    place = f"joint {joint_number(where.coordinate)}, {where.balance} side"
     place += f", {where.label}" if where.label else ""
     if structural:
         return f"It fails most at {place}: {where.ratio:.2g} times the floor."
@@ -246,16 +247,16 @@ def _first(where: Bin | None, structural: bool) -> str:
 
 
 def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
-    kinds = (".tau",) if trial.tracks else ("tip", ".e")
-    missed = [
-        (e.simulation[n], n) for kind in kinds for e in errors for n in e.simulation if n.endswith(kind)
-    ]
+    kinds = (is_torque,) if trial.tracks else ("tip".__eq__, is_motor)
+    missed = [(e.simulation[n], n) for told in kinds for e in errors for n in e.simulation if told(n)]
     name = missed[0][1] if missed[0][1] == "tip" else max(missed, key=lambda pair: pair[0].ratio)[1]
     error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
-    what = "the tip" if name == "tip" else f"joint {joint_of(name)}"
+    what = "the tip" if name == "tip" else f"joint {joint_number(name)}"
     what += "'s torque" if trial.tracks else ""
     by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
-    return f"In simulation {what} misses by {by}."
+    note = next((r.note for r in trial.judged if r.note), None)
+    why = f" The simulation follows the measured motion ({note})." if note else ""
+    return f"In simulation {what} misses by {by}.{why}"
 
 
 def _force_unit(robot: Robot, name: str) -> str:
@@ -268,7 +269,7 @@ def _length_unit(robot: Robot, name: str) -> str:
 
 def _slides(robot: Robot, name: str) -> bool:
     """Whether a signal is measured along an axis."""
-    return "eps" not in name and robot.joints[joint_of(name) - 1].kind == "prismatic"
+    return not is_deformation(name) and robot.joints[joint_number(name) - 1].kind == "prismatic"
 
 
 def _rms(values: Any) -> float:

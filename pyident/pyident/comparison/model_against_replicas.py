@@ -22,7 +22,7 @@ from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor_blocks
 from pyident.simulation import replica
-from pyident.simulation.replica import Repeat, repeat
+from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
 
 Progress = Callable[[float], None]
@@ -75,9 +75,8 @@ def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
     reduced = reduce(problem.blocks(), problem.rows, problem.columns)
     noise = sensor_noise(robot, logs, solve_weighted(reduced).p)
-    pairs = [repeat(robot, log) for log in logs]
-    repeats = tuple(r for _, r in pairs)
-    return Trial(robot, pairs[0][0], repeats, repeats, (0.0,) * len(logs), noise)
+    simulated, made_again = repeats(robot, logs)
+    return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
 
 
 @dataclass(frozen=True)
@@ -165,9 +164,10 @@ def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
     fitted = refit.robot(robot, refit.solution.p)
     found = []
     for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):
-        frame = fmu.simulate(r.plan, robot.parameters)
-        late = r.plan.time >= since
-        names = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered), *TIP]
+        frame = r.simulated(fmu.simulate, robot.parameters)
+        time = frame["time"].to_numpy()
+        late = time >= since
+        names = [*robot.coordinates, *robot.torques, *TIP]
         missed = {
             name: (log.frame[name] - frame[name]).to_numpy()[late]
             for name in names
@@ -175,7 +175,7 @@ def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
         }
         part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
         left = residual(robot, part), residual(fitted, part)
-        found.append(Part(part, log.period, *left, r.plan.time[late], missed))
+        found.append(Part(part, log.period, *left, time[late], missed))
     return found
 
 

@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, parameter_name
-from pyident.checks.channels import integrity
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
+from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.candidates import law_of
 from pyident.diagnosis.base.residual_over_floor import REPLICAS, Setting, examine, set_up, steadied, unbiased
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
@@ -49,7 +51,7 @@ def diagnose(
     draft          look for a formula where no law explains the residual
     Raises LogError.
     """
-    notes = tuple(sentence for log in (*logs, *heldout) for sentence in integrity(robot, log))
+    notes = tuple(defect.sentence for log in (*logs, *heldout) for defect in check_log(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share))
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
@@ -141,7 +143,7 @@ def _traced(search: Search, trace: Trace) -> Named:
     c, robot = trace.candidate, trace.setting.robot
     units = {name: robot.units[parameter_name(c.joint, c.effect, name)] for name in values}
     fixed = tuple(name for name, _ in c.values)
-    return Named(c.effect, f"joint{c.joint}", values, std, units, 100 * trace.explained, nonlinear=fixed)
+    return Named(c.effect, joint_name(c.joint), values, std, units, 100 * trace.explained, nonlinear=fixed)
 
 
 def _finding(search: Search, selection: Selection, number: int, held: Sequence[Equations]) -> Finding:
@@ -171,7 +173,7 @@ def named(search: Search, found: Found) -> Named:
     units = robot.with_effect(c.joint, c.effect).units
     return Named(
         effect=c.effect,
-        joint=f"joint{c.joint}",
+        joint=joint_name(c.joint),
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},

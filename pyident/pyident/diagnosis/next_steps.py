@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
+from flexmodels.coordinate import joint_number
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, with_law
@@ -23,7 +24,7 @@ OpenRivals = Callable[[Sequence[Robot]], AbstractContextManager[SimulateAll]]
 
 def candidate_of(search: Search, name: Named) -> Candidate:
     """What a diagnosis has named, as the search knows it."""
-    joint = int(name.joint.removeprefix("joint"))
+    joint = joint_number(name.joint)
     law = search.robot.joints[joint - 1].law(name.effect)
     values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
     sources = [log.source for log in search.examination.setting.logs]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, VerdictName
@@ -27,8 +28,8 @@ def asked_for(robot: Robot, tie: Sequence[Candidate]) -> str:
 def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
     """Joint and side of the law that was found."""
     acts = {str(q) for q in law_of(robot, candidate).forces}
-    balance = "motor" if "e" in acts else "transmission" if "eps1" in acts else "link"
-    return f"joint{candidate.joint}", balance
+    sides = [c.side for c in robot.q if c.joint == candidate.joint and c.symbol in acts]
+    return joint_name(candidate.joint), sides[0] if sides else "link"
 
 
 def sentence_of(

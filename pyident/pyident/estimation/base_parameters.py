@@ -10,6 +10,7 @@ from pyident.estimation.least_squares import ROUNDING, Reduced, Solution
 
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
+_WEAK = 1e-2  # of the largest singular value: below, a direction is said to be weakly determined
 _ABSENT = 1e-3  # share of a scaled direction that is left out of an expression
 
 
@@ -61,7 +62,7 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
 
 
 def weakest_directions(reduced: Reduced, solution: Solution, count: int = 5) -> list[str]:
-    """The directions that these data see worst, each as a sentence, worst first.
+    """The directions that these data see badly, each as a sentence, worst first.
 
     Directions that no data can see (parameters that never appear but in combinations) are not among them;
     `base_parameters` writes these combinations out.
@@ -69,7 +70,7 @@ def weakest_directions(reduced: Reduced, solution: Solution, count: int = 5) -> 
     s = solution.singular_values / solution.singular_values[0]
     directions = np.hstack([solution.seen, solution.null])
     sentences = []
-    for i in np.flatnonzero(s > ROUNDING)[::-1][:count]:
+    for i in np.flatnonzero((s > ROUNDING) & (s < _WEAK))[::-1][:count]:
         size = np.abs(directions[:, i])
         names = [reduced.columns[j] for j in np.argsort(-size) if size[j] > 0.2 * size.max()][:6]
         joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

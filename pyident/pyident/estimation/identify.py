@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
@@ -31,6 +32,17 @@ class Identified:
     base: list[BaseParameter]
     relative_error: dict[str, float]
 
+    @property
+    def model_error(self) -> dict[str, float] | None:
+        """`relative_error` of the robot's own parameters, which are physically consistent.
+
+        None where the solution is of outputs of a simulation instead of equations of motion.
+        """
+        if self.reduced.rows != self.robot.coordinates:
+            return None
+        p = np.array([self.robot.parameters[name] for name in self.reduced.columns])
+        return relative_error(self.reduced, p, len(self.robot.joints))
+
     def json(self) -> dict[str, Any]:
         """The contract of `identify --json`."""
         units, values = self.robot.units, self.robot.parameters
@@ -49,6 +61,7 @@ class Identified:
             ],
             "rank": self.solution.rank,
             "relative_error_percent": self.relative_error,
+            "relative_error_of_model_percent": self.model_error,
         }
 
 
@@ -75,14 +88,15 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
         solution=solution,
         support=supports(reduced, solution),
         base=base_parameters(reduced, solution),
-        relative_error=_relative_error(reduced, solution, len(robot.joints)),
+        relative_error=relative_error(reduced, solution.p, len(robot.joints)),
     )
 
 
-def _relative_error(reduced: Reduced, solution: Solution, joints: int) -> dict[str, float]:
-    squares = residual_squares(reduced, solution.p)[:joints]
+def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, float]:
+    """100 |y - A p| / |y| of the first `joints` equations, each and all [%]."""
+    squares = residual_squares(reduced, p)[:joints]
     signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
-    each = {f"joint{k + 1}": float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
+    each = {joint_name(k + 1): float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
     return each | {"all": float(100 * np.sqrt(squares.sum() / signal.sum()))}
 
 

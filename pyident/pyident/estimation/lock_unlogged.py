@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from flexmodels.robot import Joint, Robot
+from flexmodels.coordinate import deformation_of
+from flexmodels.joint import Joint
+from flexmodels.robot import Robot
 from pyident.logs.log import Sampled
 
 
@@ -11,7 +13,7 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
     """The robot with only those deformations that every log holds, and a sentence on each that was taken."""
     joints, notes = list(robot.joints), []
     for k, joint in robot.numbered:
-        present = [i for i in joint.deformations if all(f"joint{k}.eps[{i}]" in log.names for log in logs)]
+        present = [i for i in joint.deformations if all(deformation_of(k, i) in log.names for log in logs)]
         if joint.flexible and 1 not in present:
             joints[k - 1] = _without(joint, flexible=False)
             notes.append(

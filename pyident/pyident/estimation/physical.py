@@ -11,7 +11,9 @@ import cvxpy as cp
 import numpy as np
 
 from flexmodels.effects import CATALOGUE
-from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 from pyident.estimation.least_squares import Reduced, Solution
 
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters

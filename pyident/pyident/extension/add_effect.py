@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
 from flexmodels.robot import Robot, RobotError
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.compare import Error, LogErrors, log_errors
@@ -26,7 +27,7 @@ from pyident.diagnosis.base.residual_over_floor import Setting, set_up, unbiased
 from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
-from pyident.simulation.replica import OpenWorkers, repeat
+from pyident.simulation.replica import OpenWorkers, repeat_like
 
 REPLICAS = 4
 _PART = 2 / 3  # of an only log that is fitted
@@ -162,7 +163,7 @@ def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, progress: Pro
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)
-        judged = tuple(repeat(setting.robot, log)[1] for log in parts.judged)
+        judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
         trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), REPLICAS)
     return _Fit(setting, trial, data, replicas)
@@ -192,7 +193,7 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
         return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
 
     best = refined(robot, max(listed, key=explained), listed, explained)
-    names = {name: f"joint{joint}.{effect}.{name}" for name, _ in best.values}
+    names = {name: of_joint(joint, f"{effect}.{name}") for name, _ in best.values}
     return wider.with_parameters({names[name]: value for name, value in best.values})
 
 
@@ -219,18 +220,16 @@ def _acts_on(robot: Robot, joint: int, effect: str) -> list[str]:
     if law.body:
         return list(robot.coordinates)
     named = {str(q) for q in law.forces}
-    flat = {c: c.replace("[", "").replace("]", "") for c in robot.coordinates}
-    wanted = {f"joint{joint}.{n}" for n in named if not n.startswith("beyond.")}
-    wanted |= {f"joint{joint + 1}.{n.removeprefix('beyond.')}" for n in named if n.startswith("beyond.")}
-    return [c for c, name in flat.items() if name in wanted]
+    wanted = {signal_of(joint, name) for name in named}
+    return [c.name for c in robot.q if c.signal in wanted]
 
 
 def _telling(trial: Trial, errors: Sequence[LogErrors]) -> list[str]:
     """Signals by which the simulation is judged: motor torques where it tracks the measured motion."""
     names = list(errors[0].simulation)
     if trial.tracks:
-        return [n for n in names if n.endswith(".tau")]
-    return [n for n in names if not n.endswith(".tau") and n != "tip"]
+        return [n for n in names if is_torque(n)]
+    return [n for n in names if not is_torque(n) and n != "tip"]
 
 
 def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names: Sequence[str]) -> float:
@@ -251,7 +250,7 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
         float(np.sqrt(np.mean(np.square(v))))
         for v in ([b.rmse for b, _ in listed], [a.rmse for _, a in listed], [a.floor for _, a in listed])
     ]
-    what = "simulated" if kind == "simulation" else "torque" if name.endswith(".e") else "moment"
+    what = "simulated" if kind == "simulation" else "torque" if is_motor(name) else "moment"
     return Step(f"{what} {name}", listed[0][0].unit, *rms)
 
 

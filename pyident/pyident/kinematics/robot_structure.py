@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from flexmodels.coordinate import deformation_of, motor_of
 from flexmodels.linkage import Closure
 from flexmodels.robot import Robot
 from pyident.kinematics.elements.beam import Beam
@@ -19,13 +20,18 @@ def of_robot(robot: Robot) -> Structure:
     passive joints is found from the pins alone, never from `follows`. The structure's q is in the order of
     `robot.coordinates`, its bodies in that of `robot.links`.
     """
+    if any(joint.geared for joint in robot.passive):
+        raise StructureError(
+            f"robot {robot.name} has a joint that a gear turns, which is simulated but not identified yet; "
+            "make its body part of the link it sits on"
+        )
     parts, place, ends = _Parts(), {}, [(0, 0)]
     for (k, joint), parent in zip(robot.numbered, robot.parents, strict=False):
         at = parts.beam(ends[parent], np.array(joint.origin))
-        place[f"joint{k}.e"] = (len(parts.elements), 0)
+        place[motor_of(k)] = (len(parts.elements), 0)
         at = (parts.hinge if joint.kind == "revolute" else parts.slider)(at, joint.triad)
         if joint.flexible:
-            place |= {f"joint{k}.eps[{i}]": (len(parts.elements), i - 1) for i in joint.deformations}
+            place |= {deformation_of(k, i): (len(parts.elements), i - 1) for i in joint.deformations}
             at = parts.hinge(at, joint.triad)
         ends.append(at)
     passive: dict[int, int] = {}  # link -> the hinge that carries it

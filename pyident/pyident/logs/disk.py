@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 
-from flexmodels.robot import Column
+from flexmodels.settings.processing import Column
 from pyident.logs.log import (
     Log,
     LogError,

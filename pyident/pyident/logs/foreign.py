@@ -10,6 +10,7 @@ import pandas as pd
 from scipy.interpolate import CubicSpline
 from scipy.io import loadmat
 
+from flexmodels.coordinate import deformation_of, motor_of, of_joint, torque_of
 from flexmodels.robot import Robot
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.log import Log, LogError, check, read_log
@@ -28,6 +29,15 @@ def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | Non
     """
     source = ", ".join(str(file) for file in files)
     raw = _joined([(Path(file), _columns(Path(file), mapping.header)) for file in files])
+    return _mapped(raw, mapping, source, robot)
+
+
+def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot | None = None) -> Log:
+    """The same from the columns of a data frame. Raises LogError."""
+    return _mapped({str(n): c.to_numpy() for n, c in frame.items()}, mapping, source, robot)
+
+
+def _mapped(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
     frame = pd.DataFrame({name: _signal(raw, s.column, source) * s.gain + s.offset
                           for name, s in mapping.signals.items()})  # fmt: skip
     if mapping.rate is not None:
@@ -82,18 +92,18 @@ def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
         raise LogError(f"{source}: column {motors[0]} is of the motor side; give the robot a [transmission]")
     if gear is not None and motors:
         if (angles := _all(frame, "q", n, source)) is not None:
-            out[[f"joint{k + 1}.e" for k in range(n)]] = gear.angles(angles)
+            out[[motor_of(k + 1) for k in range(n)]] = gear.angles(angles)
         torques = _all(frame, "tau", n, source)
         if torques is None and (currents := _all(frame, "current", n, source)) is not None:
             if gear.drive is None:
                 raise LogError(f"{source}: currents need transmission.drive, the motors' torque per ampere")
             torques = currents * np.array(gear.drive)
         if torques is not None:
-            out[[f"joint{k + 1}.tau" for k in range(n)]] = gear.torques(torques)
+            out[[torque_of(k + 1) for k in range(n)]] = gear.torques(torques)
     for k in range(1, n + 1):
-        if f"joint{k}.link" in out:
-            out[f"joint{k}.eps[1]"] = out[f"joint{k}.link"] - out[f"joint{k}.e"]
-    links = [f"joint{k}.link" for k in range(1, n + 1)]
+        if of_joint(k, "link") in out:
+            out[deformation_of(k)] = out[of_joint(k, "link")] - out[motor_of(k)]
+    links = [of_joint(k, "link") for k in range(1, n + 1)]
     return out.drop(columns=[*motors, *(name for name in links if name in out)])
 
 

@@ -15,7 +15,8 @@ import pandas as pd
 from scipy.io import loadmat, savemat
 
 from flexmodels.atomic import replacing
-from flexmodels.robot import Column, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Column
 
 _JITTER = 0.01  # of one period: what still counts as uniform
 
@@ -47,8 +48,14 @@ class Log:
     """
 
     frame: pd.DataFrame
-    source: str
+    source: str = "the log"
     notes: tuple[str, ...] = ()
+
+    @classmethod
+    def from_frame(cls, frame: pd.DataFrame, source: str = "the data frame") -> "Log":
+        """A log of a data frame with the columns of one (SI units), checked. Raises LogError."""
+        check(frame, source)
+        return cls(frame.reset_index(drop=True), source)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,7 +117,7 @@ def write_log(log: Log, path: str | Path) -> None:
 
 def require(log: Sampled, robot: Robot, samples: int) -> None:
     """Check that the log has what identifying this robot needs. Raises LogError."""
-    needed = [*robot.coordinates, *(f"joint{k}.tau" for k, _ in robot.numbered)]
+    needed = [*robot.coordinates, *robot.torques]
     missing = [name for name in needed if name not in log.names]
     if missing:
         raise LogError(

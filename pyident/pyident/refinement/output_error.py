@@ -36,7 +36,7 @@ def output_error(
     slopes   d(outputs)/d(parameters) per log, (N, channels, P), of an earlier call on the same motion
     Raises LogError when a log has no reference.
     """
-    replays = [replay_of(robot, log) for log in logs]
+    replays = [replay_of(start.robot, log) for log in logs]
     best, given = start, slopes
     for number in range(_ROUNDS):
         renewed = given is None and number % 2 == 0

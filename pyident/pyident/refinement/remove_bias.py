@@ -31,11 +31,11 @@ def correct_by_replicas(
     robot: Robot, logs: list[Log], simulate: Simulate, progress: Progress | None = None
 ) -> Identified:
     """Identify `robot` and remove the regression's bias. Raises LogError."""
-    replays = [replay_of(robot, log) for log in logs]
     parts = tuple(condition(log, robot) for log in logs)
     problem = Problem(robot, parts)
     reduced, in_log = estimate(problem)
     best = identified(robot, reduced, in_log)
+    replays = [replay_of(best.robot, log) for log in logs]
     for number in range(_ROUNDS):
         put_in = best.robot.linear_parameters
         in_replica = _found(_replica(robot, replays, [part.use for part in parts], put_in, simulate), in_log)

@@ -5,8 +5,10 @@ from itertools import product
 
 import numpy as np
 
+from flexmodels.coordinate import signal_of
 from flexmodels.effects.effect import Effect
-from flexmodels.robot import LINK_PARAMETERS, Robot
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import Signals, body_columns, compiled, law_columns
 from pyident.regression.regressor import regressor
@@ -46,7 +48,7 @@ def nonlinear_grid(
     for p in law.nonlinear:
         size = 1.0
         if p.scale is not None:
-            name = known[0].named(joint, str(p.scale))
+            name = signal_of(joint, str(p.scale))
             if name not in known[0].after:
                 raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
             size = float(np.sqrt(np.mean(np.concatenate([signals.after[name] for signals in known]) ** 2)))
@@ -63,7 +65,7 @@ def coverage(
         return None
     names, holds = compiled(law.coverage.condition)
     known = Signals(robot, motion)
-    given = [fixed[n] if n in fixed else known.after[known.named(joint, n)] for n in names]
+    given = [fixed[n] if n in fixed else known.after[signal_of(joint, n)] for n in names]
     return float(np.mean(holds(*given)) / law.coverage.share)
 
 

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import sympy
 
+from flexmodels.coordinate import of_joint, signal_of, torque_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, State
-from flexmodels.robot import LINK_PARAMETERS, Robot
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression import law_memory as law_states
 from pyident.regression.rounded_signs import blurred
@@ -59,30 +61,20 @@ class Signals:
         motion.check(robot)
         self.size, self.held = len(motion.q), motion.tau_before is not None
         self.after = {} if motion.time is None else {"time": np.asarray(motion.time)}
-        for j, coordinate in enumerate(robot.coordinates):
-            joint, name = _signal_name(coordinate).split(".")
-            for order, rate in zip(("", "d", "dd"), (motion.q, motion.dq, motion.ddq), strict=True):
-                self.after[f"{joint}.{order}{name}"] = rate[:, j]
+        for j, coordinate in enumerate(robot.q):
+            for order, rate in enumerate((motion.q, motion.dq, motion.ddq)):
+                self.after[coordinate.rate(order)] = rate[:, j]
         for k, joint in robot.numbered:
             if joint.flexible:
                 k1 = joint.values["stiffness"]["k[1]"]
-                self.after[f"joint{k}.load"] = k1 * self.after[f"joint{k}.eps1"]
+                self.after[of_joint(k, "load")] = k1 * self.after[of_joint(k, "eps1")]
         torques = {"after": motion.tau, "before": motion.tau_before}
         named = {
-            side: {}
-            if tau is None
-            else {f"joint{k}.tau": np.asarray(tau)[:, k - 1] for k, _ in robot.numbered}
+            side: {} if tau is None else {torque_of(k): np.asarray(tau)[:, k - 1] for k, _ in robot.numbered}
             for side, tau in torques.items()
         }
         self.before = self.after | named["before"]
         self.after = self.after | named["after"]
-
-    @staticmethod
-    def named(k: int, symbol: str) -> str:
-        """Where a law of joint k finds its symbol."""
-        if symbol.startswith("beyond."):
-            return f"joint{k + 1}.{symbol.removeprefix('beyond.')}"
-        return symbol if symbol == "time" else f"joint{k}.{symbol}"
 
 
 class _Law:
@@ -97,10 +89,10 @@ class _Law:
             self.own[state.name] = self._filtered(state)
 
     def columns(self) -> Iterator[LawColumn]:
-        rows = [_signal_name(coordinate) for coordinate in self.robot.coordinates]
+        rows = [coordinate.signal for coordinate in self.robot.q]
         for parameter, slopes in self.effect.columns.items():
             for coordinate, slope in slopes.items():
-                row = rows.index(self.known.named(self.k, coordinate.name))
+                row = rows.index(signal_of(self.k, coordinate.name))
                 yield LawColumn(parameter, row, self._piecewise(slope))
 
     def _piecewise(self, law: sympy.Expr) -> Callable[[slice], np.ndarray]:
@@ -119,7 +111,7 @@ class _Law:
     def _signal(self, name: str, known: Mapping[str, np.ndarray]) -> float | np.ndarray:
         if name in self.own:
             return self.own[name]
-        place = self.known.named(self.k, name)
+        place = signal_of(self.k, name)
         if place not in known:
             raise ValueError(
                 f"effect {self.effect.name} at joint {self.k} needs the signal {place}, which the motion of "
@@ -156,8 +148,3 @@ def compiled(law: sympy.Expr) -> tuple[tuple[str, ...], Callable[..., np.ndarray
     """The symbols of a law by name, and the law as a NumPy function of them."""
     symbols = sorted(law.free_symbols, key=str)
     return tuple(str(s) for s in symbols), sympy.lambdify(symbols, law, modules=[_NUMPY, "numpy"])
-
-
-def _signal_name(coordinate: str) -> str:
-    """`joint1.eps[2]` of a log is the signal `joint1.eps2` of a law."""
-    return coordinate.replace("[", "").replace("]", "")

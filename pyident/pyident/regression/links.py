@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS, Robot
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 from pyident.kinematics import link_forces, robot_structure, source, symbolic, transfer
 from pyident.kinematics.elements import hinge
 from pyident.kinematics.elements.hinge import Hinge

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.robot import LINK_PARAMETERS, Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import LawColumn, Signals, body_columns, law_columns
 from pyident.regression.links import LinkColumns

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
-from flexmodels.robot import Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 from pyident.conditioning.samples import Conditioned
 from pyident.regression.regressor import regressor
 

@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 from plotly.colors import sample_colorscale
 
+from flexmodels.coordinate import Coordinate
 from pyident.diagnosis.result import Diagnosis, Named, Row
 from pyident.report.wording import MINUS, number, times
 
@@ -17,12 +18,13 @@ SCALE = ("#fffaf0", "#fdd9a0", "#f3a14b", "#cf6214", "#8a3305", "#521d02")  # fr
 _INK = "#1c2126"
 _FONT = {"family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica, Arial, sans-serif", "color": _INK}
 _SIDES = {"motor": "motor", "transmission": "drive"}
+_BENDING = {2: "ε₂", 3: "ε₃"}
 
 
 def row_name(row: Row) -> str:
     """The equation's place in few words: joint and side."""
-    bending = {"eps[2]": "link ε₂", "eps[3]": "link ε₃"}
-    return f"{row.joint} {_SIDES.get(row.balance) or bending.get(row.coordinate.split('.', 1)[1], 'link')}"
+    index = Coordinate.parse(row.coordinate).index
+    return f"{row.joint} {_SIDES.get(row.balance) or 'link ' + _BENDING[index]}"
 
 
 def band_name(band: tuple[float, float]) -> str:

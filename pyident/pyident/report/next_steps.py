@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from shlex import join
 
+from flexmodels.coordinate import joint_number
 from pyident.diagnosis.result import Diagnosis, Named
 
 
@@ -27,9 +28,7 @@ def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
         new = f"{name}.toml"
         logs = [n.log] if n.log else list(d.logs)
         lines.append(
-            join(
-                ["pyident", "add", last, n.effect, "--joint", n.joint.removeprefix("joint"), *logs, "-o", new]
-            )
+            join(["pyident", "add", last, n.effect, "--joint", str(joint_number(n.joint)), *logs, "-o", new])
         )
         last = new
     held = [word for log in d.heldout for word in ("--holdout", log)]

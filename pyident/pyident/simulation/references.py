@@ -1,6 +1,7 @@
 """Experiments by name or from a file of references."""
 
 from flexmodels import experiment as plans
+from flexmodels.coordinate import feedforward_of, reference_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import LogError, read_log
@@ -27,9 +28,9 @@ def read_experiment(path: str, joints: int) -> Experiment:
     except LogError as error:
         raise ExperimentError(f"{error} (experiments by name: identification, line)") from None
     numbers = range(1, joints + 1)
-    missing = [f"joint{k}.r" for k in numbers if f"joint{k}.r" not in log.frame]
+    missing = [reference_of(k) for k in numbers if reference_of(k) not in log.frame]
     if missing:
         raise ExperimentError(f"{path}: column {missing[0]} is missing; it is needed as a reference")
-    feedforward = log.frame.reindex(columns=[f"joint{k}.tau_ff" for k in numbers]).fillna(0.0).to_numpy()
+    feedforward = log.frame.reindex(columns=[feedforward_of(k) for k in numbers]).fillna(0.0).to_numpy()
     time = log.signals(["time"])[:, 0]
-    return Experiment(time - time[0], log.signals([f"joint{k}.r" for k in numbers]), feedforward)
+    return Experiment(time - time[0], log.signals([reference_of(k) for k in numbers]), feedforward)

@@ -9,6 +9,7 @@ import pandas as pd
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
+from pyident.simulation.recorded import Recorded, loop_of, recorded
 
 Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
 Progress = Callable[[float], None]
@@ -19,13 +20,17 @@ class Replay:
     """A log that can be simulated again. measured (N, channels): every coordinate and motor torque."""
 
     log: Log
-    plan: Experiment
+    inputs: Recorded
     measured: np.ndarray
     channels: tuple[str, ...]
 
+    @property
+    def plan(self) -> Experiment:
+        return self.inputs.plan
+
     def run(self, simulate: Simulate, parameters: Sequence[Mapping[str, float]]) -> Iterable[pd.DataFrame]:
         """The log's motion as other parameters would have made it, a frame per set, in their order."""
-        return simulate(self.plan, parameters)
+        return map(self.inputs.cut, simulate(self.plan, parameters))
 
     def missed(self, frame: pd.DataFrame) -> np.ndarray:
         """measured − simulated, (N, channels)."""
@@ -33,16 +38,12 @@ class Replay:
 
 
 def replay_of(robot: Robot, log: Log) -> Replay:
-    """Raises LogError when the log has no reference that a simulation could follow."""
-    joints = [k for k, _ in robot.numbered]
-    for k in joints:
-        if f"joint{k}.r" not in log.frame:
-            raise LogError(
-                f"{log.source}: column joint{k}.r is missing, the reference that a simulation follows"
-            )
-    columns = [f"joint{k}.tau_ff" for k in joints]
-    feedforward = log.frame.reindex(columns=columns).fillna(0.0).to_numpy()
-    time = log.signals(["time"])[:, 0]
-    plan = Experiment(time - time[0], log.signals([f"joint{k}.r" for k in joints]), feedforward)
-    channels = (*robot.coordinates, *(f"joint{k}.tau" for k in joints))
-    return Replay(log, plan, log.signals(channels), channels)
+    """robot: fitted to the log where it lacks a feed-forward, which is then recovered.
+
+    Raises LogError when a simulation under the robot's own controller cannot follow the log.
+    """
+    obstacle = loop_of(robot, log)
+    if obstacle:
+        raise LogError(f"{log.source}: {obstacle}")
+    channels = (*robot.coordinates, *robot.torques)
+    return Replay(log, recorded(robot, log), log.signals(channels), channels)

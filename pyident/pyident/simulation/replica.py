@@ -1,11 +1,11 @@
 """Replicas: logs as the fitted model would have made them, over the same motion with the same sensor noise.
 
 What the identical analysis finds in a replica is not physics but the method's own trace. Where the log holds
-references and the robot file its controller, the replica is the same closed loop; else it tracks the measured
-motion under a stabilising controller with the measured torque fed forward.
+references and the robot file the controller that made it, the replica is the same closed loop; else it tracks
+the measured motion under a stabilising controller with the measured torque fed forward.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,10 +14,15 @@ import numpy as np
 import pandas as pd
 from scipy.fft import rfft
 
+from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
-from flexmodels.robot import Controller, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.controller import Controller
+from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
-from pyident.regression.regressor import Motion, regressor
+from pyident.regression.regressor import regressor
+from pyident.simulation.feedforward import carrying_torque
+from pyident.simulation.recorded import Recorded, loop_of, recorded
 
 OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]  # processes that hold a robot's FMU
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
@@ -29,45 +34,87 @@ _MEDIAN = np.log(2)  # of a periodogram's ordinate, per its mean
 
 @dataclass(frozen=True)
 class Repeat:
-    """How a log can be made again: `plan` for the closed loop, `log` for what it must look like."""
+    """How a log can be made again: `plan` for the closed loop, `log` for what it must look like.
+
+    lead   samples of the plan before the log
+    note   why it is not the robot's own loop, but a stand-in's along the measured motion; None where it is
+    """
 
     log: Log
     plan: Experiment
+    lead: int = 0
+    note: str | None = None
+
+    @property
+    def _inputs(self) -> Recorded:
+        return Recorded(self.plan, self.lead)
+
+    def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
+        """The log's motion made by a model, without noise."""
+        return self._inputs.cut(run(self.plan, parameters))
 
     def replica(
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
     ) -> Log:
         """The log's motion made by a model; noise: coordinate -> standard deviation of its sensor."""
         rng = np.random.default_rng(seed)
-        n = len(self.plan.time)
+        plan, n = self.plan, len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
-        joints = range(1, self.plan.reference.shape[1] + 1)
-        seen = np.column_stack([added.get(f"joint{k}.e", np.zeros(n)) for k in joints])
-        frame = run(replace(self.plan, reference=self.plan.reference - seen), parameters)
-        for k in joints:
-            frame[f"joint{k}.r"] = self.plan.reference[:, k - 1]
-        for name, values in added.items():
-            frame[name] = frame[name] + values
-        return Log(frame, f"replica of {self.log.source}")
+        frame = with_noise(lambda made: run(made, parameters), plan, added)
+        return Log(self._inputs.cut(frame), f"replica of {self.log.source}")
 
 
-def repeat(robot: Robot, log: Log) -> tuple[Robot, Repeat]:
-    """The robot with the controller that the replica runs under, and the plan. `robot` must be fitted."""
+def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:
+    """The robot with the controller that all replicas run under, and how each log is made again.
+
+    `robot` must be fitted. One log that the robot's own loop cannot follow takes the others with it.
+    """
+    for log in logs:
+        obstacle = loop_of(robot, log)
+        if obstacle:
+            controller = _stand_in(robot, log.signals(robot.coordinates)[:1], log.period)
+            note = f"{log.source}: {obstacle}"
+            return replace(robot, controller=controller), tuple(_along(robot, log, note) for log in logs)
+    return robot, tuple(_in_loop(robot, log) for log in logs)
+
+
+def repeat_like(simulated: Robot, robot: Robot, log: Log) -> Repeat:
+    """How another log is made again by what `repeats` chose for some logs of the fitted robot."""
+    if simulated.controller is robot.controller and loop_of(robot, log) is None:
+        return _in_loop(robot, log)
+    return _along(robot, log, f"{log.source}: it is simulated along the measured motion")
+
+
+def _in_loop(robot: Robot, log: Log) -> Repeat:
+    inputs = recorded(robot, log)
+    return Repeat(log, inputs.plan, inputs.lead)
+
+
+def _along(robot: Robot, log: Log, note: str) -> Repeat:
+    """The measured motion as reference, the measured torque as feed-forward."""
     joints = [k for k, _ in robot.numbered]
+    tau = log.signals([torque_of(k) for k in joints])
+    measured = log.signals([motor_of(k) for k in joints])
+    weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
-    time = time - time[0]
-    if robot.controller is not None and all(f"joint{k}.r" in log.frame for k in joints):
-        columns = [f"joint{k}.tau_ff" for k in joints]
-        feedforward = log.frame.reindex(columns=columns).fillna(0.0).to_numpy()
-        return robot, Repeat(log, Experiment(time, log.signals([f"joint{k}.r" for k in joints]), feedforward))
-    tau = log.signals([f"joint{k}.tau" for k in joints])
-    measured = log.signals([f"joint{k}.e" for k in joints])
-    q = log.signals(robot.coordinates)[:1]
-    still = Motion(q, 0 * q, 0 * q, tau[:1], time[:1])
-    values = np.array(list(robot.linear_parameters.values()))
-    weight = (regressor(robot, still).matrix[0] @ values)[: len(joints)]
-    plan = Experiment(time, measured, tau - weight)
-    return replace(robot, controller=_stand_in(robot, q, log.period)), Repeat(log, plan)
+    return Repeat(log, Experiment(time - time[0], measured, tau - weight), note=note)
+
+
+def with_noise(
+    run: Callable[[Experiment], pd.DataFrame], plan: Experiment, noise: Mapping[str, np.ndarray]
+) -> pd.DataFrame:
+    """A run of the plan whose sensors add noise: channel -> (N,); that of an encoder goes through the loop.
+
+    A controller that reads e + n at the reference r does what it does with e at r - n.
+    """
+    joints = range(1, plan.reference.shape[1] + 1)
+    seen = np.column_stack([noise.get(motor_of(k), np.zeros(len(plan.time))) for k in joints])
+    frame = run(replace(plan, reference=plan.reference - seen))
+    for k in joints:
+        frame[reference_of(k)] = plan.reference[:, k - 1]
+    for name, values in noise.items():
+        frame[name] = frame[name] + values
+    return frame
 
 
 def sensor_noise(repeat: Repeat, simulated: pd.DataFrame, coordinates: tuple[str, ...]) -> dict[str, float]:

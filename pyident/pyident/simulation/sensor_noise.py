@@ -32,9 +32,9 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     Under a controller of the robot file the torque is its command, known exactly.
     """
     rng = np.random.default_rng(0)
-    kinds = [[c for c in robot.coordinates if c.endswith(".e")], [c for c in robot.coordinates if "eps" in c]]
+    kinds = [[c.name for c in robot.q if c.is_motor], [c.name for c in robot.q if not c.is_motor]]
     if robot.controller is None:
-        kinds.append([f"joint{k}.tau" for k, _ in robot.numbered])
+        kinds.append(list(robot.torques))
     kinds = [kind for kind in kinds if kind]
     channels = [channel for kind in kinds for channel in kind]
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}

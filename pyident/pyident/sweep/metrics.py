@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import is_deformation, is_torque, joint_name, joint_number
+
 Metric = Callable[[pd.DataFrame, pd.DataFrame], float | Mapping[str, float]]
 _TIP = ["tip.x", "tip.y", "tip.z"]
 
@@ -22,15 +24,15 @@ def tip_error(log: pd.DataFrame, reference: pd.DataFrame) -> dict[str, float]:
 def torque_rms(log: pd.DataFrame, reference: pd.DataFrame) -> dict[str, float]:
     """Root mean square of each motor's torque [N m or N]."""
     return {
-        name.removesuffix(".tau"): float(np.sqrt(np.mean(log[name].to_numpy() ** 2)))
-        for name in log
-        if str(name).endswith(".tau")
+        joint_name(joint_number(name)): float(np.sqrt(np.mean(log[name].to_numpy() ** 2)))
+        for name in map(str, log)
+        if is_torque(name)
     }
 
 
 def peak_deformation(log: pd.DataFrame, reference: pd.DataFrame) -> dict[str, float]:
     """Largest size of each deformation [rad]."""
-    return {str(name): float(np.abs(log[name].to_numpy()).max()) for name in log if ".eps[" in str(name)}
+    return {name: float(np.abs(log[name].to_numpy()).max()) for name in map(str, log) if is_deformation(name)}
 
 
 METRICS: dict[str, Metric] = {

@@ -58,21 +58,27 @@ class StudyPlan:
     metrics: Mapping[str, Metric]
 
 
-def load_study_plan(path: str | Path) -> StudyPlan:
-    """Read a plan; files that it names are beside it. Raises StudyError, RobotError, ExperimentError."""
+def load_study_plan(
+    path: str | Path, parameters: Mapping[str, float] | None = None, allow_effects: bool = False
+) -> StudyPlan:
+    """Read a plan; files that it names are beside it. Raises StudyError, RobotError, ExperimentError.
+
+    parameters      values that replace the robot's own, before the plan's shares are taken of them
+    allow_effects   run the Python files of effects that the robot file names
+    """
     path = Path(path)
     try:
         table = Table(tomllib.loads(path.read_text(encoding="utf-8")), "")
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: not a TOML file ({error})") from None
     try:
-        return _plan(table, path.parent)
+        return _plan(table, path.parent, parameters or {}, allow_effects)
     except (StudyError, RobotError, ExperimentError) as error:
         raise type(error)(f"{path}: {error}") from None
 
 
-def _plan(table: Table, folder: Path) -> StudyPlan:
-    model, values = _model(str(table.get("model")), folder)
+def _plan(table: Table, folder: Path, parameters: Mapping[str, float], allow_effects: bool) -> StudyPlan:
+    model, values = _model(str(table.get("model")), folder, parameters, allow_effects)
     experiment = _experiment(model, str(table.get("experiment")), folder)
     design = str(table.get("design", "latin_hypercube"))
     if design not in ("grid", *_SAMPLED):
@@ -90,12 +96,17 @@ def _plan(table: Table, folder: Path) -> StudyPlan:
     return StudyPlan(model, experiment, ranges, _SAMPLED[design](ranges, runs, seed), method, metrics)
 
 
-def _model(name: str, folder: Path) -> tuple[Robot | Path, Mapping[str, float]]:
+def _model(
+    name: str, folder: Path, parameters: Mapping[str, float], allow_effects: bool
+) -> tuple[Robot | Path, Mapping[str, float]]:
     """The model and the values of its parameters, which only a robot tells."""
     beside = folder / name
     if name.endswith(".fmu"):
+        if parameters:
+            raise StudyError("an FMU keeps its own values; name the others in the plan's [parameters]")
         return beside, {}
-    robot = load_robot(beside if beside.is_file() else name)
+    robot = load_robot(beside if beside.is_file() else name, allow_effects)
+    robot = robot.with_parameters(parameters, robot.name)
     return robot, robot.parameters
 
 

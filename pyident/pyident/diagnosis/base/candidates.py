@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodels.coordinate import of_joint
 from flexmodels.effects import CATALOGUE
 from flexmodels.effects.effect import Effect
-from flexmodels.robot import Robot, RobotError, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot, RobotError
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.spectrum import Equations
 
@@ -78,7 +80,7 @@ def proper(
         return True
     own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
     known = {
-        symbol: own.get(symbol.name, parameters.get(f"joint{candidate.joint}.{symbol.name}"))
+        symbol: own.get(symbol.name, parameters.get(of_joint(candidate.joint, f"{symbol.name}")))
         for symbol in law.proper.free_symbols
     }
     return bool(law.proper.subs(known))

@@ -16,7 +16,7 @@ from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
-from pyident.simulation.replica import Repeat, repeat
+from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
 
 REPLICAS = 20
@@ -86,8 +86,8 @@ def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
-    repeats = [repeat(fitted, log) for log in logs]
-    return Setting(fitted, repeats[0][0], tuple(r for _, r in repeats), noise, reduced, solution)
+    simulated, made_again = repeats(fitted, logs)
+    return Setting(fitted, simulated, made_again, noise, reduced, solution)
 
 
 def unbiased(setting: Setting, workers: Any, rounds: int = ROUNDS, probes: int = PROBES) -> Setting:

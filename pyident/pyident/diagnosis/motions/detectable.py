@@ -4,7 +4,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import Gain
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
@@ -15,7 +17,6 @@ from pyident.regression.spectrum import Equations
 
 _IMITATED = 0.01  # share of a column that the base must leave, else it is not seen
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
-BALANCES = {"e": "motor", "eps[1]": "transmission", "eps[2]": "link", "eps[3]": "link"}
 
 
 def limits(search: Search, material: float) -> Iterator[Limit]:
@@ -45,7 +46,7 @@ def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed
     units = robot.with_effect(c.joint, c.effect).units
     names = {name: units[parameter_name(c.joint, c.effect, name)] for name in smallest}
     return Limit(
-        c.effect, f"joint{c.joint}", smallest, names, share, reason, law.experiment if reason else ""
+        c.effect, joint_name(c.joint), smallest, names, share, reason, law.experiment if reason else ""
     )
 
 
@@ -54,8 +55,7 @@ def rows_over_floor(ex: Examination) -> list[Row]:
     robot, out = ex.setting.robot, []
     bands = tuple(zip(EDGES, (*EDGES[1:], ex.floor.frequencies[-1]), strict=True))
     mean = ex.replica_energy.mean(axis=0)
-    for c, coordinate in enumerate(robot.coordinates):
-        joint, name = coordinate.split(".", 1)
+    for c, coordinate in enumerate(robot.q):
         at = np.digitize(ex.floor.frequencies, EDGES) - 1
         level = [
             float(np.sqrt(np.mean(ex.floor.rms[c][at == b] ** 2))) if (at == b).any() else 0.0
@@ -63,7 +63,16 @@ def rows_over_floor(ex: Examination) -> list[Row]:
         ]
         ratio = np.sqrt(ex.energy[c] / np.maximum(mean[c], 1e-12))
         rms = np.sqrt(ex.energy[c]) * level
-        out.append(Row(coordinate, joint, BALANCES[name], bands, tuple(rms.tolist()), tuple(ratio.tolist())))  # pyright: ignore
+        out.append(
+            Row(
+                coordinate.name,
+                joint_name(coordinate.joint),
+                coordinate.side,
+                bands,
+                tuple(rms.tolist()),
+                tuple(ratio.tolist()),
+            )
+        )  # pyright: ignore
     return out
 
 
@@ -73,10 +82,10 @@ def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, fl
     found = []
     for name, amplitude in smallest.items():
         row, column = next(iter(slopes[name].items()))
-        if row < len(robot.joints):
+        stiffness = robot.q[row].stiffness
+        if stiffness is None:
             own = log.part.target[:, row]
         else:
-            coordinate = robot.coordinates[row]
-            own = robot.parameters[coordinate.replace("eps", "k")] * log.part.motion.q[:, row]
+            own = robot.parameters[stiffness] * log.part.motion.q[:, row]
         found.append(100 * amplitude * float(np.sqrt(np.mean(column**2) / max(np.mean(own**2), 1e-300))))
     return min(found, default=float("inf"))

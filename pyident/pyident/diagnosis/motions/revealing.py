@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodels.coordinate import joint_name
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from pyident.diagnosis.base.candidates import Candidate
@@ -40,7 +41,7 @@ def revealing(
     Raises RobotError and LogError where there is no experiment to vary.
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
-    asked = [(e, k) for e, k, log in search.families if (e, f"joint{k}") in hidden and log in (None, 0)]
+    asked = [(e, k) for e, k, log in search.families if (e, joint_name(k)) in hidden and log in (None, 0)]
     needed = float(np.median([search.needed(family, material) for family in range(len(search.families))]))
     setting = search.examination.setting
     plans = variants(setting.simulated, setting.logs[0])

@@ -6,13 +6,13 @@ than the law does, and with it in the base the law has little to explain. A true
 accompanies keeps what it explains beside it.
 """
 
+from flexmodels.coordinate import signal_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import extended
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
-from pyident.regression.laws import Signals
 
 _LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
 _MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
@@ -55,5 +55,5 @@ def _known(law: Effect, joint: int) -> frozenset[str]:
     names = {str(s) for s in law.symbols & signals.ALL}
     if names & {"load", "eps1"}:
         names |= {"load", "eps1"}
-    found = frozenset(Signals.named(joint, name) for name in names)
+    found = frozenset(signal_of(joint, name) for name in names)
     return found | {"travel"} if law.states else found

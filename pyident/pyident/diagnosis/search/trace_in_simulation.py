@@ -15,15 +15,17 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from flexmodels.coordinate import joint_number
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, parameter_name
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import Setting, energy, replica_of, set_up, unbiased, whitened
 from pyident.diagnosis.search.search import ALPHA, Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
-from pyident.simulation.replica import OpenWorkers, Repeat, repeat
+from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
 
 EXPLAINED = 0.5  # of the energy that exceeds the floor, by the best signature
 FOLLOWED = 0.2  # of its course
@@ -79,7 +81,7 @@ def _suspects(search: Search) -> list[Candidate]:
     row = int(np.argmax(sum(np.square(r).sum(axis=1) for r in ex.base.residual) - ex.floor_energies))
     if row < len(search.robot.joints):
         return []
-    joint = int(search.robot.coordinates[row].split(".")[0].removeprefix("joint"))
+    joint = joint_number(search.robot.coordinates[row])
     best = {c.family: c for c in ex.candidates if c.joint == joint and c.log is None}
     listed = [search.best(c.effect, c.joint) for c in best.values()]
     return [
@@ -102,7 +104,7 @@ class _Judge:
     def trace(self, candidate: Candidate) -> Trace | None:
         """None where the model with the law cannot be simulated."""
         setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
-        others = tuple(repeat(setting.robot, log)[1] for log in self.heldout)
+        others = tuple(repeat_like(setting.simulated, setting.robot, log) for log in self.heldout)
         try:
             with self.open_workers(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)

@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 from scipy.fft import irfft
 
+from flexmodels.coordinate import divided, joint_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import gain, joined
 from pyident.diagnosis.base.residual_over_floor import Examination
@@ -143,20 +144,19 @@ def _symbol(signal: str) -> sympy.Symbol:
 def _draft(
     robot: Robot, row: int, terms: Sequence[sympy.Expr], size: Mapping[str, float], share: float
 ) -> Draft:
-    coordinate = robot.coordinates[row]
-    joint, own = coordinate.replace("[", "").replace("]", "").split(".")
-    k = int(joint.removeprefix("joint"))
-    logged = {name: f"({name}/{size[name]:.4g})" for name in size} | {_SIGN: f"sign({joint}.d{own})"}
+    own = robot.q[row]
+    logged = {name: f"({name}/{size[name]:.4g})" for name in size} | {_SIGN: f"sign({own.rate(1)})"}
     formula = _written(sympy.Add(*terms), logged)
-    known = {name: _in_a_law(name, k) for name in size if name != _SIGN}
+    known = {name: _in_a_law(name, own.joint) for name in size if name != _SIGN}
     unknown = [name for name, said in known.items() if said is None]
     if unknown:
-        note = f"an effect at {joint} cannot see {unknown[0]}; a law with this signal has to be put elsewhere"
-        return Draft(coordinate, formula, share, "", note)
+        place = joint_name(own.joint)
+        note = f"an effect at {place} cannot see {unknown[0]}; a law with this signal has to be put elsewhere"
+        return Draft(own.name, formula, share, "", note)
     in_law = {name: f"({said} / {size[name]:.4g})" for name, said in known.items()}
-    in_law[_SIGN] = f"sign({_in_a_law(f'{joint}.d{own}', k)})"
-    acts_on = _in_a_law(f"{joint}.{own}", k) or own
-    return Draft(coordinate, formula, share, _effect_file(acts_on, terms, in_law, formula))
+    in_law[_SIGN] = f"sign({_in_a_law(own.rate(1), own.joint)})"
+    acts_on = own.local
+    return Draft(own.name, formula, share, _effect_file(acts_on, terms, in_law, formula))
 
 
 def _in_a_law(signal: str, joint: int) -> str | None:
@@ -165,8 +165,8 @@ def _in_a_law(signal: str, joint: int) -> str | None:
         return signal
     if "." not in signal:
         return None
-    at, name = signal.split(".")
-    if at == f"joint{joint}":
+    at, name = divided(signal)
+    if at == joint:
         kind = name.rstrip("123")
         return (
             f"{kind}[{name.removeprefix(kind)}]"
@@ -175,7 +175,7 @@ def _in_a_law(signal: str, joint: int) -> str | None:
             if kind in _OWN
             else None
         )
-    return f"beyond.{name}" if at == f"joint{joint + 1}" and name in ("e", "de", "dde") else None
+    return f"beyond.{name}" if at == joint + 1 and name in ("e", "de", "dde") else None
 
 
 def _written(expression: sympy.Expr, names: Mapping[str, str]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain
 from pyident.diagnosis.base.residual_over_floor import Examination
@@ -162,8 +163,8 @@ class RowSearch:
 
     def _is_own(self, variable: int) -> bool:
         """Whether a signal is of the equation's own joint."""
-        own = self.robot.coordinates[self.row].split(".")[0]
-        return self.variables[variable].name.split(".")[0] in (own, "travel")
+        name = self.variables[variable].name
+        return name == "travel" or (name != "time" and joint_number(name) == self.robot.q[self.row].joint)
 
     def _periodic(self) -> tuple[Dependence, Columns] | None:
         found = [spectrum(self.base, self.logs, self.levels, over) for over in _overs(self.robot, self.row)]
@@ -194,7 +195,7 @@ class RowSearch:
     def _of_peak(self, peak: Peak, of: Spectrum) -> Dependence:
         over = peak.over
         on = "time" if over.kind == "frequency" else self.robot.coordinates[over.column]
-        joint = on.split(".")[0].removeprefix("joint")
+        joint = self.robot.q[over.column].joint
         words = {
             "frequency": f"a frequency of {peak.at:.4g} Hz in time",
             "order": f"an order of {peak.at:.4g} per turn of joint {joint}",
@@ -218,7 +219,7 @@ class RowSearch:
 def _overs(robot: Robot, row: int) -> list[Over]:
     """What a force on this equation may be periodic in."""
     turning = [k - 1 for k, joint in robot.numbered if joint.kind == "revolute"]
-    own = int(robot.coordinates[row].split(".")[0].removeprefix("joint")) - 1
+    own = joint_number(robot.coordinates[row]) - 1
     misread = [Over("misread", row, own)] if own in turning else []
     return [Over("frequency", row), *(Over("order", row, k) for k in turning), *misread]
 

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import BSpline
 
+from flexmodels.coordinate import divided
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Columns
 from pyident.regression.laws import Signals
@@ -119,13 +120,13 @@ def words_of(name: str) -> str:
     """`joint2.de` is the speed of joint 2."""
     if name == "time":
         return "time"
-    joint, signal = name.split(".")
+    joint, signal = divided(name)
     said = {"e": "position", "de": "speed", "tau": "torque", "load": "load"}
     rates = {"eps": "deformation", "deps": "deformation rate"}
     kind = signal.rstrip("123")
     number = signal.removeprefix(kind)
     what = said[signal] if signal in said else f"{rates[kind]} {number}"
-    return f"{what} of joint {joint.removeprefix('joint')}"
+    return f"{what} of joint {joint}"
 
 
 def _travel(q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -82,10 +82,9 @@ def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) ->
 
 
 def _sentence(robot: Robot, row: int, found: Sequence[Dependence]) -> str:
-    coordinate = robot.coordinates[row]
-    joint, name = coordinate.split(".")
-    side = {"e": "motor side", "eps[1]": "transmission"}.get(name, "link side")
-    place = f"{side} of joint {joint.removeprefix('joint')}"
+    coordinate = robot.q[row]
+    side = "transmission" if coordinate.side == "transmission" else f"{coordinate.side} side"
+    place = f"{side} of joint {coordinate.joint}"
     if not found:
         return f"{place}: the residual depends on no single signal and has no period"
     return f"{place}: depends on {', then on '.join(clause(d, first=d is found[0]) for d in found)}"

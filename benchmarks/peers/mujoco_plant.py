@@ -23,7 +23,10 @@ from xml.etree import ElementTree as ET
 import mujoco  # pyright: ignore[reportMissingImports]
 import numpy as np
 
-from flexmodels.robot import Joint, Link, Robot
+from flexmodels.coordinate import of_joint
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot
 
 HINGE = ("e", "eps[2]", "eps[3]", "eps[1]")  # the order in which they turn
 
@@ -48,7 +51,7 @@ class MujocoPlant:
         self.model = mujoco.MjModel.from_xml_string(mjcf(robot, settings))
         self.data = mujoco.MjData(self.model)
         self.steps = round(robot.controller.period / settings.step)
-        names = [f"joint{k}.{n}" for k, _ in robot.numbered for n in HINGE]
+        names = [of_joint(k, n) for k, _ in robot.numbered for n in HINGE]
         self.place = [names.index(name) for name in robot.coordinates]
         self.motors = np.array(self.place[: len(robot.joints)])
 
@@ -87,7 +90,7 @@ def mjcf(robot: Robot, settings: Settings) -> str:
     for (k, joint), link in zip(robot.numbered, robot.links, strict=True):
         body = ET.SubElement(body, "body", name=f"link{k}", pos=_text(joint.origin))
         for name, attributes in _hinges(joint, settings).items():
-            ET.SubElement(body, "joint", attributes, name=f"joint{k}.{name}")
+            ET.SubElement(body, "joint", attributes, name=of_joint(k, name))
         _add_inertia(body, link)
     ET.SubElement(body, "site", name="tip", pos=_text(robot.tip))
     return ET.tostring(root, encoding="unicode")

@@ -13,7 +13,10 @@ import time
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
-from flexmodels.robot import Joint, Link, Robot
+from flexmodels.coordinate import of_joint
+from flexmodels.joint import Joint
+from flexmodels.link import Link
+from flexmodels.robot import Robot
 
 _HELD = 1e12
 _SHORTEST = 1e-3  # of a step, so that a reversal at its very beginning is passed
@@ -29,7 +32,7 @@ class PinocchioPlant:
         self.data, self.robot = self.model.createData(), robot
         self.steps = round(robot.controller.period / step)
         self.h = robot.controller.period / self.steps
-        names = [f"joint{k}.{n}" for k, _ in robot.numbered for n in TURNS]
+        names = [of_joint(k, n) for k, _ in robot.numbered for n in TURNS]
         self.place = np.array([names.index(name) for name in robot.coordinates])
         self.motors = self.place[: len(robot.joints)]
         self.armature = np.array([joint.values["motor_inertia"]["J_m"] for joint in robot.joints])
@@ -124,7 +127,7 @@ def pinocchio_model(robot: Robot):
         for name, turn in zip(
             TURNS, (pin.JointModelRX(), pin.JointModelRZ(), minus_y, pin.JointModelRX()), strict=True
         ):
-            end = model.addJoint(end, turn, place, f"joint{k}.{name}")
+            end = model.addJoint(end, turn, place, of_joint(k, name))
             place = pin.SE3.Identity()
         model.appendBodyToJoint(end, _inertia(link, joint.triad), place)
         axes = joint.triad

@@ -1,0 +1,168 @@
+"""A log's motor balances on a few hundred samples: what every hypothesis about its channels is tried on.
+
+Positions and torques pass the same filter without phase shift; Φ is evaluated at a subset of the samples,
+where any linear change of the channels (sign, unit, offset, order) can be applied after differentiation.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from flexmodels.coordinate import torque_of
+from flexmodels.robot import Robot
+from pyident.conditioning.filters import without_phase
+from pyident.conditioning.motion import Motion
+from pyident.conditioning.weak_form import REACH, central_differences
+from pyident.logs.log import Log
+from pyident.regression.regressor import regressor
+
+_ROWS = 1500  # samples at which Φ is evaluated
+_SLOW = 0.05  # of a joint's rms speed: below, the sign of friction is not known
+_ENERGY = 0.99  # of a speed's energy that lies below the motion's highest frequency
+_ABOVE = 3.0  # times that frequency is kept
+_BAND = (0.05, 0.6)  # of the Nyquist frequency: what the filter's edge may be
+_SETTLED = 3.0  # periods of the filter's edge that its ends may spoil
+_FEWEST = 30  # samples on which a joint must move
+_DETERMINED = 1e-9  # of the largest eigenvalue: below, a direction is noise
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Smoothed signals of a log.
+
+    q, dq, ddq  (M, n) at the samples `at` (M,) of the log;  tau (N, joints), NaN where not logged
+    use         (M, joints) where a joint moves
+    """
+
+    robot: Robot
+    period: float
+    at: np.ndarray
+    q: np.ndarray
+    dq: np.ndarray
+    ddq: np.ndarray
+    tau: np.ndarray
+    use: np.ndarray
+
+    def torque(self) -> np.ndarray:
+        """(M, joints) torques at the samples."""
+        return self.tau[self.at]
+
+    def shifted(self, k: int, shift: float | np.ndarray) -> np.ndarray:
+        """(M,) torque of joint k (from 0), moved back by `shift` samples (one, or one per sample)."""
+        tau, place = self.tau[:, k], np.clip(self.at + shift, 1, len(self.tau) - 3)
+        i = place.astype(int)
+        w = place - i
+        a, b, c, d = (tau[i + j] for j in (-1, 0, 1, 2))  # Catmull and Rom
+        return b + 0.5 * w * (c - a + w * (2 * a - 5 * b + 4 * c - d + w * (3 * (b - c) + d - a)))
+
+    def moved(self, matrix: np.ndarray, offset: np.ndarray) -> "Samples":
+        """The same with coordinates  matrix q + offset."""
+        q, dq, ddq = (x @ matrix.T for x in (self.q, self.dq, self.ddq))
+        return replace(self, q=q + offset, dq=dq, ddq=ddq, use=_moving(self.robot, dq))
+
+
+@dataclass(frozen=True)
+class Balances:
+    """Normal equations of every balance. Phi (M, n, P), motors first, of one motion.
+
+    normal  (n, P, P) AᵀA of the samples in use
+    """
+
+    samples: Samples
+    Phi: np.ndarray
+    columns: tuple[str, ...]
+    normal: np.ndarray
+
+    @cached_property
+    def joints(self) -> list[int]:
+        """Those (from 0) that move and whose torque is logged."""
+        use, tau = self.samples.use, self.torque
+        return [k for k in range(use.shape[1]) if use[:, k].sum() > _FEWEST and np.ptp(tau[:, k]) > 0]
+
+    @cached_property
+    def torque(self) -> np.ndarray:
+        return self.samples.torque()
+
+    def right(self, k: int, torques: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Aᵀy (P, C) and yᵀy (C,) of candidates (M, C) for the torque of joint k (from 0)."""
+        used = self.samples.use[:, k] > 0
+        y = torques[used]
+        return self.Phi[used, k].T @ y, np.square(y).sum(axis=0)
+
+    def variance(self, k: int, torque: np.ndarray | None = None) -> float:
+        """Sum of squares of joint k's torque about its mean."""
+        y = (self.torque[:, k] if torque is None else torque)[self.samples.use[:, k] > 0]
+        return float(np.square(y - y.mean()).sum()) if len(y) else 0.0
+
+    def left(self, k: int, torques: np.ndarray) -> np.ndarray:
+        """(C,) energies of candidates (M, C) that the balance of joint k alone does not explain."""
+        b, yy = self.right(k, torques)
+        p, _ = solved(self.normal[k], b)
+        return np.maximum(yy - (b * p).sum(axis=0), 0.0)
+
+
+def samples(robot: Robot, log: Log) -> Samples | None:
+    """Smoothed signals of a log that holds every coordinate; None where it is too short."""
+    n, T = len(log), log.period
+    q = log.signals(list(robot.coordinates))
+    tau = np.full((n, len(robot.joints)), np.nan)
+    for k, _ in robot.numbered:
+        if torque_of(k) in log.names:
+            tau[:, k - 1] = log.frame[torque_of(k)].to_numpy(float)
+    if robot.controller is not None:
+        tau = (tau + np.concatenate([tau[:1], tau[:-1]])) / 2  # held: what acts around a sample
+    edge = _edge(q[:, : len(robot.joints)], robot.processing.cutoff, T)
+    border = max(REACH, min(int(_SETTLED / edge), n // 10))
+    if n < 20 * REACH or n - 2 * border < 60:
+        return None
+    from scipy.signal import butter
+
+    sections = np.asarray(butter(4, edge, output="sos"))
+    q, tau = without_phase(sections, q), without_phase(sections, np.nan_to_num(tau)) + 0 * tau
+    q, dq, ddq = central_differences(q, T)
+    at = np.arange(border, n - border, max(1, (n - 2 * border) // _ROWS))
+    inner = at - REACH
+    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, _moving(robot, dq[inner]))
+
+
+def balances(signals: Samples) -> Balances:
+    """Φ at the samples. Raises ValueError for laws that need more than a motion."""
+    robot = signals.robot
+    motion = Motion(
+        signals.q, signals.dq, signals.ddq, np.nan_to_num(signals.torque()), signals.at * signals.period
+    )
+    Phi = regressor(robot, motion)
+    normal = np.zeros((len(robot.coordinates), len(Phi.columns), len(Phi.columns)))
+    for row, matrix in enumerate(normal):
+        A = Phi.matrix[signals.use[:, row] > 0, row] if row < len(robot.joints) else Phi.matrix[:, row]
+        filled = np.flatnonzero(A.any(axis=0))
+        matrix[np.ix_(filled, filled)] = A[:, filled].T @ A[:, filled]
+    return Balances(signals, Phi.matrix, tuple(Phi.columns), normal)
+
+
+def solved(normal: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """p (P, C) of least norm in scaled columns, and the pseudo-inverse (P, P) of the normal matrix."""
+    scale = np.sqrt(np.diag(normal))
+    scale = np.where(scale > 0, scale, 1.0)
+    values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
+    kept = values > _DETERMINED * max(values[-1], 1e-300)
+    half = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
+    inverse = half @ half.T
+    return inverse @ right, inverse
+
+
+def _moving(robot: Robot, dq: np.ndarray) -> np.ndarray:
+    n = len(robot.joints)
+    speed = np.abs(dq[:, :n])
+    least = np.maximum(robot.processing.dead_zone, _SLOW * np.sqrt(np.mean(speed**2, axis=0)))
+    return (speed > least).astype(float)
+
+
+def _edge(q: np.ndarray, cutoff: float | None, period: float) -> float:
+    """The filter's edge as a share of the Nyquist frequency: well above what the joints' speeds hold."""
+    spectrum = np.square(np.abs(np.fft.rfft(np.diff(q, axis=0), axis=0)))
+    energy = np.cumsum(spectrum.sum(axis=1))
+    highest = float(np.searchsorted(energy, _ENERGY * energy[-1])) / max(len(energy) - 1, 1)
+    edge = float(np.clip(_ABOVE * highest, *_BAND))
+    return edge if cutoff is None else min(edge, 2 * cutoff * period)

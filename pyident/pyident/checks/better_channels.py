@@ -1,0 +1,94 @@
+"""Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.coordinate import torque_of
+from pyident.checks.balances import Balances, Samples, balances, solved
+from pyident.checks.defect import Defect
+from pyident.checks.transformations import Transformation, transformations
+from pyident.rules.log_checks import LOG_CHECKS
+
+_ROWS = 400  # samples on which the many are tried; the best is judged on all
+_JUDGED = 3
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """What one set of parameters leaves of all torques, as a share of their variances, per joint."""
+
+    share: float
+
+    @property
+    def material(self) -> bool:
+        return self.share > LOG_CHECKS.material**2
+
+
+def misfit(of: Balances, torque: np.ndarray | None = None) -> Misfit:
+    """With torques (joints, joints) times the logged ones."""
+    tau = of.torque if torque is None else of.torque @ torque.T
+    joints = [k for k in of.joints if of.variance(k, tau[:, k]) > 0]
+    if not joints:
+        return Misfit(0.0)
+    normal, right, energy = 0.0, 0.0, 0.0
+    for k in joints:
+        variance = of.variance(k, tau[:, k])
+        b, yy = of.right(k, tau[:, k : k + 1])
+        normal, right = normal + of.normal[k] / variance, right + b[:, 0] / variance
+        energy += float(yy[0]) / variance
+    p = solved(np.asarray(normal), np.asarray(right))[0]
+    return Misfit(max(energy - float(np.asarray(right) @ p), 0.0) / len(joints))
+
+
+def better_channels(of: Balances, source: str) -> Iterator[Defect]:
+    """The transformation that explains the log best, where it explains it far better."""
+    if not misfit(of).material:
+        return
+    robot = of.samples.robot
+    few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
+    tried = [
+        (_of(few, change).share, i, change) for i, change in enumerate(transformations(robot, of.samples.q))
+    ]
+    now = misfit(of).share
+    best = [(_of(of.samples, change).share, i, change) for _, i, change in sorted(tried)[:_JUDGED]]
+    left, _, change = min(best)
+    if left < LOG_CHECKS.better * now and now - left > LOG_CHECKS.material**2:
+        gross = left < LOG_CHECKS.far_better * now
+        yield Defect(
+            "gross" if gross else "doubtful",
+            change.kind,
+            change.channel,
+            f"{source}: {change.mend} ({100 * np.sqrt(left):.2g} % of the torques are left instead of "
+            f"{100 * np.sqrt(now):.2g} %)",
+        )
+
+
+def unexplained(of: Balances, source: str) -> Iterator[Defect]:
+    """Torques that no parameters at all connect with the motion."""
+    shares = {
+        k: float(of.left(k, of.torque[:, k : k + 1])[0]) / max(of.variance(k), 1e-300) for k in of.joints
+    }
+    lost = [k for k, share in shares.items() if share > LOG_CHECKS.unexplained]
+    if lost and len(lost) == len(shares):
+        yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
+                                               "torque, "
+                     f"whatever the robot's masses and frictions are; positions and torques are not of the "
+                     "same "
+                     f"recording, or torques were not measured")  # fmt: skip
+        return
+    for k in lost:
+        yield Defect("doubtful", "unrelated", torque_of(k + 1), f"{source}: {100 * shares[k]:.0f} % of "
+                     f"{torque_of(k + 1)} is nothing that its motion explains; check that it is this joint's "
+                     f"torque")  # fmt: skip
+
+
+def _of(samples: Samples, change: Transformation) -> Misfit:
+    moved = samples.moved(change.motion, change.offset) if change.moves else samples
+    return misfit(balances(moved), change.torque)
+
+
+def _every(samples: Samples, step: int) -> Samples:
+    part = {name: getattr(samples, name)[::step] for name in ("at", "q", "dq", "ddq", "use")}
+    return replace(samples, **part)

@@ -1,0 +1,100 @@
+"""Everything that is checked of a log before it is believed, by every command alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from flexmodels.coordinate import motor_of, reference_of
+from flexmodels.robot import Robot
+from pyident.checks.balances import balances, samples
+from pyident.checks.better_channels import better_channels, unexplained
+from pyident.checks.channels import channels
+from pyident.checks.defect import Defect
+from pyident.checks.scale import scale
+from pyident.checks.signs import signs
+from pyident.checks.timing import timing
+from pyident.checks.twists import bends, twists
+from pyident.checks.whole_log import whole_log
+from pyident.estimation.lock_unlogged import locked
+from pyident.logs.disk import LogFile
+from pyident.logs.log import Log, LogError
+
+_WINDOW = 20_000  # rows of a log on disk that are looked at
+_FEWEST = 50  # rows below which nothing can be said
+_BREAKING = ("jump", "wrapped", "stuck", "rows", "rate", "constant", "same", "time")
+
+
+@dataclass(frozen=True)
+class CheckedLogs:
+    """What the checks say of logs; `warnings` are the sentences on all that was not refused."""
+
+    defects: tuple[Defect, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        return tuple(defect.sentence for defect in self.defects)
+
+    def json(self) -> list[dict[str, str]]:
+        return [defect.json() for defect in self.defects]
+
+
+def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) -> CheckedLogs:
+    """The defects of logs. Raises LogError for a gross one unless `force`."""
+    defects = tuple(defect for log in logs for defect in check_log(robot, log))
+    gross = [defect for defect in defects if defect.severity == "gross"]
+    if gross and not force:
+        more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
+        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) takes the log as it is")
+    return CheckedLogs(defects)
+
+
+def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
+    """Defects of one log, gross ones first; none for a sound one.
+
+    Of torques and deformations only what is logged is judged, of a long log on disk its first rows.
+    Raises LogError for a log without positions.
+    """
+    log = _in_memory(robot, log)
+    missing = [motor_of(k) for k, _ in robot.numbered if motor_of(k) not in log.names]
+    if missing:
+        raise LogError(f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; add "
+                       "it, or "
+                       f"map it under [columns] in the robot file")  # fmt: skip
+    if len(log) < _FEWEST:
+        return ()
+    robot, _ = locked(robot, [log])
+    defects = [*whole_log(robot, log), *channels(robot, log)]
+    broken = any(d.severity == "gross" and d.kind in _BREAKING for d in defects)
+    if not broken:
+        defects += _of_the_fit(robot, log)
+    return tuple(sorted(defects, key=lambda defect: defect.severity != "gross"))
+
+
+def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
+    """What a quick fit of the balances says of the channels."""
+    signals = samples(robot, log)
+    if signals is None or not np.isfinite(signals.tau).any():
+        return []
+    try:
+        of = balances(signals)
+    except ValueError:  # a law that needs a signal of its own
+        return []
+    source = log.source
+    order = list(better_channels(of, source))
+    if any(defect.severity == "gross" for defect in order):
+        return order
+    if late := list(timing(of, source)):
+        return [*order, *late, *scale(of, source)]
+    checks = (signs, twists, bends, scale, unexplained)
+    return [*order, *(defect for check in checks for defect in check(of, source))]
+
+
+def _in_memory(robot: Robot, log: Log | LogFile) -> Log:
+    if isinstance(log, Log):
+        return log
+    signals = [*robot.coordinates, *robot.torques, *(reference_of(k) for k, _ in robot.numbered)]
+    names = ["time", *(name for name in signals if name in log.names)]
+    window = next(log.windows(names, _WINDOW, 0))
+    return Log(pd.DataFrame(window.values[window.own], columns=names), log.source, log.notes)

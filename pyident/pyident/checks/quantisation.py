@@ -1,0 +1,56 @@
+"""The step in which a channel comes, and whether it is too coarse for accelerations."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from flexmodels.robot import Robot
+from pyident.checks.defect import Defect
+from pyident.conditioning.weak_form import DERIVATIVES
+from pyident.logs.log import Log
+from pyident.rules.log_checks import LOG_CHECKS
+
+_STANDING = 30  # steps: an axis that moves by less stands still
+
+
+def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
+    """Rounding that makes a good part of the acceleration, without noise that would smooth it."""
+    step = step_of(x)
+    if step == 0 or noise_of(x) > step or np.ptp(x) < _STANDING * step:
+        return
+    plan, T = robot.processing, log.period
+    nyquist = 0.5 / T
+    top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)
+    share = (2 * np.pi) ** 2 * np.sqrt(top**5 / 5 / nyquist)  # rms acceleration per rms of white noise
+    smooth = sosfiltfilt(np.asarray(butter(4, top / nyquist, output="sos")), x[:, None], axis=0)
+    _, _, dde = DERIVATIVES["central"](np.asarray(smooth), T)
+    acceleration = float(np.sqrt(np.mean(dde[20:-20] ** 2)))
+    rounding = step / np.sqrt(12) * share
+    if rounding > LOG_CHECKS.coarse * acceleration:
+        percent = 100 * min(rounding / max(acceleration, 1e-300), 1)
+        yield Defect("doubtful", "coarse", name, f"{log.source}: {name} comes in steps of {step:.3g}, which "
+                                                 "make "
+                     f"some {percent:.0f} % of its acceleration; lower processing.cutoff in the robot file "
+                     "or "
+                     f"record with a finer resolution")  # fmt: skip
+
+
+def step_of(x: np.ndarray) -> float:
+    """The step in which a channel is quantised, 0: none."""
+    values = np.unique(x)
+    if len(values) < 3:
+        return 0.0
+    gaps = np.diff(values)
+    tiny = 1e-9 * float(np.abs(values).max())
+    real = np.sort(gaps[gaps > tiny])
+    if not len(real):
+        return 0.0
+    step = float(np.median(real[: max(3, len(real) // 100)]))
+    off = np.abs(gaps / step - np.round(gaps / step))
+    return step if np.mean(off < 0.05) > 0.95 and np.median(np.round(gaps / step)) < 50 else 0.0
+
+
+def noise_of(x: np.ndarray) -> float:
+    """Standard deviation of a channel's white noise, from its sixth differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(x, 6))) / np.sqrt(924))

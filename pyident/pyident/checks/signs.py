@@ -1,0 +1,82 @@
+"""Friction that would feed energy in, inertia or stiffness below zero: a channel has the wrong sign."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexmodels.coordinate import motor_of, torque_of
+from flexmodels.joint import parameter_name
+from pyident.checks.balances import Balances, solved
+from pyident.checks.defect import Defect
+from pyident.conditioning.motion import Motion
+from pyident.regression.regressor import regressor
+from pyident.rules.log_checks import LOG_CHECKS
+
+_POSES = 6  # of the log at which a joint's inertia is looked at
+_COLOURED = 2.0  # times the standard deviation of white residuals that neighbouring samples leave
+_ESTIMABLE = 1e-3  # of a combination of parameters that the samples may leave open
+
+
+def signs(of: Balances, source: str) -> Iterator[Defect]:
+    """One defect per joint whose torque acts against its motion."""
+    for k in of.joints:
+        if (reason := _against(of, k)) is not None:
+            yield Defect(
+                "gross",
+                "sign",
+                torque_of(k + 1),
+                f"{source}: {torque_of(k + 1)} has the wrong sign against {motor_of(k + 1)}: {reason}; give "
+                f"one of the two columns the sign -1 in the mapping, or check the order of the rows",
+            )
+
+
+def _against(of: Balances, k: int) -> str | None:
+    b, yy = of.right(k, of.torque[:, k : k + 1])
+    p, inverse = solved(of.normal[k], b)
+    used = of.samples.use[:, k] > 0
+    variance = max(float(yy[0] - b[:, 0] @ p[:, 0]), 1e-12 * yy[0]) / max(used.sum() - len(p) / 2, 1)
+    torque = np.sqrt(yy[0] / used.sum())
+
+    def negative(row: np.ndarray, least: float) -> bool:
+        if not row.any() or not _estimable(of.normal[k], inverse, row):
+            return False
+        value = float(row @ p[:, 0])
+        std = _COLOURED * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
+        return value < -LOG_CHECKS.sure * std and value < -least
+
+    de, dde = of.samples.dq[used, k], of.samples.ddq[used, k]
+    power = float(np.mean(np.abs(of.torque[used, k] * de)))
+    if negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
+        return "friction would feed energy in"
+    least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
+    return "its inertia would be negative" if negative(_inertia(of, k), least) else None
+
+
+def _estimable(normal: np.ndarray, inverse: np.ndarray, row: np.ndarray) -> bool:
+    scale = np.sqrt(np.diag(normal))
+    inside = np.where(scale > 0, row / np.where(scale > 0, scale, 1.0), 0.0)
+    back = (normal @ (inverse @ row)) / np.where(scale > 0, scale, 1.0)
+    absent = bool((row[scale == 0] != 0).any())
+    return not absent and float(np.linalg.norm(back - inside)) <= _ESTIMABLE * float(np.linalg.norm(inside))
+
+
+def _friction(of: Balances, k: int, de: np.ndarray) -> np.ndarray:
+    """(P,) mean power that dry and viscous friction of joint k take, per unit."""
+    row = np.zeros(len(of.columns))
+    for effect, power in (("coulomb", np.abs(de)), ("viscous", de**2)):
+        name = parameter_name(k + 1, effect, effect)
+        if name in of.columns:
+            row[of.columns.index(name)] = np.mean(power)
+    return row
+
+
+def _inertia(of: Balances, k: int) -> np.ndarray:
+    """(P,) joint k's element of the mass matrix, mean over some poses, per unit of the parameters."""
+    signals = of.samples
+    at = np.linspace(0, len(signals.q) - 1, _POSES).astype(int)
+    rest, ddq = np.zeros((2 * _POSES, signals.q.shape[1])), np.zeros((2 * _POSES, signals.q.shape[1]))
+    ddq[:_POSES, k] = 1.0
+    tau = np.zeros((2 * _POSES, len(signals.robot.joints)))
+    motion = Motion(np.tile(signals.q[at], (2, 1)), rest, ddq, tau, np.arange(2.0 * _POSES))
+    rows = regressor(signals.robot, motion).matrix[:, k]
+    return (rows[:_POSES] - rows[_POSES:]).mean(axis=0)

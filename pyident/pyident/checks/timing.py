@@ -1,0 +1,76 @@
+"""Torques that belong to another instant than the motion beside them, or come from a clock that drifts."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexmodels.coordinate import torque_of
+from pyident.checks.balances import Balances
+from pyident.checks.defect import Defect
+from pyident.rules.log_checks import LOG_CHECKS
+
+_LONGEST = 0.15  # [s] that is looked for, either way
+_MOST = 60  # samples
+_FINE = 9  # half samples on either side that are looked at first
+_DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
+
+
+def timing(of: Balances, source: str) -> Iterator[Defect]:
+    """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
+    late = [delay for k in of.joints if (delay := _delay(of, k, source)) is not None]
+    if len(late) < len(of.joints) or not late:
+        yield from late or _drift(of, source)
+        return
+    yield from late
+
+
+def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
+    """What the balance of joint k leaves of its torque moved back by each of `shifts` samples, over its
+    variance."""
+    torques = np.column_stack([of.samples.shifted(k, float(s)) for s in shifts])
+    return of.left(k, torques) / max(of.variance(k), 1e-300)
+
+
+def _delay(of: Balances, k: int, source: str) -> Defect | None:
+    T = of.samples.period
+    most = min(_MOST, max(4, round(_LONGEST / T)))
+    shifts = np.unique(np.concatenate([np.arange(-_FINE, _FINE + 1) / 2, np.arange(-most, most + 1)]))
+    left = energies(of, k, shifts)
+    best, now = int(np.argmin(left)), float(left[shifts == 0][0])
+    shift = float(shifts[best])
+    inside = 0 < best < len(shifts) - 1
+    material = now - left[best] > LOG_CHECKS.delay_material**2
+    if not inside or abs(shift) < LOG_CHECKS.delay or not material or left[best] > LOG_CHECKS.better * now:
+        return None
+    gross = abs(shift) * T >= LOG_CHECKS.delay_gross and left[best] < LOG_CHECKS.far_better * now
+    way = "late" if shift > 0 else "early"
+    return Defect(
+        "gross" if gross else "doubtful",
+        "delay",
+        torque_of(k + 1),
+        f"{source}: {torque_of(k + 1)} is {abs(shift):g} samples ({1e3 * abs(shift) * T:.3g} ms) {way}: "
+        f"moved back it leaves {100 * left[best] / now:.0f} % of the residual; give its column a delay in "
+        f"the mapping, or look for a slow current loop (effect torque_delay)",
+    )
+
+
+def _drift(of: Balances, source: str) -> Iterator[Defect]:
+    """All torques on a clock that runs faster or slower than the motion's."""
+    along = np.linspace(-0.5, 0.5, len(of.samples.at))
+    now, gain = 0.0, np.zeros(len(_DRIFTS))
+    for k in of.joints:
+        variance = max(of.variance(k), 1e-300)
+        torques = np.column_stack([of.samples.shifted(k, d * along) for d in _DRIFTS])
+        now += float(of.left(k, of.torque[:, k : k + 1])[0]) / variance
+        gain += of.left(k, torques) / variance
+    best = int(np.argmin(gain))
+    material = now - gain[best] > len(of.joints) * LOG_CHECKS.delay_material**2
+    if material and gain[best] < LOG_CHECKS.better * now:
+        yield Defect(
+            "doubtful",
+            "drift",
+            "",
+            f"{source}: the torques' clock gains some {abs(_DRIFTS[best])} samples on the positions' over "
+            "the "
+            f"log; record both with one clock, or resample one of them",
+        )

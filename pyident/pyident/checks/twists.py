@@ -1,0 +1,93 @@
+"""Deformations in another sign, unit or order, from the motors' own balance and from that of the links."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexmodels.coordinate import deformation_of, of_joint
+from flexmodels.joint import parameter_name
+from pyident.checks.balances import Balances, solved
+from pyident.checks.defect import Defect
+from pyident.rules.log_checks import LOG_CHECKS
+
+_COLOURED = 2.0  # times the standard deviation of white residuals
+
+
+def twists(of: Balances, source: str) -> Iterator[Defect]:
+    """Of every motor that turns against a flexible hinge: τ = J_m ë + friction − k ε − d ε̇."""
+    robot = of.samples.robot
+    flexible = [k for k in of.joints if robot.joints[k].flexible]
+    angle = {k: of.samples.q[:, robot.coordinates.index(deformation_of(k + 1))] for k in flexible}
+    for k in flexible:
+        if (defect := _judged(of, k, angle, source)) is not None:
+            yield defect
+
+
+def _judged(of: Balances, k: int, angle: dict[int, np.ndarray], source: str) -> Defect | None:
+    """What is wrong with the twist of joint k (from 0), of all those that were logged."""
+    name = deformation_of(k + 1)
+    stiffness, std, left = _spring(of, k, angle[k])
+    if stiffness < -LOG_CHECKS.sure * std:
+        return _negative(source, name)
+    if left > LOG_CHECKS.material**2:
+        as_link = _spring(of, k, angle[k] - of.samples.q[:, k])[2]
+        others = {j: _spring(of, k, twist)[2] for j, twist in angle.items() if j != k}
+        other = min(others, key=lambda j: others[j], default=k)
+        if as_link < LOG_CHECKS.far_better * left:
+            link = of_joint(k + 1, "link")
+            text = f"looks like the link's angle and not like the twist; map it to {link}"
+            return Defect("gross", "kind", name, f"{source}: {name} {text}")
+        if others and others[other] < LOG_CHECKS.better * left:
+            text = (
+                f"fits joint {k + 1} worse than {deformation_of(other + 1)} does; check the order of columns"
+            )
+            return Defect("gross", "order", name, f"{source}: {name} {text}")
+    nominal = of.samples.robot.parameters.get(parameter_name(k + 1, "stiffness", "k[1]"), 0.0)
+    if nominal <= 0 or stiffness < LOG_CHECKS.sure * std or stiffness <= 0:
+        return None
+    factor = stiffness / nominal
+    size = max(factor, 1 / factor)
+    if size < LOG_CHECKS.stiffness_doubtful:
+        return None
+    text = (
+        f"gives a stiffness {factor:.3g} times the robot file's; check its unit (rad) and that of the torque"
+    )
+    severity = "gross" if size > LOG_CHECKS.stiffness_gross else "doubtful"
+    return Defect(severity, "unit", name, f"{source}: {name} {text}")
+
+
+def bends(of: Balances, source: str) -> Iterator[Defect]:
+    """Bending that would push the wrong way in the balances of motors and links together."""
+    robot = of.samples.robot
+    bending = [c for c in robot.q if c.side == "link"]
+    if not bending or len(of.joints) < len(robot.joints):
+        return
+    variance = [max(of.variance(k), 1e-300) for k in range(len(robot.joints))]
+    normal = sum(of.normal[row] / variance[c.joint - 1] for row, c in enumerate(robot.q))
+    right = sum(of.right(k, of.torque[:, k : k + 1])[0] / variance[k] for k in of.joints)
+    p, inverse = solved(np.asarray(normal), np.asarray(right))
+    energy = max(len(of.joints) - float(np.asarray(right)[:, 0] @ p[:, 0]), 1e-9)
+    spread = energy / (len(of.Phi) * len(robot.q))
+    for c in bending:
+        at = of.columns.index(str(c.stiffness))
+        std = _COLOURED * float(np.sqrt(max(inverse[at, at], 0.0) * spread))
+        if p[at, 0] < -LOG_CHECKS.sure * std:
+            yield _negative(source, c.name)
+
+
+def _negative(source: str, name: str) -> Defect:
+    text = "has the wrong sign: the joint would be of negative stiffness; give its column the sign -1"
+    return Defect("gross", "sign", name, f"{source}: {name} {text}")
+
+
+def _spring(of: Balances, k: int, twist: np.ndarray) -> tuple[float, float, float]:
+    """Stiffness, its standard deviation and the share of the torque's variance that motor k leaves."""
+    signals, used = of.samples, of.samples.use[:, k] > 0
+    de, dde = signals.dq[:, k], signals.ddq[:, k]
+    rate = np.gradient(twist, signals.at * signals.period)
+    columns = np.column_stack([-twist, -rate, dde, np.sign(de), de, np.ones(len(de))])[used]
+    y = of.torque[used, k]
+    p, inverse = solved(columns.T @ columns, columns.T @ y)
+    energy = float(np.square(y - columns @ p).sum())
+    std = _COLOURED * np.sqrt(max(inverse[0, 0] * energy / max(len(y) - 6, 1), 0.0))
+    return float(p[0]), float(std), energy / max(of.variance(k), 1e-300)

@@ -1,0 +1,77 @@
+"""`pyident simulate` and `pyident export`: robots as FMUs."""
+
+import click
+
+import pyident as pi
+from pyident.cli.outputs import FMU, LOG
+from pyident.cli.shared import (
+    console,
+    effects_option,
+    json_option,
+    output_option,
+    progress_bar,
+    reported,
+    set_option,
+    show,
+    write_json,
+)
+
+
+@click.command()
+@click.argument("model")
+@output_option(FMU)
+@effects_option
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
+@click.option(
+    "--platforms",
+    type=click.Choice(["host", "all"]),
+    default="host",
+    show_default=True,
+    help="This machine's binary, or Linux, Windows and macOS in one file.",
+)
+@set_option
+@json_option
+@reported
+def export(
+    model: str, output: str, fmi: str, platforms: str, parameters: dict[str, float], json_file: str | None
+) -> None:
+    """Write MODEL as an FMU for model exchange and co-simulation.
+
+    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
+
+    Example: pyident export four_link -o arm.fmu --fmi 3
+    """
+    robot = pi.load_robot(model)
+    with console.status("generating and compiling"):
+        path = pi.export_fmu(robot, output, int(fmi), platforms=platforms, parameters=parameters)  # pyright: ignore
+    show(f"wrote {path}")
+    kind = "ssp" if output.endswith(".ssp") else "fmu"
+    write_json(json_file, {kind: str(path), "parameters": robot.parameters | parameters})
+
+
+@click.command()
+@click.argument("model")
+@click.option(
+    "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
+)
+@output_option(LOG)
+@effects_option
+@set_option
+@json_option
+@reported
+def simulate(
+    model: str, experiment: str, output: str, parameters: dict[str, float], json_file: str | None
+) -> None:
+    """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
+
+    MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
+    experiment is then a file.
+
+    Example: pyident simulate four_link --experiment identification -o log.parquet
+    """
+    with progress_bar(f"simulating {model}") as progress:
+        log = pi.simulate(model, experiment, parameters=parameters, progress=progress)
+    pi.write_log(log, output)
+    duration = log.period * (len(log) - 1)
+    show(f"wrote {output}: {len(log)} samples, {duration:g} s")
+    write_json(json_file, {"log": output, "samples": len(log), "duration_s": duration})

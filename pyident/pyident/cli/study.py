@@ -1,0 +1,100 @@
+"""`pyident study` and `pyident sweep`: many runs."""
+
+import sys
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+import pyident as pi
+from flexmodels.robot import RobotError
+from pyident.cli.outputs import OutputFolder
+from pyident.cli.shared import (
+    console,
+    effects_option,
+    json_option,
+    progress_bar,
+    reported,
+    set_option,
+    show,
+    write_json,
+)
+from pyident.simulation.workers import scheduler_configured
+from pyident.sweep.plan import load_study_plan
+from pyident.sweep.studies import find_study, study_names
+from pyident.sweep.summary import failures, summary
+
+scheduler_option = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="NAME...")
+@click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
+@scheduler_option
+@json_option
+@reported
+def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file: str | None) -> None:
+    """Run studies and print one table. Example: pyident study paper -o out"""
+    chosen = [(name, find_study(name)) for name in names]
+    for name, run in chosen:
+        if run is None:
+            raise RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
+    table = Table("study", "what", "value", "goal", "met")
+    figures, rows = [], []
+    for name, run in chosen:
+        assert run is not None
+        folder = Path(output) / name
+        folder.mkdir(parents=True, exist_ok=True)
+        with scheduler_configured(scheduler), progress_bar(name) as progress:
+            result = run(folder, progress)
+        figures += result.figures
+        rows += [{"study": name} | row for row in result.rows]
+        for note in result.notes:
+            show(f"{name}: {note}")
+    for row in rows:
+        table.add_row(*(str(row[key]) for key in ("study", "what", "value", "goal", "met")))
+    console.print(table)
+    for figure in figures:
+        show(f"wrote {figure}")
+    write_json(json_file, rows)
+    if any(row["met"] == "no" for row in rows):
+        sys.exit(1)
+
+
+@click.command()
+@click.argument("plan", type=click.Path(exists=True, dir_okay=False))
+@click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
+@effects_option
+@scheduler_option
+@click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
+@set_option
+@json_option
+@reported
+def sweep(
+    plan: str,
+    output: str,
+    scheduler: str | None,
+    workers: int | None,
+    parameters: dict[str, float],
+    json_file: str | None,
+) -> None:
+    """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
+
+    The same call goes on after an interrupt.
+
+    Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
+    """
+    read = load_study_plan(plan, parameters)
+    with progress_bar(f"{len(read.design)} runs") as progress:
+        found = pi.parameter_study(
+            plan, output, parameters=parameters, scheduler=scheduler, workers=workers, progress=progress
+        )
+    described = summary(found, read.ranges)
+    table = Table("result", *described.columns)
+    for name, values in described.iterrows():
+        table.add_row(str(name), *(f"{v:.4g}" for v in values))
+    console.print(table)
+    for sentence in failures(found):
+        show(sentence)
+    show(f"wrote {output}/results.parquet: {len(found)} runs")
+    write_json(json_file, {"runs": len(found), "results": described.to_dict("index")})

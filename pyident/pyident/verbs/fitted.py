@@ -1,0 +1,91 @@
+"""What `identify` and `refine` return."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pyident.verbs.result import Result
+from pyident.verbs.text import Text, table, wrapped
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from flexmodels.robot import Robot
+    from pyident.estimation.identify import Identified
+
+_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
+
+
+@dataclass(frozen=True, repr=False)
+class Fit(Result):
+    """A robot with parameters that follow from logs.
+
+    identified  solution, its support by the data, base parameters
+    notes       what was done to logs and robot, a sentence each
+    """
+
+    identified: "Identified"
+    notes: tuple[str, ...]
+
+    @property
+    def robot(self) -> "Robot":
+        """The robot with its new, physically consistent parameters."""
+        return self.identified.robot
+
+    def save(self, path: str | Path) -> Path:
+        """Write the robot file. Raises RobotError."""
+        from flexmodels.files.robot_file import save_robot
+
+        save_robot(self.robot, path)
+        return Path(path)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per parameter: value, std, unit, and whether the data tell it alone."""
+        import pandas as pd
+
+        rows = self.to_dict()["parameters"]
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("parameter")
+
+    def base_frame(self) -> "pd.DataFrame":
+        """A row per base parameter, the combinations that the data determine: value, std, unit."""
+        import pandas as pd
+
+        units = self.robot.units
+        rows = [(b.expression, b.value, b.std, units[b.terms[0][1]]) for b in self.identified.base]
+        return pd.DataFrame(rows, columns=["expression", "value", "std", "unit"]).set_index("expression")
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.identified.json() | {"notes": list(self.notes)}
+
+    def headline(self) -> str:
+        found = self.identified
+        return (
+            f"{self.robot.name}, {len(found.reduced.columns)} parameters, rank {found.solution.rank}, "
+            f"relative torque error {found.relative_error['all']:.3g} %"
+        )
+
+    def summary(self) -> Text:
+        from pyident.estimation.base_parameters import weakest_directions
+
+        found, units = self.identified, self.robot.units
+        rows = [
+            (f"{b.value:.6g}", f"{_CONFIDENCE * b.std:.2g}", units[b.terms[0][1]], b.expression)
+            for b in found.base
+        ]
+        heads = ("value", "± 95 %", "unit", "base parameter")
+        weak = weakest_directions(found.reduced, found.solution)
+        lines = [f"{len(found.reduced.columns)} parameters, rank {found.solution.rank}"]
+        lines += [wrapped(f"  {sentence}", "    ") for sentence in weak]
+        return Text("\n".join([table(heads, rows, numbers=(0, 1)), *lines, *self._errors()]))
+
+    def _errors(self) -> list[str]:
+        written = self.identified.model_error
+        what = "of the least-squares solution" if written else "of the regression"
+        lines = [f"relative torque error {what}: {_percentages(self.identified.relative_error)}"]
+        if written:
+            lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
+        return [wrapped(line, "  ") for line in lines]
+
+
+def _percentages(errors: dict[str, float]) -> str:
+    return ", ".join(f"{joint} {error:.4g} %" for joint, error in errors.items())

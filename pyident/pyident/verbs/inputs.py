@@ -1,0 +1,131 @@
+"""What a caller gives: a model and logs in any of their forms; every verb reads both here."""
+
+from collections.abc import Mapping as Named
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+from flexmodels.files.robot_file import load_robot
+from flexmodels.robot import Robot, RobotError
+from pyident.estimation.lock_unlogged import locked
+from pyident.logs.disk import LogFile
+from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
+from pyident.logs.log import Log, LogError, check, renamed
+from pyident.logs.log import read_log as read_plain
+from pyident.logs.mapping import Mapping, read_mapping
+
+Model = Robot | str | Path
+Data = Log | LogFile | pd.DataFrame | str | Path
+Logs = Data | Sequence[Data]
+Columns = Mapping | str | Path
+
+
+@dataclass(frozen=True)
+class Given:
+    """A robot as far as its logs can tell of it, the logs, those held out, and notes on all of them."""
+
+    robot: Robot
+    logs: tuple[Log, ...]
+    heldout: tuple[Log, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Opened:
+    """The same for a regression, which reads long logs from disk, window by window."""
+
+    robot: Robot
+    logs: tuple[Log | LogFile, ...]
+    notes: tuple[str, ...]
+
+
+def read_log(
+    path: str | Path,
+    robot: Model | None = None,
+    mapping: Columns | None = None,
+    *,
+    allow_effects: bool = False,
+) -> Log:
+    """Read a log (CSV, Parquet, MAT; others through a mapping) under our names and in SI units.
+
+    robot     whose [columns] name the file's columns and whose transmission refers motors to joints
+    mapping   names, units and signs of the columns (a Mapping or its file)
+    Raises LogError, RobotError.
+    """
+    columns = _mapping(mapping)
+    if robot is not None:
+        return robot_log(path, robot_of(robot, allow_effects=allow_effects), columns)
+    return import_log([path], columns) if columns else read_plain(path)
+
+
+def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_effects: bool = False) -> Robot:
+    """A robot, a shipped name or a file, with some parameters set to other values. Raises RobotError."""
+    robot = model if isinstance(model, Robot) else load_robot(model, allow_effects)
+    return robot.with_parameters(parameters, robot.name) if parameters else robot
+
+
+def simulable(robot: Robot) -> Robot:
+    """The robot itself. Raises RobotError where it has no controller."""
+    if robot.controller is None:
+        raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
+    return robot
+
+
+def given(robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = ()) -> Given:
+    """Read logs into memory and lock the hinges that they say nothing of. Raises LogError."""
+    columns = _mapping(mapping)
+    fitted = [_in_memory(log, robot, columns) for log in _listed(logs)]
+    unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
+    if not fitted:
+        raise LogError("there is no log; give one or more")
+    robot, notes = _reduced(robot, [*fitted, *unseen])
+    return Given(robot, tuple(fitted), tuple(unseen), notes)
+
+
+def opened(robot: Robot, logs: Logs, mapping: Columns | None = None) -> Opened:
+    """Open logs and lock the hinges that they say nothing of; long ones stay on disk. Raises LogError."""
+    columns = _mapping(mapping)
+    read = [_on_disk(log, robot, columns) for log in _listed(logs)]
+    if not read:
+        raise LogError("there is no log; give one or more")
+    robot, notes = _reduced(robot, read)
+    return Opened(robot, tuple(read), notes)
+
+
+def _reduced(robot: Robot, logs: Sequence[Log | LogFile]) -> tuple[Robot, tuple[str, ...]]:
+    robot, notes = locked(robot, logs)
+    return robot, (*(note for log in logs for note in log.notes), *notes)
+
+
+def _mapping(mapping: Columns | None) -> Mapping | None:
+    return mapping if mapping is None or isinstance(mapping, Mapping) else read_mapping(mapping)
+
+
+def _listed(logs: Logs) -> list[Data]:
+    return [logs] if isinstance(logs, Log | LogFile | pd.DataFrame | str | Path) else list(logs)
+
+
+def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:
+    if isinstance(log, str | Path):
+        return robot_log(log, robot, mapping)
+    if isinstance(log, LogFile):
+        return robot_log(log.path, robot, mapping)
+    if isinstance(log, pd.DataFrame):
+        log = Log(log, "the data frame")
+    if mapping is not None and not set(mapping.signals) <= set(log.names):
+        return map_frame(log.frame, mapping, log.source, robot)
+    frame = renamed(log.frame, robot.columns, log.source)
+    check(frame, log.source)
+    return replace(log, frame=at_joints(frame.reset_index(drop=True), robot, log.source))
+
+
+def _on_disk(log: Data, robot: Robot, mapping: Mapping | None) -> Log | LogFile:
+    if isinstance(log, LogFile) and mapping is None:
+        return log
+    return (
+        open_robot_log(log, robot, mapping)
+        if isinstance(log, str | Path)
+        else _in_memory(log, robot, mapping)
+    )

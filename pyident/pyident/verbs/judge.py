@@ -1,0 +1,80 @@
+"""Models against logs: where they fail, which effect is missing, whether an added one is borne out."""
+
+from collections.abc import Callable, Mapping
+
+from pyident.comparison.compare import compare as compared
+from pyident.diagnosis.diagnose import diagnose as diagnosed
+from pyident.extension.add_effect import add_effect as extended
+from pyident.extension.add_effect import split
+from pyident.simulation.fmu_runs import FmuRuns, RivalRuns
+from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
+from pyident.verbs.judged import Added, Compared, Diagnosed
+
+Progress = Callable[[float], None]
+
+
+def compare(
+    model: Model,
+    logs: Logs,
+    *,
+    mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> Compared:
+    """Where an identified model fails on logs, beside the floor that the method leaves on replicas of it.
+
+    model, logs, mapping   as in `identify`
+    parameters             values that replace the model's own, by name, in SI units
+    Raises RobotError, LogError, SimulationError, BuildError.
+    """
+    read = given(robot_of(model, parameters, allow_effects), logs, mapping)
+    return Compared(compared(read.robot, read.logs, FmuRuns, progress or _silent), read.notes)
+
+
+def diagnose(
+    model: Model,
+    logs: Logs,
+    *,
+    heldout: Logs = (),
+    mapping: Columns | None = None,
+    draft: bool = False,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> Diagnosed:
+    """Which effect a model lacks in its logs; its own dynamic parameters are never used.
+
+    model, logs, mapping   as in `identify`
+    heldout   logs to judge on; none: the last of several, or the last third of the only one
+    draft     look for a formula where no law explains the residual (needs flexident[symbolic])
+    Raises RobotError, LogError, BuildError.
+    """
+    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout)
+    parts = split(read.logs, read.heldout)
+    found = diagnosed(read.robot, parts.fitted, FmuRuns, RivalRuns, parts.unseen, progress or _silent, draft)
+    return Diagnosed(found, (*read.notes, *found.notes))
+
+
+def add_effect(
+    model: Model,
+    effect: str,
+    joint: int,
+    logs: Logs,
+    *,
+    heldout: Logs = (),
+    mapping: Columns | None = None,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> Added:
+    """The model with one more effect at `joint` (from 1), fitted, and judged on data that were held out.
+
+    heldout   as in `diagnose`; the others as in `identify`
+    Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
+    """
+    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout)
+    found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
+    return Added(found, read.notes)
+
+
+def _silent(_: float) -> None:
+    """Progress that nobody asked for."""

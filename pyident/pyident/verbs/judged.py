@@ -1,0 +1,220 @@
+"""What `compare`, `diagnose` and `add_effect` return."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pyident.verbs.result import Result
+from pyident.verbs.text import Text, table, wrapped
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from flexmodels.robot import Robot
+    from pyident.comparison.compare import Comparison
+    from pyident.diagnosis.result import Diagnosis
+    from pyident.extension.add_effect import Extended
+
+_SHOWN = 4  # names in a line
+
+
+@dataclass(frozen=True, repr=False)
+class Compared(Result):
+    """Where a model fails on logs, and how much beside the method's own floor."""
+
+    comparison: "Comparison"
+    notes: tuple[str, ...]
+
+    def headline(self) -> str:
+        return self.comparison.sentence
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.comparison.json() | {"notes": list(self.notes)}
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per log, kind and signal: rmse with its unit, that of the signal, and over the floor."""
+        import pandas as pd
+
+        rows = [
+            (log.log, kind, name, e.rmse, e.unit, e.nrmse_percent, e.floor_percent, e.ratio)
+            for log in self.comparison.logs
+            for kind in ("equations", "simulation")
+            for name, e in getattr(log, kind).items()
+        ]
+        heads = ["log", "kind", "signal", "rmse", "unit", "nrmse_percent", "floor_percent", "over_floor"]
+        return pd.DataFrame(rows, columns=heads).set_index(["log", "kind", "signal"])
+
+    def summary(self) -> Text:
+        return side_by_side([self.comparison.robot], [self])
+
+    def plot(self) -> "Figure":
+        """Every signal's error over its floor, a panel per log."""
+        from pyident.verbs.plots import over_floor
+
+        return over_floor(
+            {log.log: [(name, e.ratio) for name, e in _told(log)] for log in self.comparison.logs}
+        )
+
+    def save(self, path: str | Path, model: str = "") -> Path:
+        """Write the page (HTML)."""
+        from pyident.report.comparison import write_comparison
+
+        return write_comparison(Path(path), [model or self.comparison.robot], [self.comparison])
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosed(Result):
+    """Which effect a model lacks: names, names that cannot be told apart, none that is known, or nothing."""
+
+    diagnosis: "Diagnosis"
+    notes: tuple[str, ...]
+
+    @property
+    def verdict(self) -> str:
+        """nothing_detectable, missing_effect, unexplained or cannot_tell."""
+        return self.diagnosis.verdict
+
+    def headline(self) -> str:
+        return self.diagnosis.sentence
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.diagnosis.json() | {"notes": list(self.notes)}
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per effect that a finding names."""
+        import pandas as pd
+
+        rows = [
+            (i, n.effect, n.joint, f.p_value, f.share_percent, f.heldout_gain_percent)
+            for i, f in enumerate(self.diagnosis.findings, start=1)
+            for n in f.tie
+        ]
+        heads = ["finding", "effect", "joint", "p_value", "share_percent", "heldout_gain_percent"]
+        return pd.DataFrame(rows, columns=heads).set_index("finding")
+
+    def summary(self) -> Text:
+        d = self.diagnosis
+        lines = [wrapped(self.headline())]
+        if d.findings:
+            heads = ("finding", "share of excess", "held out", "parameters")
+            lines.append(table(heads, [_row(f) for f in d.findings], numbers=(1, 2)))
+        lines += [wrapped(s, "  ") for s in d.depends_on]
+        lines += [wrapped(f"to separate: {f.experiment}", "  ") for f in d.findings if f.experiment]
+        hidden = [f"{x.effect} at {x.joint}" for x in d.limits if x.reason]
+        if hidden:
+            more = f" and {len(hidden) - _SHOWN} more" if len(hidden) > _SHOWN else ""
+            where = "the page says why, and which motion would"
+            lines.append(wrapped(f"these logs cannot show {', '.join(hidden[:_SHOWN])}{more}; {where}", "  "))
+        return Text("\n".join(lines))
+
+    def plot(self) -> "Figure":
+        """Every equation's residual over the floor, per band of frequency."""
+        from pyident.verbs.plots import heat_map
+
+        return heat_map(self.diagnosis.rows)
+
+    def save(self, path: str | Path, model: str = "") -> Path:
+        """Write the page (HTML)."""
+        from pyident.report.diagnosis_page import write_diagnosis
+
+        return write_diagnosis(self.diagnosis, path, model)
+
+
+@dataclass(frozen=True, repr=False)
+class Added(Result):
+    """A robot with one more effect, and whether held-out data bear it out."""
+
+    extended: "Extended"
+    notes: tuple[str, ...]
+
+    @property
+    def robot(self) -> "Robot":
+        """The robot with the effect, fitted; also where it is refused."""
+        return self.extended.robot
+
+    @property
+    def accepted(self) -> bool:
+        return self.extended.accepted
+
+    def headline(self) -> str:
+        return self.extended.reason or f"{self.robot.name}: held-out data are met better"
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.extended.json() | {"notes": list(self.notes)}
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per error on held-out data: before, after, floor and unit."""
+        import pandas as pd
+
+        rows = [(s.name, s.before, s.after, s.floor, s.unit) for s in self.extended.waterfall]
+        heads = ["error", "before", "after", "floor", "unit"]
+        return pd.DataFrame(rows, columns=heads).set_index("error")
+
+    def summary(self) -> Text:
+        heads = ("error on held-out data", "before", "after", "floor", "unit")
+        rows = [
+            (s.name, f"{s.before:.3g}", f"{s.after:.3g}", f"{s.floor:.3g}", s.unit)
+            for s in self.extended.waterfall
+        ]
+        values = [
+            f"{name} = {p['value']:.5g} {p['unit']}" for name, p in self.extended.json()["parameters"].items()
+        ]
+        return Text("\n".join([table(heads, rows, numbers=(1, 2, 3)), *values, wrapped(self.headline())]))
+
+    def save(self, path: str | Path) -> Path:
+        """Write the robot file. Raises RobotError where the effect was refused."""
+        from flexmodels.files.robot_file import save_robot
+        from flexmodels.robot import RobotError
+
+        if not self.accepted:
+            raise RobotError(f"{path} is not written: {self.extended.reason}")
+        save_robot(self.robot, path)
+        return Path(path)
+
+
+def side_by_side(models: Sequence[str], found: Sequence[Compared]) -> Text:
+    """One or several models on the same logs, a column each."""
+    several = len(found) > 1
+    parts = [
+        wrapped(f"{m}: {c.headline()}" if several else c.headline())
+        for m, c in zip(models, found, strict=True)
+    ]
+    heads = ["signal", "unit"]
+    for number in range(len(found)):
+        model = f" {number + 1}" if several else ""
+        heads += [f"rmse{model}", f"% of signal{model}", f"x floor{model}"]
+    heads.append("floor %")
+    for i, log in enumerate(found[0].comparison.logs):
+        rows = []
+        for per_model in zip(*(_told(c.comparison.logs[i]) for c in found), strict=True):
+            (name, error), errors = per_model[0], [e for _, e in per_model]
+            cells = [f"{v:.3g}" for e in errors for v in (e.rmse, e.nrmse_percent, e.ratio)]
+            rows.append([name, error.unit, *cells, f"{errors[-1].floor_percent:.3g}"])
+        parts.append(table(heads, rows, title=log.log, numbers=range(2, len(heads))))
+    return Text("\n".join(parts))
+
+
+def _told(log: Any) -> list[tuple[str, Any]]:
+    """Every error of a log under a name that says what it is of."""
+    return [(f"equation {n}", e) for n, e in log.equations.items()] + [
+        (f"simulated {n}", e) for n, e in log.simulation.items()
+    ]
+
+
+def _row(finding: Any) -> tuple[str, str, str, str]:
+    best = finding.tie[0]
+    held = "-" if finding.heldout_gain_percent is None else f"{finding.heldout_gain_percent:.0f} %"
+    values = ", ".join(_value(best, name) for name in best.values)
+    names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
+    return names, f"{finding.share_percent:.0f} %", held, values
+
+
+def _value(named: Any, parameter: str) -> str:
+    std = named.std[parameter]
+    if std == float("inf") and parameter not in named.nonlinear:
+        return f"{parameter} not determined by itself"
+    spread = f" ± {std:.2g}" if std != float("inf") else ""
+    unit = "" if named.units[parameter] == "1" else f" {named.units[parameter]}"
+    return f"{parameter} = {named.values[parameter]:.4g}{spread}{unit}"

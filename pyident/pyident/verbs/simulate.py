@@ -1,0 +1,112 @@
+"""Robots as FMUs: a log of one, the file itself, and many runs with other parameters."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from flexfmu.build import BuildError
+from flexfmu.build import export_fmu as build
+from flexfmu.simulate import LoadedFmu
+from flexmodels.inputs import Experiment
+from flexmodels.mechanics.plant import equations
+from pyident.logs.log import Log
+from pyident.simulation.fmu_runs import simulate_robot
+from pyident.simulation.references import load_experiment, read_experiment
+from pyident.verbs.inputs import Model, robot_of, simulable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Progress = Callable[[float], None]
+
+
+def simulate(
+    model: Model,
+    experiment: Experiment | str | Path,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> Log:
+    """Simulate a robot as an FMU, or an FMU of any tool, and return its log.
+
+    model        as in `identify`, or the path of an FMU with inputs joint{k}.r and outputs joint{k}.e
+    experiment   `identification` or `line` of the robot file, a file with time and joint{k}.r, or both
+                 as an Experiment
+    parameters   values that replace the model's own, by name, in SI units
+    Raises RobotError, ExperimentError, SimulationError, BuildError.
+    """
+    if not isinstance(model, str | Path) or Path(model).suffix != ".fmu":
+        robot = simulable(robot_of(model, parameters, allow_effects))
+        plan = experiment if isinstance(experiment, Experiment) else load_experiment(robot, str(experiment))
+        return Log(simulate_robot(robot, plan, progress=progress), f"simulation of {robot.name}")
+    with LoadedFmu(model) as fmu:
+        plan = (
+            experiment if isinstance(experiment, Experiment) else read_experiment(str(experiment), fmu.joints)
+        )
+        return Log(fmu.simulate(plan, dict(parameters or {}), progress=progress), f"simulation of {model}")
+
+
+def export_fmu(
+    model: Model,
+    path: str | Path,
+    fmi: Literal[2, 3] = 2,
+    *,
+    platforms: Literal["host", "all"] = "host",
+    parameters: Mapping[str, float] | None = None,
+    allow_effects: bool = False,
+) -> Path:
+    """Write a robot as an FMU for model exchange and co-simulation; its path.
+
+    path        ends in .fmu, or in .ssp for plant and controller as two FMUs (FMI 2) and their connections
+    platforms   this machine's binary, or Linux, Windows and macOS in one file
+    Raises RobotError, BuildError.
+    """
+    from flexfmu.ssp import export_ssp
+
+    robot = simulable(robot_of(model, parameters, allow_effects))
+    if Path(path).suffix != ".ssp":
+        return Path(build(equations(robot), path, fmi=fmi, platforms=platforms))
+    if fmi != 2:
+        raise BuildError(f"{path}: SSP 1.0 holds FMUs of FMI 2.0; leave out --fmi {fmi}")
+    return Path(export_ssp(equations(robot), path, platforms=platforms))
+
+
+def parameter_study(
+    plan: "str | Path | pd.DataFrame",
+    folder: str | Path,
+    *,
+    model: Model | None = None,
+    experiment: Experiment | str | Path | None = None,
+    parameters: Mapping[str, float] | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> "pd.DataFrame":
+    """Simulate many sets of parameters; one row per run, which also stands in folder/results.parquet.
+
+    plan         a plan (TOML), or a design: a row per run, columns are parameters' names, values in SI units
+    model, experiment   of a design, as in `simulate`; a plan names its own
+    parameters   values that replace the model's own in every run
+    scheduler    address of a Dask cluster; none: the configured one, else `workers` processes here
+    The same call goes on after an interrupt.
+    Raises StudyError, WorkersError, RobotError, SimulationError.
+    """
+    from pyident.simulation.workers import scheduler_configured
+    from pyident.sweep.plan import load_study_plan
+    from pyident.sweep.run import parameter_study as run_design
+    from pyident.sweep.run import run_plan
+    from pyident.sweep.store import StudyError
+
+    with scheduler_configured(scheduler):
+        if isinstance(plan, str | Path):
+            read = load_study_plan(plan, parameters, allow_effects)
+            return run_plan(read, folder, workers=workers, progress=progress)
+        if model is None or experiment is None:
+            raise StudyError("a design needs its model and its experiment; give both, or a plan (TOML)")
+        robot = simulable(robot_of(model, parameters, allow_effects))
+        planned = (
+            experiment if isinstance(experiment, Experiment) else load_experiment(robot, str(experiment))
+        )
+        return run_design(plan, robot, planned, folder, workers=workers, progress=progress)

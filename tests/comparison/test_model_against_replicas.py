@@ -1,0 +1,35 @@
+"""What a model's equations leave of a log, from the closed form of one joint."""
+
+import numpy as np
+import pytest
+from analytic_joint import INERTIA, analytic_log, free_joint
+
+from pyident.comparison.model_against_replicas import on_trial, residual
+from pyident.conditioning.weak_form import condition
+
+
+def test_the_true_model_leaves_the_noise_of_its_torque():
+    robot = free_joint()
+    part = condition(analytic_log(torque_noise=0.2), robot)
+    left = residual(robot, part)
+    used = part.use[:, 0] > 0
+    assert np.std(left[used, 0]) == pytest.approx(0.2, rel=0.05)
+    assert not left[~used].any()
+
+
+def test_a_wrong_inertia_leaves_its_share_of_the_acceleration():
+    robot = free_joint()
+    part = condition(analytic_log(), robot)
+    heavier = robot.with_parameters({"joint1.J_m": robot.parameters["joint1.J_m"] + 0.1 * INERTIA})
+    left = residual(heavier, part)
+    expected = -0.1 * INERTIA * part.motion.ddq * part.use
+    assert left == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+def test_a_model_without_controller_is_tracked_by_a_stand_in():
+    robot = free_joint()
+    trial = on_trial(robot, [analytic_log(torque_noise=0.2)])
+    assert trial.tracks
+    assert trial.simulated.controller is not None
+    assert trial.since == (0.0,)
+    assert trial.noise["joint1.tau"] == pytest.approx(0.2, rel=0.15)

@@ -1,0 +1,68 @@
+"""Waves in a residual: the order, frequency and amplitude that were put in, and none where there is none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from analytic_joint import INERTIA, analytic_log, free_joint
+
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.projection import solve_base
+from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
+from pyident.logs.log import Log
+from pyident.regression.spectrum import equations
+
+SIGMA = 0.05  # N m of white noise: the floor
+
+
+def _residual(disturbance):
+    """Whitened equations of the joint under noise and a torque, f(log's frame) [N m]."""
+    robot = free_joint()
+    log = analytic_log(seconds=24.0, torque_noise=SIGMA)
+    frame = log.frame.copy()
+    frame["joint1.tau"] += disturbance(frame)
+    return _whitened(robot, replace(log, frame=frame))
+
+
+def _whitened(robot, log: Log):
+    parts = equations(robot, [condition(log, robot)], [log.period])
+    levels = [np.full_like(e.y, SIGMA) for e in parts]
+    return robot, parts, levels, solve_base([e.over(level) for e, level in zip(parts, levels, strict=True)])
+
+
+def test_the_order_of_an_angle():
+    _, parts, levels, base = _residual(lambda f: 0.3 * np.cos(7 * f["joint1.e"] + 0.4))
+    peak = highest(base, parts, levels, spectrum(base, parts, levels, Over("order", 0)))
+    assert peak is not None
+    assert peak.at == pytest.approx(7, abs=0.05)
+    assert peak.amplitude == pytest.approx(0.3, rel=0.1)
+    assert peak.p_value < 1e-6
+
+
+def test_a_frequency():
+    _, parts, levels, base = _residual(lambda f: 0.2 * np.sin(2 * np.pi * 6.3 * f["time"]))
+    peak = highest(base, parts, levels, spectrum(base, parts, levels, Over("frequency", 0)))
+    assert peak is not None
+    assert peak.at == pytest.approx(6.3, abs=0.02)
+    assert peak.amplitude == pytest.approx(0.2, rel=0.1)
+    assert peak.p_value < 1e-6
+
+
+def test_noise_has_no_wave():
+    _, parts, levels, base = _residual(lambda f: 0.0)
+    for kind in ("order", "frequency"):
+        peak = highest(base, parts, levels, spectrum(base, parts, levels, Over(kind, 0)))
+        assert peak is None or peak.p_value > 0.01, kind
+
+
+def test_a_misread_angle_shows_in_the_torque_as_its_second_derivative():
+    """One rigid joint: to first order an angle read as q + s sin 5q lacks J s (sin 5q)''."""
+    robot, parts, levels, _ = _residual(lambda f: 0.0)
+    motion = parts[0].part.motion
+    q, v, a = motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0]
+    p = np.array(list(robot.linear_parameters.values()))
+    (columns,) = misread_columns(robot, p, parts, levels, 0, 5.0)
+    second = 5 * np.cos(5 * q) * a - 25 * np.sin(5 * q) * v**2
+    first = 5 * np.cos(5 * q) * v
+    expected = parts[0].band.transform((INERTIA * second + 2.0 * first) * parts[0].part.use[:, 0]) / SIGMA
+    assert columns[0][:, 1] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())

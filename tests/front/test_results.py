@@ -1,0 +1,91 @@
+"""What outcomes say of themselves."""
+
+import json
+
+import numpy as np
+import pytest
+
+import pyident as pi
+from flexmodels.inputs import Experiment
+from pyident.verbs.text import Text, table
+
+
+@pytest.fixture(scope="module")
+def log(two_link_robot):
+    """Ten seconds of both joints swinging, the second faster."""
+    time = np.arange(2001) / 200
+    reference = np.column_stack([0.5 * (1 - np.cos(2 * time)), 0.4 * (1 - np.cos(5 * time))])
+    torque = np.column_stack([3 * np.sin(23 * time), 2 * np.sin(31 * time)])
+    return pi.simulate(two_link_robot, Experiment(time, reference, torque))
+
+
+@pytest.fixture(scope="module")
+def two_link_robot():
+    from two_link_logs import two_link
+
+    return two_link()
+
+
+@pytest.fixture(scope="module")
+def fit(two_link_robot, log):
+    return pi.identify(two_link_robot, log)
+
+
+def test_the_parameters_come_back(two_link_robot, fit):
+    found, true = fit.to_frame(), two_link_robot.parameters
+    alone = found[found["identifiable"] == "alone"]
+    assert len(alone) > 5
+    assert alone.loc["joint1.coulomb", "value"] == pytest.approx(true["joint1.coulomb"], rel=0.02)
+    assert alone.loc["joint1.coulomb", "unit"] == "N.m"
+
+
+def test_a_frame_a_log_a_path_and_a_list_give_the_same(two_link_robot, log, fit, tmp_path):
+    pi.write_log(log, tmp_path / "log.parquet")
+    for given in (log.frame, [log], str(tmp_path / "log.parquet"), [tmp_path / "log.parquet"]):
+        again = pi.identify(two_link_robot, given)
+        np.testing.assert_allclose(again.identified.solution.p, fit.identified.solution.p, rtol=1e-9)
+
+
+def test_both_errors_are_told_and_that_of_the_model_follows_from_its_file(fit, tmp_path):
+    """The written parameters, put into the regression's own equations, leave what is printed."""
+    said = fit.to_dict()
+    solved, written = said["relative_error_percent"]["all"], said["relative_error_of_model_percent"]["all"]
+    assert written >= solved * (1 - 1e-9)
+    saved = pi.load_robot(fit.save(tmp_path / "identified.toml"))
+    reduced = fit.identified.reduced
+    p = np.array([saved.parameters[name] for name in reduced.columns])
+    rows = reduced.triangles[: len(saved.joints)]
+    left = rows[:, :, -1] - rows[:, :, :-1] @ p
+    assert written == pytest.approx(100 * np.sqrt((left**2).sum() / (rows[:, :, -1] ** 2).sum()), rel=1e-6)
+    assert "model that is written" in fit.summary()
+
+
+def test_an_outcome_is_short_in_a_list_and_whole_in_a_notebook(fit):
+    assert len(repr(fit)) < 160
+    assert "\n" not in repr(fit)
+    assert "<table" in fit._repr_html_()
+    assert json.loads(fit.to_json()) == fit.to_dict()
+    assert repr(fit.summary()) == str(fit.summary())
+    with pytest.raises(AttributeError):
+        fit.notes = ()
+
+
+def test_a_hinge_that_no_log_tells_of_is_locked_and_said_so(two_link_robot, log):
+    lost = [name for name in log.names if ".eps[" in name]
+    assert lost
+    fit = pi.identify(two_link_robot, log.frame.drop(columns=lost))
+    assert any("no link-side encoder" in note for note in fit.notes)
+    assert not any(joint.flexible for joint in fit.robot.joints)
+
+
+def test_names_in_a_table_are_kept_apart_at_any_width(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    names = [f"joint{k}.position_dependent_friction.amplitude[{i}]" for k in (1, 2) for i in (1, 2)]
+    shown = table(
+        ("parameter", "value", "unit"), [(n, "1.2345678", "N.m.s2/rad2") for n in names], numbers=(1,)
+    )
+    assert all(shown.count(name) == 1 for name in names)
+
+
+def test_text_is_escaped_in_a_notebook():
+    assert "<script>" not in Text("<script>")._repr_html_()

@@ -1,0 +1,78 @@
+"""Exports for other simulators: what is written, what is lost, and what the loss costs on a log."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from one_joint import one_joint
+
+from flexmodels.experiment import identification
+from flexmodels.files.robot_file import load_robot, save_robot
+from pyident.cli.main import main
+from pyident.logs.log import Log, write_log
+from pyident.simulation.fmu_runs import simulate_robot
+
+
+def _pyident(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture(scope="module")
+def stribeck(tmp_path_factory):
+    """One joint with a law that no other format holds, and its own log."""
+    folder = tmp_path_factory.mktemp("export")
+    values = {"joint1.stribeck.level": 15.0, "joint1.stribeck.velocity": 4.0}
+    robot = one_joint().with_effect(1, "stribeck").with_parameters(values)
+    save_robot(robot, folder / "robot.toml")
+    frame = simulate_robot(robot, identification(robot))
+    write_log(Log(frame, "log"), folder / "log.parquet")
+    return folder, robot, frame
+
+
+@pytest.mark.parametrize("ending", [".urdf", ".xml", ".json"])
+def test_what_a_format_loses_and_what_that_costs(stribeck, tmp_path, ending):
+    folder, _, frame = stribeck
+    out, machine = tmp_path / f"robot{ending}", tmp_path / "cost.json"
+    log = folder / "log.parquet"
+    ran = _pyident("robots", "export", folder / "robot.toml", "-o", out, "--log", log, "--json", machine)
+    assert ran.exit_code == 0, ran.output
+    assert "no place for" in ran.output
+    assert "stribeck" in ran.output
+    cost = json.loads(machine.read_text())["relative_error"][str(log)]
+    # the law itself, evaluated from the log, is what is missing
+    de = np.gradient(frame["joint1.e"], frame["time"])
+    law = 15.0 * np.sign(de) * np.exp(-((de / 4.0) ** 2))
+    share = 100 * np.sqrt(np.mean(law**2) / np.mean(frame["joint1.tau"] ** 2))
+    assert cost["kept_percent"] > cost["all_laws_percent"] + share / 2
+    if ending != ".urdf":  # which has no armature either
+        assert cost["kept_percent"] == pytest.approx(np.hypot(share, cost["all_laws_percent"]), rel=0.2)
+
+
+def test_five_numbers(stribeck, tmp_path):
+    folder, robot, _ = stribeck
+    out = tmp_path / "numbers.json"
+    assert _pyident("robots", "export", folder / "robot.toml", "-o", out).exit_code == 0
+    numbers = json.loads(out.read_text())["joint1"]
+    values = robot.parameters
+    assert numbers["armature"] == values["joint1.J_m"]
+    assert numbers["friction"] == values["joint1.coulomb"]
+    assert numbers["damping"] == values["joint1.viscous"]
+    assert numbers["delay"] == 0.0
+
+
+def test_an_mjcf_becomes_a_robot_file(tmp_path):
+    pytest.importorskip("mujoco")
+    from test_mjcf import FOLDER
+
+    ran = _pyident("robots", "import", FOLDER / "legs.xml", "-o", tmp_path / "legs.toml")
+    assert ran.exit_code == 0, ran.output
+    assert "fixed base" in ran.output
+    assert len(load_robot(tmp_path / "legs.toml").joints) == 9
+
+
+def test_an_unknown_ending_writes_nothing(stribeck, tmp_path):
+    ran = _pyident("robots", "export", stribeck[0] / "robot.toml", "-o", tmp_path / "robot.sdf")
+    assert ran.exit_code == 2
+    assert ".urdf, .xml, .json" in ran.output
+    assert not (tmp_path / "robot.sdf").exists()

@@ -1,0 +1,31 @@
+"""Noise of sensors from the regression's residual, against the noise that was added."""
+
+import numpy as np
+import pytest
+from analytic_joint import analytic_log, free_joint
+
+from pyident.simulation.sensor_noise import sensor_noise
+
+
+def _estimate(**noise):
+    robot = free_joint()
+    p = np.array(list(robot.linear_parameters.values()))
+    logs = [analytic_log(seed=seed, **noise) for seed in range(2)]
+    return sensor_noise(robot, logs, p)
+
+
+@pytest.mark.parametrize(("angle", "torque"), [(2e-6, 0.05), (1e-5, 0.05), (2e-6, 0.5)])
+def test_angle_and_torque_are_told_apart(angle, torque):
+    """An angle's noise is differentiated twice, so it grows as f² where that of a torque is flat."""
+    found = _estimate(angle_noise=angle, torque_noise=torque)
+    in_torque = 1.1 * 2.9 / 0.004**2 * angle  # of the second difference: its share of the residual
+    if in_torque > 0.3 * torque:
+        assert found["joint1.e"] == pytest.approx(angle, rel=0.25)
+    if torque > 0.3 * in_torque:  # below, its power is less than what 4000 samples leave open of the angle's
+        assert found["joint1.tau"] == pytest.approx(torque, rel=0.25)
+
+
+def test_a_clean_log_has_none():
+    found = _estimate()
+    assert found["joint1.e"] < 1e-8
+    assert found["joint1.tau"] < 1e-3
