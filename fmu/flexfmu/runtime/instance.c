@@ -21,6 +21,7 @@ void memory_reset(Memory *m) {
 }
 
 int memory_initialise(Memory *m, char *text, size_t size) {
+    m->unplaced = 0;
     if (MODEL(initialise)(&m->model)) {
         m->phase = BROKEN;
         snprintf(text, size, "No static equilibrium was found at the first reference: check the stiffnesses k, "

@@ -172,6 +172,7 @@ static void show(Plant *s, int groups) {
 void plant_show(Plant *s, int groups, Answer answer) {
     int due = answer != HELD && plant_sample_due(s, s->time);
     follow_speeds(s);
+    if (groups & SHOW_LAWS && answer != HELD) groups |= SHOW_RATES;
     if (groups & SHOW_RATES && (due || (answer >= SETTLED && s->unsettled))) {
         Plant next = *s;
         if (due) plant_sample(&next, 0);
