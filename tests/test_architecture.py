@@ -25,6 +25,7 @@ ROOMS = (
     "report",
     "sweep",
     "verbs",
+    "workbench",
     "cli",
 )
 # Where robot, FMU and identification are put together.

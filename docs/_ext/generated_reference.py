@@ -38,7 +38,7 @@ class PublicApi(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         module = self.arguments[0]
-        values = [(name, getattr(pyident, name)) for name in getattr(pyident, "__all__", ())]
+        values = [(name, getattr(pyident, name)) for name in pyident.__all__]
         functions = [f".. autofunction:: {module}.{name}" for name, v in values if not inspect.isclass(v)]
         classes = [
             f".. autoclass:: {module}.{name}\n   :members:" for name, v in values if inspect.isclass(v)

@@ -37,8 +37,9 @@ def export_fmu(
     model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)
-    inside = [*(["pid"] if equations.controller else []), *([] if light else ["sensitivities"])]
+    inside = [*_loop(equations), *([] if light else ["sensitivities"])]
     lanes = host_lanes() if light else ALL_LANES
+    derivatives = not light and equations.servo is None  # a servo's dead band and limits have none
     papers = None
     if not light:
         page = plant_page(equations, interface, model)
@@ -46,8 +47,8 @@ def export_fmu(
     package = Package(
         interface=interface,
         runtime=(*_PLANT, *(f"lanes_{name}" for name in lanes), *inside),
-        sources=model_sources(equations, derivatives=not light, lanes=lanes),
-        derivatives=not light,
+        sources=model_sources(equations, derivatives, lanes),
+        derivatives=derivatives,
         papers=papers,
     )
     return write_fmu(package, path, fmi, platforms)
@@ -72,15 +73,20 @@ def export_controller(
     return write_fmu(package, path, 2, platforms)
 
 
+def _loop(equations: Equations) -> tuple[str, ...]:
+    """The runtime's file that closes the loop."""
+    return ("servo",) if equations.servo else ("pid",) if equations.controller else ()
+
+
 def without_controller(equations: Equations) -> Equations:
     """The plant alone, whose inputs are the motor torques."""
-    return replace(equations, name=f"{equations.name}_plant", controller=None)
+    return replace(equations, name=f"{equations.name}_plant", controller=None, servo=None)
 
 
 def _push(equations: Equations) -> dict[str, float]:
     """Constant inputs that move every joint: 1.5 times its dry friction at rest and a little more."""
     x, u = [0.0] * len(states(equations)), [0.0] * equations.joints
     upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
-    signal = "tau_ff" if equations.controller else "tau"
+    signal = "tau_ff" if equations.controller or equations.servo else "tau"
     levels = upper.full().ravel()
     return {of_joint(k, signal): 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

@@ -50,6 +50,8 @@ def plant_dependencies(equations: Equations) -> Dependencies:
 def _torque(eq: Equations) -> list[Known]:
     """Knowns of every joint's torque, a state among them."""
     joints = range(1, eq.joints + 1)
+    if eq.servo is not None:
+        return [_servo_inputs(eq, k) | {f"joint{k}.e", f"joint{k}.de"} for k in joints]
     if eq.controller is None:
         return [frozenset([f"joint{k}.tau"]) for k in joints]
     return [frozenset(f"joint{k}.{s}" for s in ("r", "tau_ff", "e", *_GAINS)) for k in joints]
@@ -77,7 +79,7 @@ def _following(eq: Equations, state: Mapping[str, Known], torque: Sequence[Known
         speed = state[f"joint{k + 1}.de"]
         out[f"joint{k + 1}.friction"] = braking | sliding
         out[f"joint{k + 1}.friction_margin"] = braking | levels | speed
-        if eq.controller:
+        if eq.controller or eq.servo:
             out[f"joint{k + 1}.tau"] = torque[k]
     return out
 
@@ -100,12 +102,22 @@ def _at_start(eq: Equations) -> dict[str, Known]:
     state = dict(zip(x, [*still[: 2 * n], *memories], strict=True))
     torque = _first_torque(eq, force)
     out = state | _following(eq, state, torque)
-    if eq.controller is None:
+    if eq.controller is None and eq.servo is None:
         out |= {f"joint{k}.tau_0": force[k - 1] for k in joints}
     return out
 
 
+def _servo_inputs(eq: Equations, joint: int) -> Known:
+    assert eq.servo is not None
+    others = tuple(f"joint{k}." for k in range(1, eq.joints + 1) if k != joint)
+    own = {fmi_name(name) for name in eq.servo.parameters if not name.startswith(others)}
+    return frozenset(own | {f"joint{joint}.{s}" for s in ("r", "tau_ff", "on")})
+
+
 def _first_torque(eq: Equations, force: Sequence[Known]) -> list[Known]:
+    if eq.servo is not None:
+        joints = range(1, eq.joints + 1)
+        return [_servo_inputs(eq, k) | {f"joint{k}.e_0", f"joint{k}.de_0"} for k in joints]
     if eq.controller is None:
         return _torque(eq)
     own = ("start_error", "tau_ff", "Kp", "tau_max")

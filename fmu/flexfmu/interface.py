@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from flexfmu.dependencies import Dependencies, controller_dependencies, plant_dependencies
 from flexfmu.names import c_identifier
-from flexfmu.variables import Variable, controller_variables, states, variables
+from flexfmu.variable import Variable
+from flexfmu.variables import controller_variables, states, variables
 from flexmodels.mechanics.plant import Equations
 
 _STEP_WITHOUT_CONTROLLER = 1e-3  # [s]
@@ -55,8 +56,8 @@ class Interface:
 
 def plant_interface(equations: Equations) -> Interface:
     """The arm, with its controller or (controller None) with the torques as inputs."""
-    c = equations.controller
-    kind = "with its controller" if c else "without controller"
+    c = equations.servo or equations.controller
+    kind = "with its servos" if equations.servo else "with its controller" if c else "without controller"
     return Interface(
         name=equations.name,
         description=f"{equations.description or f'Robot {equations.name}'} ({kind})",

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from flexfmu.batch import BatchBinary
+from flexfmu.fed import input_values, start_values
 from flexfmu.names import fmi_name
 from flexmodels.inputs import Experiment, SimulationError
 
@@ -43,7 +44,7 @@ def run_replicas(
         raise SimulationError(
             f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not go together"
         )
-    sets = [dict(p) for p in _repeated(parameters, runs)]
+    sets = [start_values(fmu.references, experiment) | dict(p) for p in _repeated(parameters, runs)]
     drawn = [_drawn(noise, seed, len(experiment.time)) for seed in _repeated(seeds, runs)]
     binary = _binary(fmu.library)
     if binary is None:
@@ -98,9 +99,10 @@ def _together(
     drawn: list[dict[str, np.ndarray]],
     progress: Progress | None,
 ) -> list[pd.DataFrame]:
-    inputs = np.hstack([experiment.reference, experiment.feedforward])
-    if inputs.shape[1] != binary.inputs:
-        raise SimulationError(f"the FMU has {binary.joints} joints, the experiment {inputs.shape[1] // 2}")
+    joints = experiment.reference.shape[1]
+    if joints != binary.joints:
+        raise SimulationError(f"the FMU has {binary.joints} joints, the experiment {joints}")
+    inputs = input_values(fmu.references, experiment)
     names = sorted({name for p in sets for name in p})
     incomplete = [name for name in names if any(name not in p for p in sets)]
     if incomplete:

@@ -22,9 +22,9 @@ from fmpy.fmi2 import (
 from fmpy.model_description import ModelDescription
 
 from flexfmu.code.compilation import HOST
+from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.names import fmi_name
 from flexfmu.replicas import run_replicas
-from flexmodels.coordinate import of_joint
 from flexmodels.inputs import Experiment, SimulationError
 
 Progress = Callable[[float], None]
@@ -71,8 +71,9 @@ class LoadedFmu:
         progress    called with the fraction done
         Raises SimulationError.
         """
+        parameters = start_values(self.references, experiment) | dict(parameters or {})
         logged = self.logged + outputs
-        self._require({*map(fmi_name, parameters or {}), *outputs})
+        self._require({*map(fmi_name, parameters), *outputs})
         plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
         run = self._step_by_step if plain else self._by_fmpy
         rows = run(experiment, parameters or {}, logged, progress)
@@ -105,7 +106,7 @@ class LoadedFmu:
         progress: Progress | None,
     ) -> np.ndarray:
         """FMI 3.0 and model exchange, by FMPy's own loop; inputs are linear between samples."""
-        names, inputs = self._input_names(experiment), self._inputs(experiment)
+        names, inputs = self._input_names(experiment), input_values(self.references, experiment)
         signals = np.zeros(len(inputs), dtype=[(name, float) for name in ("time", *names)])
         signals["time"] = experiment.time
         for name, values in zip(names, inputs.T, strict=True):
@@ -196,7 +197,7 @@ class LoadedFmu:
         logged: tuple[str, ...],
         progress: Progress | None,
     ) -> np.ndarray:
-        time, inputs = experiment.time, self._inputs(experiment)
+        time, inputs = experiment.time, input_values(self.references, experiment)
         slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / np.diff(time, append=time[-1] + 1)[:, None]
         read = _vector(self.references[name] for name in logged)
         written = _vector(self.references[name] for name in self._input_names(experiment))
@@ -231,13 +232,9 @@ class LoadedFmu:
         return rows
 
     def _input_names(self, experiment: Experiment) -> list[str]:
-        joints = range(1, experiment.reference.shape[1] + 1)
-        names = [of_joint(k, signal) for signal in ("r", "tau_ff") for k in joints]
+        names = input_names(self.references, experiment.reference.shape[1])
         self._require(set(names))
         return names
-
-    def _inputs(self, experiment: Experiment) -> np.ndarray:
-        return np.ascontiguousarray(np.hstack([experiment.reference, experiment.feedforward]))
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from flexfmu.files.units import base_units
 from flexfmu.interface import Interface, controller_interface, plant_interface
 from flexfmu.package import Platforms
 from flexfmu.simulate import constant_run
-from flexfmu.variables import Variable
+from flexfmu.variable import Variable
 from flexmodels.atomic import replacing
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations

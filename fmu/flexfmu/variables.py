@@ -1,62 +1,44 @@
 """The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from flexfmu.names import fmi_name
-from flexmodels.coordinate import Coordinate, feedforward_of, motor_of, of_joint, reference_of, torque_of
+from flexfmu.variable import Variable
+from flexmodels.coordinate import (
+    Coordinate,
+    feedforward_of,
+    motor_of,
+    of_joint,
+    reference_of,
+    switch_of,
+    torque_of,
+)
 from flexmodels.mechanics.plant import Equations
+from flexmodels.settings.servo import PER_JOINT, SHARED
 
 STEP = 0.5e-3  # default solver step [s]
 UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
-@dataclass(frozen=True)
-class Variable:
-    """One variable; its place in `variables` is its value reference.
-
-    derivative_of   name of the variable whose time derivative it is
-    """
-
-    name: str
-    causality: str
-    variability: str
-    unit: str
-    description: str
-    start: float | None = None
-    minimum: float | None = None
-    nominal: float | None = None
-    derivative_of: str | None = None
-
-    @property
-    def initial(self) -> str | None:
-        return {"parameter": "exact", "input": None}.get(self.causality, "calculated")
-
-    @property
-    def is_known(self) -> bool:
-        """Whether it is given, not computed."""
-        return self.causality in ("input", "parameter")
-
-
-@dataclass(frozen=True)
-class Array:
-    """A view of neighbouring variables as one array (FMI 3.0)."""
-
-    name: str
-    first: str
-    size: int
-    description: str
-
-
 def variables(equations: Equations) -> list[Variable]:
     """Every scalar variable of a plant by value reference (runtime/plant.h)."""
     eq = equations
-    if eq.controller:
+    if eq.servo:
+        begin = [
+            *_references(eq),
+            *_feedforward(eq),
+            *_switches(eq),
+            *_start_positions(eq),
+            *_start_speeds(eq),
+        ]
+    elif eq.controller:
         begin = [*_references(eq), *_feedforward(eq), *_start_speeds(eq), *_start_errors(eq)]
     else:
         begin = [*_start_positions(eq), *_holding(eq), *_start_speeds(eq)]
+    gains = _servo(eq) if eq.servo else _gains(eq)
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
-    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *_gains(eq), step]
+    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *gains, step]
 
 
 def controller_variables(equations: Equations, integral: Mapping[str, float]) -> list[Variable]:
@@ -69,17 +51,6 @@ def controller_variables(equations: Equations, integral: Mapping[str, float]) ->
         *_torques(eq),
         *_integrals(eq, integral),
         *_gains(eq),
-    ]
-
-
-def arrays(joints: int) -> list[Array]:
-    """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3.c; inputs are scalars only."""
-    n = joints
-    return [
-        Array("joint.e", "joint1.e", n, "Positions of all motor hinges"),
-        Array("joint.tau", "joint1.tau", n, "Motor torques of all joints"),
-        Array("joint.friction", "joint1.friction", n, "Friction of all motor hinges"),
-        Array("tip", "tip.x", 3, "Tip position in base axes"),
     ]
 
 
@@ -122,6 +93,21 @@ def _feedforward(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Feed-forward torque added to the controller's output at joint {k + 1}"
         yield Variable(feedforward_of(k + 1), "input", "continuous", _force_unit(eq, k), text, 0.0)
+
+
+def _switches(eq: Equations) -> Iterator[Variable]:
+    for k in range(1, eq.joints + 1):
+        text = f"Servo {k} is on (1) or lets its motor turn freely (0), read at every sample"
+        yield Variable(switch_of(k), "input", "continuous", "1", text, 1.0)
+
+
+def _servo(eq: Equations) -> Iterator[Variable]:
+    """In the order of runtime/servo.h."""
+    assert eq.servo is not None
+    kinds = PER_JOINT | SHARED
+    for name, value in eq.servo.parameters.items():
+        unit, text = kinds[name.rpartition(".")[2]]
+        yield Variable(name, "parameter", "tunable", unit, text, value, 0.0)
 
 
 def _measured(eq: Equations) -> Iterator[Variable]:
@@ -203,7 +189,7 @@ def _states(eq: Equations) -> Iterator[Variable]:
 def _torques(eq: Equations) -> Iterator[Variable]:
     for k in range(1, eq.joints + 1):
         name, unit = torque_of(k), _force_unit(eq, k - 1)
-        if eq.controller is None:
+        if eq.controller is None and eq.servo is None:
             yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
             continue
         text = f"Motor torque of joint {k}, held until the next sample"

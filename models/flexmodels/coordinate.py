@@ -138,6 +138,16 @@ def feedforward_of(joint: int) -> str:
     return of_joint(joint, "tau_ff")
 
 
+def switch_of(joint: int) -> str:
+    """Column of a servo's switch: 1 while it drives, 0 while its motor turns freely."""
+    return of_joint(joint, "on")
+
+
+def start_of(joint: int) -> str:
+    """Parameter of an FMU: the motor's position at the start [rad or m]."""
+    return of_joint(joint, "e_0")
+
+
 def is_torque(name: str) -> bool:
     """Whether a column holds a motor's torque."""
     return re.fullmatch(r"joint[1-9][0-9]*\.tau", name) is not None

@@ -16,8 +16,14 @@ class Experiment:
     time               (N,) [s], from 0
     reference          (N, joints) [rad or m]
     feedforward        (N, joints) [N m or N]
+    on                 (N, joints) 1 where a servo drives, 0 where it is switched off; None: always on
+    start              (joints,) where servo-driven joints set out; None: at the first reference
+    began              [s] time of the first sample in the log that it comes from
     """
 
     time: np.ndarray
     reference: np.ndarray
     feedforward: np.ndarray
+    on: np.ndarray | None = None
+    start: np.ndarray | None = None
+    began: float = 0.0

@@ -20,6 +20,7 @@ from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.settings.controller import Controller
 from flexmodels.settings.motions import Identification, Line
 from flexmodels.settings.processing import Column, Processing
+from flexmodels.settings.servo import Servo
 
 
 class RobotError(ValueError):
@@ -31,6 +32,7 @@ class Robot:
     """A tree of links, one on each joint, with or without pins that close loops.
 
     joints     the driven joints, numbered from 1; they have the motors, coordinates and laws
+    servo      what drives the joints where commands are positions, instead of a controller
     passive    hinges without a motor, numbered on from there
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
@@ -45,6 +47,7 @@ class Robot:
     tip: tuple[float, ...]
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
     controller: Controller | None = None
+    servo: Servo | None = None
     columns: Mapping[str, Column] = field(default_factory=dict)
     processing: Processing = field(default_factory=Processing)
     identification: Identification | None = None

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexmodels.inputs import Experiment as Experiment
     from flexmodels.robot import Robot as Robot
     from flexmodels.robot import RobotError as RobotError
+    from pyident.checks.check_log import check_log as check_log
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
@@ -45,6 +46,7 @@ _HOME = {
     "Robot": "flexmodels.robot",
     "RobotError": "flexmodels.robot",
     "add_effect": "pyident.verbs.judge",
+    "check_log": "pyident.checks.check_log",
     "compare": "pyident.verbs.judge",
     "diagnose": "pyident.verbs.judge",
     "export_fmu": "pyident.verbs.simulate",

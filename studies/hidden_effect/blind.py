@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, as_completed
 from contextlib import contextmanager, nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +24,10 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.held_out import whitened_heldout
+from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log, read_log
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.workers import workers_with
 
 from .generator import LOGS, generate
@@ -75,7 +76,7 @@ def _unseen(case: Case, folder: Path, replicas: int, of: str) -> None:
 def _diagnosed(folder: Path, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
     """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
     logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
-    search = searched(load_robot(ROBOT), logs[:2], _in_process, replicas=replicas)
+    search = searched(load_robot(ROBOT), logs[:2], _in_process, rules=_rules(replicas))
     return search, logs[2:], concluded(search, _in_process, logs[2:])
 
 
@@ -85,7 +86,11 @@ def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) 
     if read["kind"] not in ("single", "pair"):
         return None
     truth = [(law["law"], law["joint"]) for law in read["laws"]]
-    return bound(search, found, truth, whitened_heldout(search, heldout))
+    return bound(search, found, truth, held_out(search, heldout))
+
+
+def _rules(replicas: int) -> Rules:
+    return replace(RULES, replicas=replace(RULES.replicas, count=replicas))
 
 
 class _Here:

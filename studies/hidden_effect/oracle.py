@@ -9,9 +9,8 @@ from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Base, Columns, gain
 from pyident.diagnosis.next_steps import candidate_of
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.held_out import heldout_gain
+from pyident.diagnosis.search.held_out import HeldOut, heldout_gain
 from pyident.diagnosis.search.search import Found, Search
-from pyident.regression.spectrum import Equations
 
 Name = tuple[str, int]  # an effect and its joint, from 1
 ALIKE = 0.99  # of a force's energy: what imitates it this far is the same in these logs
@@ -29,9 +28,7 @@ class Bound:
     aliases: tuple[tuple[Name, ...], ...]
 
 
-def bound(
-    search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: Sequence[Equations]
-) -> Bound | None:
+def bound(search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: HeldOut) -> Bound | None:
     """None where the catalogue does not have the truth at its joint."""
     best = _at_best(search, truth)
     if best is None:
@@ -49,8 +46,8 @@ def _at_best(search: Search, truth: Sequence[Name]) -> list[Found] | None:
     best: list[Found] = []
     for _ in range(min(len(truth), 2)):
         for i, (effect, joint) in enumerate(truth):
-            search.rest_on([f.candidate for j, f in enumerate(best) if j != i])
-            found = search.best(effect, joint)
+            others = [f.candidate for j, f in enumerate(best) if j != i]
+            found = search.resting_on(others).best(effect, joint)
             if found is None:
                 return None
             best[i : i + 1] = [found]
@@ -59,7 +56,7 @@ def _at_best(search: Search, truth: Sequence[Name]) -> list[Found] | None:
 
 def _aliases(search: Search, best: Sequence[Found], number: int) -> tuple[Name, ...]:
     """Effects that imitate the force of one true effect, the other true ones in the base."""
-    search.rest_on([f.candidate for j, f in enumerate(best) if j != number])
+    search = search.resting_on([f.candidate for j, f in enumerate(best) if j != number])
     own, coefficients = best[number].candidate, best[number].gain.coefficients
     force = _beyond(search.base, search.columns(own), coefficients)
     base = replace(search.base, residual=force)

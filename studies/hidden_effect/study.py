@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flexmodels.atomic import replacing
-from pyident.diagnosis.base.residual_over_floor import REPLICAS
+from pyident.rules.rules import RULES
 from pyident.sweep.studies import StudyResult
 
 from .blind import ROBOT, solve_all
@@ -27,7 +27,7 @@ class Plan:
     seed: int = SEED
     nulls: int = 12
     most: Mapping[str, int] | None = None
-    replicas: int = REPLICAS
+    replicas: int = RULES.replicas.count
 
     def cases(self) -> list[Case]:
         listed = case_list(self.seed, ROBOT, self.nulls)
@@ -37,7 +37,7 @@ class Plan:
         return [c for i, c in enumerate(listed) if kinds[:i].count(c.kind) < self.most.get(c.kind, 0)]
 
 
-REDUCED = Plan(TUNING, 12, {"null": 2, "single": 3, "outside": 1, "unobservable": 1})
+REDUCED = Plan(TUNING, 12, {"null": 2, "single": 3, "outside": 1, "unobservable": 1}, replicas=19)
 
 
 def run(folder: Path, progress: Progress, plan: Plan | None = None) -> StudyResult:

@@ -14,7 +14,11 @@ from pyident.comparison.compare import compare
 from pyident.estimation.identify import identify
 from pyident.logs.log import read_log, write_log
 from pyident.report.comparison import write_comparison
+from pyident.rules.comparison import ComparisonRules
+from pyident.rules.rules import Rules
 from pyident.verbs import judge
+
+FEW = Rules(comparison=ComparisonRules(replicas=3))
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +94,7 @@ def test_a_measured_axis_without_controller(data, folder):
     robot = load_robot("emps")
     log = read_log(data / "emps" / "DATA_EMPS.mat", robot.columns)
     fitted = identify(robot, [log])
-    c = compare(fitted.robot, [log], inline(folder), lambda _: None, replicas=3)
+    c = compare(fitted.robot, [log], inline(folder), lambda _: None, FEW)
     error = c.logs[0].equations["joint1.e"]
     assert error.nrmse_percent == pytest.approx(fitted.relative_error["joint1"], rel=1e-6)
     assert c.tracks

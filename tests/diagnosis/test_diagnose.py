@@ -74,7 +74,7 @@ def test_nothing_hidden_is_nothing_found(folder):
 def test_a_true_law_keeps_its_coefficients(asymmetric):
     search, _ = asymmetric
     candidate = Candidate("asymmetric_coulomb", 2)
-    search.rest_on([candidate])
+    search = search.resting_on([candidate])
     assert changes_with(search, candidate) == ""
 
 
@@ -83,7 +83,7 @@ def test_an_imitator_does_not(folder):
     logs = [_with_torque(log) for log in logs_of(two_link(), folder)]
     search = searched(two_link(), logs[:2], inline(folder))
     candidate = Candidate("torque_ripple", 1, (("order", 9.0),))
-    search.rest_on([candidate])
+    search = search.resting_on([candidate])
     assert changes_with(search, candidate) == "speed"
     found = concluded(search, inline(folder), logs[2:])
     assert "torque_ripple" not in {n.effect for f in found.findings for n in f.tie}
@@ -104,7 +104,7 @@ def foreign(folder):
 def test_a_law_that_leaves_a_foreign_signal_stands_in_for_it(foreign, folder):
     search = searched(two_link(), foreign[:2], inline(folder))
     candidate = Candidate("load_dependent_friction", 1)
-    search.rest_on([candidate])
+    search = search.resting_on([candidate])
     assert stands_in_for(search, candidate) == "friction with deformation 2 of joint 2"
     found = concluded(search, inline(folder), foreign[2:])
     assert found.verdict == "unexplained"
@@ -118,7 +118,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
         logs.append(replace(log, frame=log.frame.assign(**{"joint2.tau": tau})))
     search = searched(two_link(), logs[:2], inline(folder))
     candidate = Candidate("asymmetric_coulomb", 2)
-    search.rest_on([candidate])
+    search = search.resting_on([candidate])
     row = search.robot.coordinates.index("joint2.e")
     left = search.remaining_on([row])
     unknown = RowSearch(search.examination, search.base, row, left).strongest()

@@ -16,13 +16,15 @@ from pyident.diagnosis.motions.detectable import limits
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import variants
 from pyident.diagnosis.result import Limit
-from pyident.diagnosis.search.search import ALPHA
-from pyident.diagnosis.search.selection import MATERIAL
 from pyident.logs.log import Log
+from pyident.rules.replicas import ReplicaRules
+from pyident.rules.rules import Rules
+from pyident.rules.search import SearchRules
 from pyident.simulation.replica import Repeat
 
 LAW = "asymmetric_coulomb"
 NOISE = {"joint1.e": 2e-6}
+FEW = Rules(replicas=ReplicaRules(count=6), search=SearchRules(level=0.15))
 
 
 @pytest.fixture(scope="module")
@@ -49,16 +51,16 @@ def recorded(robot: Robot, plan: Experiment, folder, seed: int) -> Log:
 
 
 def shown(known: Robot, log: Log, folder) -> Limit:
-    search = searched(known, [log], inline(folder), replicas=6)
+    search = searched(known, [log], inline(folder), rules=FEW)
     with inline(folder)(search.examination.setting.simulated) as workers:
-        found = revealing(search, list(limits(search, MATERIAL)), MATERIAL, workers)
+        found = revealing(search, list(limits(search)), workers)
     return next(x for x in found if x.effect == LAW)
 
 
 def seen(logs: list[Log], folder) -> bool:
     search = searched(arm(), logs, inline(folder))
     best = search.best(LAW, 1)
-    return best is not None and search.p_value(best) <= ALPHA
+    return best is not None and search.p_value(best) <= search.rules.level
 
 
 def test_a_law_is_seen_after_the_motion_that_is_asked_for(folder):

@@ -14,7 +14,8 @@ from flexmodels.experiment import Experiment, identification
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.settings.motions import Identification, Multisine
-from pyident.diagnosis.base.residual_over_floor import Examination, examine, set_up
+from pyident.diagnosis.base.residual_over_floor import Examination, examine
+from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.unexplained import formula as symbolic
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on

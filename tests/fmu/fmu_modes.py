@@ -34,6 +34,7 @@ class Moving(Opened):
         self.fmu.enterInitializationMode()
         self.set({f"joint{k + 1}.r": r for k, r in enumerate(reference)})
         self.set({f"joint{k}.de_0": 0.3 * k for k in (1, 2, 3)})
+        self.set({"joint4.tau_ff": 1.0})
         self.set({"joint2.start_error": 0.01, "payload.m": 1.5, "payload.c[1]": 0.1})
         if self.mode == "initialisation":
             return

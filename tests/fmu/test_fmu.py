@@ -14,7 +14,8 @@ from fmu_by_hand import Opened
 
 from flexfmu.files.units import base_units
 from flexfmu.simulate import LoadedFmu
-from flexfmu.variables import arrays, states, variables
+from flexfmu.variable import arrays
+from flexfmu.variables import states, variables
 from flexmodels.experiment import identification
 from flexmodels.mechanics.plant import equations
 

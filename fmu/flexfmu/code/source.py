@@ -34,7 +34,8 @@ def model_sources(equations: Equations, derivatives: bool, lanes: Sequence[str] 
         body = "\n".join(g.c for g in products)
         files["model_derivatives.c"] = f'#include "model.h"\n#include "scalar.h"\n{body}'
     plant = _plant_header(equations, [*inside, *outside, *products], derivatives, lanes)
-    return {"model.h": _header(interface, plant, _token(interface, files))} | files
+    period = equations.servo.period if equations.servo else None
+    return {"model.h": _header(interface, plant, _token(interface, files), period)} | files
 
 
 def controller_sources(interface: Interface) -> dict[str, str]:
@@ -53,9 +54,12 @@ def token_of(sources: dict[str, str]) -> str:
     return line.split('"')[1]
 
 
-def _header(interface: Interface, plant: str, token: str) -> str:
-    controller = "#define MODEL_CONTROLLER" if interface.sampled else "/* no controller */"
-    return f"""/* Sizes, tables and functions of {interface.name}. */
+def _header(interface: Interface, plant: str, token: str, period: float | None = None) -> str:
+    loop = "/* no controller */"
+    if interface.sampled:
+        servo = f"#define MODEL_SERVO\n#define PERIOD {period!r}"
+        loop = f"#define MODEL_SAMPLED\n{servo if period else '#define MODEL_CONTROLLER'}"
+    return f"""/* Sizes, tables and functions of {interface.identifier}. */
 #ifndef MODEL_H
 #define MODEL_H
 
@@ -64,7 +68,7 @@ def _header(interface: Interface, plant: str, token: str) -> str:
 #include "symbols.h"
 #define MODEL_TOKEN "{token}"
 #define N_JOINTS {interface.joints}
-{controller}
+{loop}
 
 /* By value reference: name, kind, lower bound, start. */
 enum {{ KIND_INPUT = 'i', KIND_STATE = 's', KIND_CALCULATED = 'c', KIND_FIXED = 'f', KIND_TUNABLE = 't' }};
@@ -101,7 +105,8 @@ def _positive(equations: Equations) -> frozenset[str]:
     """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
     hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
     inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
-    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | ALWAYS_POSITIVE)
+    resistances = {of_joint(k, "servo.R") for k in range(1, equations.joints + 1)}
+    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | resistances | ALWAYS_POSITIVE)
 
 
 def _plant_header(

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 from flexfmu.files.provenance import sign
 from flexfmu.files.units import TYPES, base_units
 from flexfmu.interface import Interface
-from flexfmu.variables import Variable
+from flexfmu.variable import Variable
 
 LOG_CATEGORIES = {
     "logStatusError": "What was refused, and why; always on",

@@ -6,7 +6,7 @@ from flexfmu.files.fmi2_description import LOG_CATEGORIES, numbers, unit_definit
 from flexfmu.files.provenance import sign
 from flexfmu.files.units import TYPES
 from flexfmu.interface import Interface
-from flexfmu.variables import Array, Variable, arrays
+from flexfmu.variable import Array, Variable, arrays
 from flexmodels.coordinate import joint_name, of_joint
 
 

@@ -35,10 +35,9 @@ def _flattened(equations: Equations) -> np.ndarray:
     for k in range(equations.joints):
         q[k] = 0.3 if equations.prismatic[k] else _BEND * (-1) ** k
     lines = np.array(equations.skeleton(q)).T.reshape(-1, 2, 3)
-    lengths = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
-    if lengths.max() < 1e-9:
-        return np.array([[[0.0, 0.0], [1.0, 0.0]]])  # a joint without a tip beyond it
-    lines = lines[lengths > 1e-9]
+    lines = lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 1e-9]
+    if not len(lines):
+        return np.zeros((1, 2, 2))  # hinge and tip in one point
     points = lines.reshape(-1, 3)
     _, _, axes = np.linalg.svd(points - points.mean(axis=0))
     return lines @ axes[:2].T

@@ -2,7 +2,11 @@
 
 import re
 
-_NEWTON = {"kg": 1, "m": 1, "s": -2}
+_DERIVED = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "Ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
+}
 TYPES = {
     "rad": "Angle",
     "rad/s": "AngularVelocity",
@@ -25,6 +29,6 @@ def base_units(unit: str) -> dict[str, int]:
     powers: dict[str, int] = {}
     for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
         for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
-            for base, power in (_NEWTON if symbol == "N" else {symbol: 1}).items():
+            for base, power in _DERIVED.get(symbol, {symbol: 1}).items():
                 powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
     return {base: power for base, power in powers.items() if power}

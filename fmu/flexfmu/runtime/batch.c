@@ -76,7 +76,7 @@ static int begin(const Batch *b, long long run, Memory *m) {
 static void feed(const Batch *b, long long run, long long i, Plant *s) {
     const double *u = b->inputs + i * N_FED;
     memcpy(s->value + AT_FED, u, N_FED * sizeof *u);
-#ifdef MODEL_CONTROLLER
+#ifdef MODEL_SAMPLED
     {
         int j, last = i + 1 == b->samples;
         for (j = 0; j < N_FED; ++j)

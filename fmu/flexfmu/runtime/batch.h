@@ -7,8 +7,8 @@
 #define batch_advance_avx2 MODEL_PREFIXED(batch_advance_avx2)
 #define batch_advance_avx512 MODEL_PREFIXED(batch_advance_avx512)
 
-#ifdef MODEL_CONTROLLER
-enum { N_FED = 2 * N_JOINTS, AT_FED = AT_REFERENCE }; /* references and feed-forward torques */
+#ifdef MODEL_SAMPLED
+enum { N_FED = N_INPUTS, AT_FED = AT_REFERENCE }; /* references, feed-forward torques, switches of servos */
 #else
 enum { N_FED = N_JOINTS, AT_FED = AT_TORQUE };
 #endif

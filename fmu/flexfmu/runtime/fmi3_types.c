@@ -83,7 +83,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference vr[], si
     size_t i;
     REQUIRE(ALWAYS);
     for (i = 0; i < n; ++i) {
-#ifdef MODEL_CONTROLLER
+#ifdef MODEL_SAMPLED
         const Plant *plant = &m->memory.model;
         if (vr[i] == VR_CLOCK) {
             ticks[i] = m->memory.phase == EVENT && plant_sample_due(plant, plant->time);

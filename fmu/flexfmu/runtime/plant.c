@@ -95,6 +95,28 @@ static void start_torque(Plant *s, const double *holding) {
     pid_start(&s->pid, holding);
     memcpy(s->value + AT_TORQUE, holding, N_JOINTS * sizeof *holding);
 }
+#elif defined MODEL_SERVO
+double plant_next_sample(const Plant *s) { return servo_next_sample(&s->servo); }
+
+int plant_sample_due(const Plant *s, double time) { return servo_due(&s->servo, time); }
+
+int plant_sample_before(const Plant *s, double time) { return plant_next_sample(s) < time - SAMPLE_TOLERANCE; }
+
+void plant_command(Plant *s, double late) {
+    double *v = s->value, input[N_INPUTS], seen[N_JOINTS];
+    int i;
+    for (i = 0; i < N_INPUTS; ++i) input[i] = v[i] + late * s->input_rate[i];
+    for (i = 0; i < N_JOINTS; ++i) seen[i] = v[AT_STATE + i] + s->sensor_error[i];
+    servo_sample(&s->servo, v + AT_SERVO, input, seen, v + AT_STATE + N_COORDINATES, v + AT_TORQUE);
+    s->unsettled = 1;
+}
+
+static void start_position(const Plant *s, double *x) { memcpy(x, s->value + AT_START, N_JOINTS * sizeof *x); }
+
+static void start_torque(Plant *s, const double *holding) {
+    servo_start(&s->servo);
+    memcpy(s->value + AT_TORQUE, holding, N_JOINTS * sizeof *holding);
+}
 #else
 /* The torque is an input: nothing is sampled. */
 double plant_next_sample(const Plant *s) { return (void)s, HUGE_VAL; }

@@ -6,12 +6,21 @@
 #ifdef MODEL_CONTROLLER
 #include "pid.h"
 #endif
+#ifdef MODEL_SERVO
+#include "servo.h"
+#endif
 
 /* Every variable has a fixed place in `value`; the place is its FMI value reference. */
 enum {
     AT_REFERENCE = 0,                         /* without a controller the positions at the start */
     AT_FEEDFORWARD = AT_REFERENCE + N_JOINTS, /* without a controller the torques that hold these */
+#ifdef MODEL_SERVO
+    AT_ON = AT_FEEDFORWARD + N_JOINTS, /* 1 while a servo drives, 0 while its motor turns freely */
+    AT_START = AT_ON + N_JOINTS,       /* positions at the start */
+    AT_START_SPEED = AT_START + N_JOINTS,
+#else
     AT_START_SPEED = AT_FEEDFORWARD + N_JOINTS,
+#endif
 #ifdef MODEL_CONTROLLER
     AT_START_ERROR = AT_START_SPEED + N_JOINTS, /* position at the start, from the first reference */
     AT_STATE = AT_START_ERROR + N_JOINTS,       /* q, then v, then the laws' own */
@@ -29,13 +38,20 @@ enum {
 #ifdef MODEL_CONTROLLER
     AT_GAIN = AT_PARAMETER + N_PARAMETERS, /* as in pid.h */
     AT_STEP = AT_GAIN + N_GAINS,
+#elif defined MODEL_SERVO
+    AT_SERVO = AT_PARAMETER + N_PARAMETERS,
+    AT_STEP = AT_SERVO + N_SERVO,
 #else
     AT_STEP = AT_PARAMETER + N_PARAMETERS,
 #endif
     N_VALUES
 };
 
+#ifdef MODEL_SERVO
+enum { N_INPUTS = 3 * N_JOINTS };
+#else
 enum { N_INPUTS = 2 * N_JOINTS };
+#endif
 
 typedef struct {
     double value[N_VALUES];
@@ -45,6 +61,9 @@ typedef struct {
     double imbalance[N_JOINTS];    /* torque that a brake takes at each motor hinge */
 #ifdef MODEL_CONTROLLER
     Pid pid;
+#endif
+#ifdef MODEL_SERVO
+    Servo servo;
 #endif
     double time;       /* since the start of the experiment [s] */
     double refinement; /* the solver's step is multiplied by it */

@@ -60,6 +60,11 @@
 #define pid_sample MODEL_PREFIXED(pid_sample)
 #define pid_slopes MODEL_PREFIXED(pid_slopes)
 
+#define servo_start MODEL_PREFIXED(servo_start)
+#define servo_next_sample MODEL_PREFIXED(servo_next_sample)
+#define servo_due MODEL_PREFIXED(servo_due)
+#define servo_sample MODEL_PREFIXED(servo_sample)
+
 #define equilibrium MODEL_PREFIXED(equilibrium)
 #define equilibrium_forward MODEL_PREFIXED(equilibrium_forward)
 

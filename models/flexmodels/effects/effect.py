@@ -85,6 +85,7 @@ class Effect:
     states      the law's memory
     base        its parameters carry no effect name (`joint1.coulomb`, not `joint1.coulomb.coulomb`)
     turning     acts at a revolute joint only
+    excess_over effect on top of which it comes: a diagnosis proposes it only where that one acts already
     proper      condition on its parameters and the joint's base parameters (Symbol("k[1]")) without which
                 the values found are no such effect: a gap that takes little of the stiffness is no backlash
     needs, coverage   what a log must contain, in words and where it is simple as a condition
@@ -101,6 +102,7 @@ class Effect:
     body: Mapping[str, Expr] = field(default_factory=dict)
     base: bool = False
     turning: bool = False
+    excess_over: str = ""
     proper: Any = None
     needs: str = ""
     coverage: Coverage | None = None

@@ -87,6 +87,20 @@ load_dependent_friction = Effect(
     experiment="the same slow motion with and without a payload",
 )
 
+_growth = Parameter("growth", "1/(N.m)", lower=0)
+
+quadratic_load_friction = Effect(
+    name="quadratic_load_friction",
+    title="Dry friction that grows with the square of the torque that the transmission carries",
+    forces={e: _growth.symbol * load**2 * sign(de)},
+    parameters=(_growth,),
+    excess_over="load_dependent_friction",
+    citation="Duclusaud et al. 2024, model M6",
+    needs="loads from small to the rated one, moved in both directions",
+    confounders=("load_dependent_friction", "coulomb", "torque_saturation"),
+    experiment="the same slow motion with several payloads",
+)
+
 _travel = Parameter("travel", "rad", start=0.01, lower=1e-5, grid=(0.001, 0.003, 0.01, 0.03))
 _bristle = dahl("bristle", de, _travel)
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE
+from flexmodels.files.servo_table import servo_document
 from flexmodels.joint import Joint
 from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Robot
@@ -30,6 +31,8 @@ def document(robot: Robot, effect_names: Mapping[str, str]) -> dict[str, Any]:
     if robot.controller:
         c = robot.controller
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
+    if robot.servo:
+        document["servo"] = servo_document(robot.servo)
     if robot.columns:
         document["columns"] = {
             s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}

@@ -15,6 +15,7 @@ from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
 from flexmodels.files.joint_tables import read_closures, read_joints
 from flexmodels.files.robot_document import document
+from flexmodels.files.servo_table import read_servo
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
 from flexmodels.gearing import Transmission
 from flexmodels.link import Link
@@ -71,6 +72,9 @@ def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     if len(links) != count:
         raise RobotError(f"link: {count} joints need as many links, found {len(links)}")
     controller = _controller(table.table("controller"), len(joints)) if "controller" in table else None
+    servo = read_servo(table.table("servo"), len(joints)) if "servo" in table else None
+    if controller and servo:
+        raise RobotError("servo and controller both drive the joints; keep one of them")
     columns = _columns(table.table("columns")) if "columns" in table else {}
     processing = _processing(table.table("processing")) if "processing" in table else Processing()
     robot = Robot(
@@ -80,6 +84,7 @@ def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
         tip=table.vector("tip", 3, (0.0, 0.0, 0.0)),
         gravity=table.vector("gravity", 3, (0.0, 0.0, -9.81)),
         controller=controller,
+        servo=servo,
         columns=columns,
         processing=processing,
         identification=_identification(table.table("identification"), len(joints))

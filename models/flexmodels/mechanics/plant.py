@@ -16,6 +16,7 @@ from flexmodels.mechanics.payload import PAYLOAD, carried
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
+from flexmodels.settings.servo import Servo
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Equations:
     sticking: tuple[bool, ...]
     prismatic: tuple[bool, ...]
     controller: Controller | None
+    servo: Servo | None
     descriptions: dict[str, str]
     listed: tuple[tuple[int, str, str], ...]
     rates: ca.Function
@@ -100,6 +102,7 @@ def equations(robot: Robot) -> Equations:
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
         controller=robot.controller,
+        servo=robot.servo,
         descriptions=_descriptions(robot),
         listed=tuple((k, law.title, law.latex) for k, joint in robot.numbered for law in joint.effects),
         rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, resisting[:joints]])),

@@ -24,6 +24,7 @@ from flexmodels.effects.trust import code_allowed
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.cli.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
+from pyident.cli.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
 from pyident.simulation.workers import WorkersError
@@ -95,7 +96,11 @@ def show_notes(notes: Iterable[str]) -> None:
 
 @contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    terminal = Console(stderr=True)
+    if not terminal.is_terminal:
+        yield lines(printable(text))
+        return
+    with Progress(console=terminal, transient=True) as bar:
         task = bar.add_task(escape(printable(text)), total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)
 

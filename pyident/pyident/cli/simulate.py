@@ -10,6 +10,7 @@ from pyident.cli.shared import (
     console,
     effects_option,
     json_option,
+    mapping_option,
     output_option,
     progress_bar,
     reported,
@@ -71,23 +72,29 @@ def export(
 @click.option(
     "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
 )
+@mapping_option
 @output_option(LOG)
 @effects_option
 @set_option
 @json_option
 @reported
 def simulate(
-    model: str, experiment: str, output: str, parameters: dict[str, float], json_file: str | None
+    model: str,
+    experiment: str,
+    mapping: str | None,
+    output: str,
+    parameters: dict[str, float],
+    json_file: str | None,
 ) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
     MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
-    experiment is then a file.
+    experiment is then a file. A recorded log is replayed under its own commands.
 
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """
     with progress_bar(f"simulating {model}") as progress:
-        log = pi.simulate(model, experiment, parameters=parameters, progress=progress)
+        log = pi.simulate(model, experiment, parameters=parameters, mapping=mapping, progress=progress)
     pi.write_log(log, output)
     duration = log.period * (len(log) - 1)
     show(f"wrote {output}: {len(log)} samples, {duration:g} s")

@@ -7,79 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_name, joint_number
+from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown
+from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
+from pyident.comparison.traces import Bump, Trace, bumps, traces
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
+from pyident.rules.comparison import ComparisonRules
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import OpenWorkers
-
-REPLICAS = 6
-_CERTAIN = 1.25  # times the deviations that a replica shows among the others: what is no chance
-_MATTERS = 1.25  # times the floor: less is not worth a sentence
-_CARRIES = 0.1  # of the equation's excess that the named part must hold
-_SAMPLES = 0.02  # of the data that it must hold
-_OF_SIGNAL = 5e-4  # of the equation's signal that its excess must reach
-
-
-@dataclass(frozen=True)
-class Error:
-    """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves."""
-
-    rmse: float
-    signal: float
-    floor: float
-    unit: str
-
-    @property
-    def nrmse_percent(self) -> float:
-        return 100 * self.rmse / max(self.signal, 1e-300)
-
-    @property
-    def floor_percent(self) -> float:
-        return 100 * self.floor / max(self.signal, 1e-300)
-
-    @property
-    def ratio(self) -> float:
-        return self.rmse / max(self.floor, 1e-300)
-
-    def json(self) -> dict[str, Any]:
-        return {
-            "rmse": self.rmse,
-            "unit": self.unit,
-            "nrmse_percent": self.nrmse_percent,
-            "floor_percent": self.floor_percent,
-            "over_floor": self.ratio,
-        }
-
-
-@dataclass(frozen=True)
-class LogErrors:
-    """Errors on one log. equations: coordinate -> Error;  simulation: signal -> Error, and `tip`.
-
-    time, missed   (S,) [s] and signal -> (S,), log less simulation
-    """
-
-    log: str
-    equations: dict[str, Error]
-    simulation: dict[str, Error]
-    time: np.ndarray
-    missed: dict[str, np.ndarray]
-
-    def json(self) -> dict[str, Any]:
-        """The contract of `compare --json` for a log, and more."""
-        motors = {n: joint_name(joint_number(n)) for n in (*self.equations, *self.simulation) if is_motor(n)}
-        torque = {motors[n]: e.json() for n, e in self.equations.items() if n in motors}
-        balances = {n: e.json() for n, e in self.equations.items() if n not in motors}
-        e_rmse = {motors[n]: e.rmse for n, e in self.simulation.items() if n in motors}
-        tip = {"tip_rmse_m": self.simulation["tip"].rmse} if "tip" in self.simulation else {}
-        signals = {name: e.json() for name, e in self.simulation.items()}
-        return {
-            "torque": torque,
-            "deformation_balance": balances,
-            "simulation": tip | {"e_rmse": e_rmse, "signals": signals},
-        }
 
 
 @dataclass(frozen=True)
@@ -88,6 +26,7 @@ class Comparison:
 
     where       the part that fails most, None where nothing stands out
     structural  whether it stands out under refitted parameters too: the structure fails, not the values
+    traces      every equation along every log
     bins, refitted   every part, under the model's own parameters and under refitted ones
     tracks      whether the simulations track the measured motion, so that torques tell and positions do not
     """
@@ -100,6 +39,12 @@ class Comparison:
     bins: tuple[Bin, ...]
     refitted: tuple[Bin, ...]
     tracks: bool
+    traces: tuple[Trace, ...] = ()
+
+    @staticmethod
+    def bumps(trace: Trace) -> list[Bump]:
+        """Where a trace leaves what replicas show, the largest first."""
+        return bumps(trace)
 
     def json(self) -> dict[str, Any]:
         """The contract of `compare --json`, and more."""
@@ -115,28 +60,30 @@ class Comparison:
 
 
 def compare(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, replicas: int = REPLICAS
+    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, rules: Rules = RULES
 ) -> Comparison:
     """Hold an identified robot, with the parameters that it has, against logs.
 
     open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
-    replicas       how many stand for the floor, 3 or more
+    rules          every threshold
     Raises LogError, and what the simulation raises.
     """
     trial = on_trial(robot, logs)
     with open_workers(trial.simulated) as workers:
-        data, made = run_trial(trial, workers, progress, replicas)
-    return compared(trial, data, made)
+        data, made = run_trial(trial, workers, progress, rules.comparison.replicas)
+    return compared(trial, data, made, rules.comparison)
 
 
-def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Part]]) -> Comparison:
+def compared(
+    trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Part]], rules: ComparisonRules
+) -> Comparison:
     """Errors, their floors and where they stand out most."""
     names = [r.log.source for r in trial.judged]
     errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
     short = [Path(n).name for n in names]
     own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
     values, structure = (
-        _worst(bins, errors, _chance(trial.robot, replicas, short, r))
+        _worst(bins, errors, _chance(trial.robot, replicas, short, r), rules)
         for bins, r in ((own, False), (refitted, True))
     )
     where = structure or values
@@ -150,7 +97,18 @@ def compared(trial: Trial, data: Sequence[Part], replicas: Sequence[Sequence[Par
         tuple(own),
         tuple(refitted),
         trial.tracks,
+        tuple(t for i in range(len(names)) for t in _traces_of(trial, i, data[i], replicas, own)),
     )
+
+
+def _traces_of(
+    trial: Trial, i: int, data: Part, replicas: Sequence[Sequence[Part]], bins: Sequence[Bin]
+) -> tuple[Trace, ...]:
+    """Of the judged log number i."""
+    coordinates = trial.robot.coordinates
+    motors = [coordinates.index(motor_of(joint_number(name))) for name in coordinates]
+    made = [parts[i] for parts in replicas]
+    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors)
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:
@@ -204,16 +162,18 @@ def _signal(robot: Robot, part: Part, c: int) -> np.ndarray:
     return robot.parameters[stiffness] * part.part.motion.q
 
 
-def _worst(bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float) -> Bin | None:
+def _worst(
+    bins: Sequence[Bin], errors: Sequence[LogErrors], chance: float, rules: ComparisonRules
+) -> Bin | None:
     """The largest ratio among the parts that are no chance and that matter."""
     telling = [
         b
         for b in bins
-        if b.deviations > _CERTAIN * chance
-        and b.ratio > _MATTERS
-        and b.share > _CARRIES
-        and b.data_share > _SAMPLES
-        and _excess(b.coordinate, errors) > _OF_SIGNAL
+        if b.deviations > rules.certain * chance
+        and b.ratio > rules.matters
+        and b.share > rules.carries
+        and b.data_share > rules.samples
+        and _excess(b.coordinate, errors) > rules.of_signal
     ]
     return max(telling, key=lambda b: b.ratio, default=None)
 

@@ -8,12 +8,11 @@ from flexmodels.coordinate import joint_number
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, with_law
-from pyident.diagnosis.base.residual_over_floor import set_up, steadied
+from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
 from pyident.diagnosis.result import Diagnosis, Finding, Named
 from pyident.diagnosis.search.search import Search
-from pyident.diagnosis.search.selection import MATERIAL
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import depends_on
 from pyident.logs.log import LogError
@@ -56,7 +55,7 @@ def with_revealing(
         return found
     try:
         with open_workers(search.examination.setting.simulated) as workers:
-            return replace(found, limits=tuple(revealing(search, found.limits, MATERIAL, workers, progress)))
+            return replace(found, limits=tuple(revealing(search, found.limits, workers, progress)))
     except (RobotError, LogError):
         return found  # no experiment to vary: the laws' own words stay
 
@@ -87,7 +86,7 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
 def with_dependences(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
-    with open_workers(examination.setting.simulated) as workers:
+    with workers_of(examination.setting, open_workers) as workers:
         leads = depends_on(examination, search.base, workers)
     if not draft or not leads.dependences:
         return replace(found, depends_on=(*found.depends_on, *leads.sentences))

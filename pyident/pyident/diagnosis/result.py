@@ -36,8 +36,10 @@ class Finding:
 
     p_value               probability of such a gain anywhere in the search with nothing missing
     excess_gain_percent   of the residual's energy, beyond what replicas pretend
-    share_percent         of what exceeds the floor: 100 explains it all
-    heldout_gain_percent  fall of the residual's energy on logs that were not used; None: there were none
+    share_percent         of what exceeds the floor on its equations: 100 explains it all
+    heldout_gain_percent  share of what exceeds the floor on its equations, on logs that were not used; None:
+                          there were none
+    heldout_std_percent   its standard deviation
     experiment            the motion that would separate the tie, empty when there is nothing to separate
     """
 
@@ -47,6 +49,7 @@ class Finding:
     share_percent: float
     heldout_gain_percent: float | None
     experiment: str = ""
+    heldout_std_percent: float | None = None
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,23 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Place:
+    """What is said of one side of a joint.
+
+    over_floor        rms of its residual over that of replicas, before and after the findings
+    floor_percent     rms that replicas leave, of the torque or moment on the equation
+    reason            why the best candidate of an unexplained place is not named; empty elsewhere
+    """
+
+    joint: str
+    balance: Literal["motor", "transmission", "link"]
+    state: Literal["in_order", "explained", "unexplained"]
+    over_floor: tuple[float, float]
+    floor_percent: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
 class Stage:
     """The residual's energy over the floor's with the effects of this stage and all before.
 
@@ -99,6 +119,8 @@ class Diagnosis:
     ranking      every effect with its gain by itself, best first
     depends_on   where the verdict is `unexplained`: sentences on what the residual depends on
     draft        text of an effect file for an unexplained residual, where one was asked for and found
+    places       every side of every joint: in order, explained or not
+    band         highest frequency that was looked at [Hz]
     stages       the residual from the model as it is to the model with all findings
     """
 
@@ -119,6 +141,8 @@ class Diagnosis:
     noise: Mapping[str, float] = field(default_factory=dict)
     stages: tuple[Stage, ...] = ()
     draft: str = ""
+    places: tuple[Place, ...] = ()
+    band: float = float("nan")
 
     def json(self) -> dict[str, Any]:
         """The contract of `diagnose --json`."""
@@ -135,6 +159,7 @@ class Diagnosis:
                     "excess_gain_percent": f.excess_gain_percent,
                     "share_percent": f.share_percent,
                     "heldout_gain_percent": f.heldout_gain_percent,
+                    "heldout_std_percent": f.heldout_std_percent,
                     "parameters": {
                         name: {"value": value, "unit": f.tie[0].units[name]}
                         for name, value in f.tie[0].values.items()
@@ -156,6 +181,18 @@ class Diagnosis:
                 for x in self.limits
                 if not x.reason
             ],
+            "places": [
+                {
+                    "joint": p.joint,
+                    "balance": p.balance,
+                    "state": p.state,
+                    "over_floor": {"before": p.over_floor[0], "after": p.over_floor[1]},
+                    "floor_percent": p.floor_percent,
+                    "reason": p.reason,
+                }
+                for p in self.places
+            ],
+            "band_hz": self.band,
             "over_floor": {"before": self.excess, "after": self.remaining},
             "depends_on": list(self.depends_on),
             "notes": list(self.notes),

@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
-from pyident.diagnosis.result import Finding, VerdictName
-
-_NEARLY_ALL = 0.9  # of the excess
+from pyident.diagnosis.result import Finding, Place, VerdictName
 
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
@@ -33,16 +31,29 @@ def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
 
 
 def sentence_of(
-    verdict: VerdictName, findings: Sequence[Finding], explained: float, place: tuple[str, str]
+    verdict: VerdictName, findings: Sequence[Finding], places: Sequence[Place], place: tuple[str, str]
 ) -> str:
+    """places: every side of every joint, in the robot's order; place: where it fails most."""
     if verdict == "nothing_detectable":
         return "Nothing is missing that these logs could show."
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    names = " and ".join(" or ".join(f"{n.effect} at {n.joint}" for n in f.tie) for f in findings)
-    share = f"{100 * min(explained, 1.0):.0f} % of what exceeds the floor"
-    rest = "" if explained >= _NEARLY_ALL else "; the rest is unexplained"
-    if verdict == "cannot_tell":
-        return f"Missing: {names}; these logs cannot tell which. It explains {share}{rest}."
-    return f"Missing: {names}. Together with the model's own parameters it explains {share}{rest}."
+    names = " and ".join(
+        f"{' or '.join(f'{n.effect} at {n.joint}' for n in f.tie)} ({_share(f)})" for f in findings
+    )
+    which = "; these logs cannot tell which" if verdict == "cannot_tell" else ""
+    left = [
+        f"{p.joint}, {p.balance} side ({p.over_floor[1]:.2g} floors)"
+        for p in places
+        if p.state == "unexplained"
+    ]
+    rest = f" Unexplained remains {', '.join(left)}." if left else ""
+    return f"Missing: {names}{which}.{rest}"
+
+
+def _share(finding: Finding) -> str:
+    share = f"{min(finding.share_percent, 100.0):.0f} % of what exceeds the floor there"
+    if finding.heldout_gain_percent is None:
+        return share
+    return f"{share}, {min(finding.heldout_gain_percent, 100.0):.0f} % on held-out data"

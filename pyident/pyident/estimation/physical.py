@@ -6,8 +6,8 @@ whatever the data left open.
 """
 
 import warnings
+from typing import TYPE_CHECKING
 
-import cvxpy as cp
 import numpy as np
 
 from flexmodels.effects import CATALOGUE
@@ -15,6 +15,9 @@ from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.least_squares import Reduced, Solution
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
@@ -26,6 +29,8 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     Directions that the data do not determine are settled by the bounds and by small size.
     Raises RuntimeError when the solver finds no such parameters.
     """
+    import cvxpy as cp
+
     names, scale = list(reduced.columns), solution.scale
     near = solution.p * scale
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
@@ -69,7 +74,9 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
     }
 
 
-def _pseudo_inertia(p: cp.Expression, names: list[str], link: int) -> cp.Expression:
+def _pseudo_inertia(p: "cp.Expression", names: list[str], link: int) -> "cp.Expression":
+    import cvxpy as cp
+
     m, x, y, z, xx, xy, xz, yy, yz, zz = (p[names.index(f"link{link}.{n}")] for n in LINK_PARAMETERS)
     half = (xx + yy + zz) / 2
     return cp.bmat(

@@ -17,21 +17,19 @@ import numpy as np
 from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
 from flexmodels.robot import Robot, RobotError
 from pyident.comparison.bins import mean_square_over_floor
-from pyident.comparison.compare import Error, LogErrors, log_errors
+from pyident.comparison.compare import log_errors
+from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import Part, Progress, Trial, run_trial
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import gain, solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, set_up, unbiased
+from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import OpenWorkers, repeat_like
-
-REPLICAS = 4
-_PART = 2 / 3  # of an only log that is fitted
-_LEAST_GAIN = 0.05  # of the mean square error: a smaller fall is no reason to add a law
 
 
 @dataclass(frozen=True)
@@ -104,14 +102,14 @@ class Split:
         ]
 
 
-def split(logs: Sequence[Log], heldout: Sequence[Log]) -> Split:
+def split(logs: Sequence[Log], heldout: Sequence[Log], rules: Rules = RULES) -> Split:
     """Held-out logs are those named, else the last of several, else the last third of the only one."""
     if heldout:
         return Split(list(logs), list(heldout), (0.0,) * len(heldout))
     if len(logs) > 1:
         return Split(list(logs[:-1]), [logs[-1]], (0.0,))
     log = logs[0]
-    number = int(_PART * len(log))
+    number = int(rules.extension.fitted * len(log))
     if number < 2:
         raise LogError(f"{log.source}: {len(log)} samples are too few to hold some of them out")
     first = Log(log.frame.iloc[:number].reset_index(drop=True), log.source)
@@ -126,6 +124,7 @@ def add_effect(
     heldout: Sequence[Log],
     open_workers: OpenWorkers,
     progress: Progress,
+    rules: Rules = RULES,
 ) -> Extended:
     """Fit `robot` with one more law at `joint` (from 1) and judge it on data that were held out.
 
@@ -135,10 +134,10 @@ def add_effect(
     wider = robot.with_effect(joint, effect)
     if wider.units == robot.units:
         raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
-    parts = split(logs, heldout)
-    base = _fitted(robot, parts, open_workers, _share(progress, 0.0, 0.5))
+    parts = split(logs, heldout, rules)
+    base = _fitted(robot, parts, open_workers, rules, _share(progress, 0.0, 0.5))
     wider = _with_best_values(base, wider, joint, effect)
-    new = _fitted(wider, parts, open_workers, _share(progress, 0.5, 1.0))
+    new = _fitted(wider, parts, open_workers, rules, _share(progress, 0.5, 1.0))
     return _judged(base, new, joint, effect)
 
 
@@ -157,15 +156,15 @@ class _Fit:
         )
 
 
-def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, progress: Progress) -> _Fit:
+def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
-    setting = set_up(robot, parts.fitted)
+    setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
     with open_workers(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
         trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
-        data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), REPLICAS)
+        data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)
 
 
@@ -210,7 +209,7 @@ def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:
     steps += [_step("simulation", name, before, after) for name in shown]
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{effect}{joint}"
     robot = replace(new.trial.robot, name=name)
-    reason = _reason(effect, joint, gains, base.trial.tracks)
+    reason = _reason(effect, joint, gains, base.trial.tracks, base.setting.rules.extension.least_gain)
     return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason)
 
 
@@ -254,22 +253,22 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     return Step(f"{what} {name}", listed[0][0].unit, *rms)
 
 
-def _reason(effect: str, joint: int, gains: tuple[float, float], tracks: bool) -> str:
+def _reason(effect: str, joint: int, gains: tuple[float, float], tracks: bool, least: float) -> str:
     equations_, simulated = gains
     what = "the torque that the simulation needs" if tracks else "the simulation"
-    if equations_ >= _LEAST_GAIN and simulated >= _LEAST_GAIN:
+    if equations_ >= least and simulated >= least:
         return ""
     said = [
-        f"the error of {name} {_change(value)}"
+        f"the error of {name} {_change(value, least)}"
         for name, value in (("the equations", equations_), (what, simulated))
-        if value < _LEAST_GAIN
+        if value < least
     ]
     return f"{effect} at joint {joint} is refused: on held-out data {' and '.join(said)}."
 
 
-def _change(value: float) -> str:
+def _change(value: float, least: float) -> str:
     """Of a mean square, said of its root."""
     percent = 100 * (1 - np.sqrt(max(1 - value, 0.0))) if value <= 1 else 100.0
-    if abs(percent) < 100 * _LEAST_GAIN / 2:
+    if abs(percent) < 100 * least / 2:
         return "does not fall"
     return f"rises by {-percent:.2g} %" if percent < 0 else f"falls by {percent:.2g} % only"

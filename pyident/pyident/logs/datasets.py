@@ -6,9 +6,6 @@ from importlib import resources
 from pathlib import Path
 from urllib.parse import quote
 
-import pooch
-import requests
-
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping, read_mapping
 
@@ -109,12 +106,17 @@ def _local(name: str, file: Recording) -> Path | None:
     path = Path(folder) / name / file.here if folder else None
     if path is None or not path.is_file():
         return None
+    import pooch
+
     if pooch.file_hash(str(path)) != file.sha256:
         raise LogError(f"{path} is not the file of data set {name} (its SHA-256 differs); fetch it again")
     return path
 
 
 def _remote(name: str, found: DataSet, file: Recording, download: bool) -> Path:
+    import pooch
+    import requests
+
     folder = Path(pooch.os_cache("flexident")) / name
     if not download and not (folder / file.here).is_file():
         raise LogError(f"data set {name} is not here; run: pyident data fetch {name}")

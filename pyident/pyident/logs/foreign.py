@@ -175,6 +175,15 @@ def _signal(raw: dict[str, np.ndarray], column: str, source: str) -> pd.Series:
     return pd.Series(np.asarray(raw[column], dtype=float))
 
 
+def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray) -> np.ndarray:
+    """Commands jump, where a spline would swing: they are taken as linear, switches as held."""
+    if name == "time":
+        return even
+    if name.endswith(".on"):
+        return values[np.maximum(np.searchsorted(time, even, side="right") - 1, 0)]
+    return np.interp(even, time, values) if name.endswith(".r") else CubicSpline(time, values)(even)
+
+
 def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     """Samples at a uniform period; jittered ones are resampled by cubic splines."""
     time = frame["time"].to_numpy(float)
@@ -192,7 +201,6 @@ def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
         at = int(np.argmax(steps))
         raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {at + 2}; cut the log there")
     even = np.arange(time[0], time[-1] + 1e-9 * period, period)
-    out = {name: even if name == "time" else CubicSpline(time, frame[name].to_numpy(float))(even)
-           for name in frame}  # fmt: skip
+    out = {name: _at_times(name, time, frame[name].to_numpy(float), even) for name in frame}
     note = f"time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
     return pd.DataFrame(out), [note]

@@ -59,6 +59,7 @@ class Log:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Its columns, `time` among them."""
         return tuple(self.frame)
 
     @property

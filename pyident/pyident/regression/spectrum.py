@@ -15,12 +15,13 @@ from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
 from flexmodels.robot import Robot
-from flexmodels.settings.processing import Processing
 from pyident.conditioning.samples import Conditioned
 from pyident.regression.regressor import regressor
 
 _SMOOTH = 15  # bins over which a floor is averaged
 _TOP = 0.2  # of the Nyquist frequency: above, differences, noise and resonances are all there is
+_RIGID_TOP = 0.6  # of the same, without resonances and without a loop that answers the noise
+_CUT = 0.8  # of the cutoff of the coordinates: above, torques have lost the motion that belongs to them
 _THINNED_TOP = 0.8  # of the Nyquist frequency after thinning out
 
 
@@ -87,15 +88,18 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
     return Floor(longest.frequencies, np.maximum(rms, 1e-12 * rms.max()))
 
 
-def _band(samples: int, processing: Processing, period: float) -> Band:
+def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)
-    top = min(_TOP, _THINNED_TOP / processing.decimate) * 0.5 / period
+    along = robot.controller is None and not any(joint.flexible for joint in robot.joints)
+    top = min(_RIGID_TOP if along else _TOP, _THINNED_TOP / robot.processing.decimate) * 0.5 / period
+    if robot.processing.cutoff is not None:
+        top = min(top, _CUT * robot.processing.cutoff)
     return Band(length, max(2, int(top * length * period)), period)
 
 
 def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
-    band = _band(len(part.target), robot.processing, period)
+    band = _band(len(part.target), robot, period)
     Phi = regressor(robot, part.motion).matrix
     n, P = Phi.shape[1:]
     A = np.zeros((n, 2 * band.bins, P))

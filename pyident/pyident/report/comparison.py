@@ -12,7 +12,8 @@ from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
 from pyident.comparison.bins import Bin
-from pyident.comparison.compare import Comparison, LogErrors
+from pyident.comparison.compare import Comparison
+from pyident.comparison.errors import LogErrors
 
 _KINDS = {
     "frequency": "Frequency",

@@ -76,6 +76,17 @@ class FmuRuns:
         return self._workers.submit(work, *arguments, **named)
 
 
+@contextmanager
+def runs_here(
+    robot: Robot,
+) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
+    """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
+        with LoadedFmu(path) as fmu:
+            yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
+
+
 class RivalRuns:
     """Simulations of several robots over the same experiments; use as a context manager.
 

@@ -14,12 +14,17 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import nnls
 
+from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
+from pyident.simulation.feedforward import controller_torque, recoverable
+from pyident.simulation.recorded import loop_of
 
 _FROM, _TO = 0.6, 0.98  # of the band's width
+_WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
+_ROUNDING = 1e-9  # of the largest torque: less is arithmetic
 _PARTS = 8  # of the band
 _PROBE = 1e-3  # noise added, of a channel's rms change between samples
 _ALIKE = 0.2  # weight of "sensors of a kind are equally good" against one part of the band
@@ -29,14 +34,21 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     """Channel -> standard deviation of its white noise: the coordinates, and measured motor torques.
 
     p   (P,) linear parameters with which the residual is taken
-    Under a controller of the robot file the torque is its command, known exactly.
+    Under the controller of the robot file a torque's noise is what its law and a smooth feed-forward do not
+    account for.
     """
+    known = torque_noise(robot, logs)
     rng = np.random.default_rng(0)
-    kinds = [[c.name for c in robot.q if c.is_motor], [c.name for c in robot.q if not c.is_motor]]
-    if robot.controller is None:
-        kinds.append(list(robot.torques))
+    hinges, sliders = (
+        [c.name for c in robot.q if c.is_motor and robot.joints[c.joint - 1].kind == kind]
+        for kind in ("revolute", "prismatic")
+    )
+    kinds = [hinges, sliders, [c.name for c in robot.q if not c.is_motor]]
+    if not known:  # each torque is a kind of its own: motors differ in size
+        kinds += [[name] for name in robot.torques]
     kinds = [kind for kind in kinds if kind]
-    channels = [channel for kind in kinds for channel in kind]
+    unknown = [channel for kind in kinds for channel in kind]
+    channels = [*unknown, *(name for name, sigma in known.items() if sigma > 0)]
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}
     total, patterns = [], []
     for log in logs:
@@ -47,10 +59,41 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
             frame[channel] = frame[channel] + probes[channel] * rng.standard_normal(len(frame))
             change = _residual(robot, replace(log, frame=frame), p) - residual
             patterns.append(_power(change, robot, log) / max(probes[channel], 1e-300) ** 2)
-    variances = _shared(
-        np.sum(total, axis=0), np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T, kinds
-    )
-    return dict(zip(channels, np.sqrt(variances).tolist(), strict=True))
+    power = np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T
+    of_torques = np.square([known[name] for name in channels[len(unknown) :]])
+    rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
+    variances = _shared(rest, power[:, : len(unknown)], kinds)
+    return known | dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
+
+
+def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
+    """Torque -> standard deviation of its white noise; empty where the controller does not tell it.
+
+    The law of the controller holds sample by sample, so what is left of the torque is the feed-forward, which
+    is smooth, and noise, which is not.
+    """
+    if robot.controller is None or any(loop_of(robot, log) is not None for log in logs):
+        return {}
+    if not all(recoverable(robot, log) for log in logs):
+        return {}
+    found: dict[str, list[float]] = {}
+    for log in logs:
+        joints = [k for k, _ in robot.numbered]
+        r, e, tau = (log.signals([name(k) for k in joints]) for name in (reference_of, motor_of, torque_of))
+        names = [feedforward_of(k) for k in joints]
+        given = log.frame.reindex(columns=names).fillna(0.0).to_numpy()
+        rest = tau - controller_torque(robot.controller, r, e) - given
+        for k, values, torque in zip(joints, rest.T, tau.T, strict=True):
+            found.setdefault(torque_of(k), []).append(_white(values, _ROUNDING * float(np.abs(torque).max())))
+    return {name: float(np.sqrt(np.mean(np.square(each)))) for name, each in found.items()}
+
+
+def _white(values: np.ndarray, least: float) -> float:
+    """Standard deviation of white noise in a smooth signal, by its highest frequencies; 0 below least."""
+    window = np.hanning(len(values))
+    S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
+    sigma = float(np.sqrt(np.median(S[int(_WHITE_FROM * len(S)) :]) / np.log(2)))
+    return sigma if sigma > least else 0.0
 
 
 def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]]) -> np.ndarray:

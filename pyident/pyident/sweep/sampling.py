@@ -8,7 +8,6 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-from scipy.stats import qmc
 
 Ranges = Mapping[str, tuple[float, float]]
 
@@ -20,11 +19,15 @@ def grid(values: Mapping[str, Sequence[float]]) -> pd.DataFrame:
 
 def latin_hypercube(ranges: Ranges, runs: int, seed: int = 0) -> pd.DataFrame:
     """`runs` sets; every parameter has one value in each of `runs` equal intervals."""
+    from scipy.stats import qmc
+
     return _scaled(qmc.LatinHypercube(len(ranges), rng=np.random.default_rng(seed)).random(runs), ranges)
 
 
 def sobol(ranges: Ranges, runs: int, seed: int = 0) -> pd.DataFrame:
     """A scrambled Sobol sequence of at least `runs` sets: the next power of two, which keeps its balance."""
+    from scipy.stats import qmc
+
     power = max(0, int(np.ceil(np.log2(runs))))
     points = qmc.Sobol(len(ranges), rng=np.random.default_rng(seed)).random_base2(power)
     return _scaled(points, ranges)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from flexmodels.files.robot_file import load_robot
+from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
@@ -54,7 +55,7 @@ def read_log(
     mapping   names, units and signs of the columns (a Mapping or its file)
     Raises LogError, RobotError.
     """
-    columns = _mapping(mapping)
+    columns = mapping_of(mapping)
     if robot is not None:
         return robot_log(path, robot_of(robot, allow_effects=allow_effects), columns)
     return import_log([path], columns) if columns else read_plain(path)
@@ -63,19 +64,21 @@ def read_log(
 def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_effects: bool = False) -> Robot:
     """A robot, a shipped name or a file, with some parameters set to other values. Raises RobotError."""
     robot = model if isinstance(model, Robot) else load_robot(model, allow_effects)
-    return robot.with_parameters(parameters, robot.name) if parameters else robot
+    return with_settings(robot, parameters) if parameters else robot
 
 
 def simulable(robot: Robot) -> Robot:
-    """The robot itself. Raises RobotError where it has no controller."""
-    if robot.controller is None:
-        raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
+    """The robot itself. Raises RobotError where nothing drives its joints."""
+    if robot.controller is None and robot.servo is None:
+        raise RobotError(
+            f"robot {robot.name} has no [controller] and no [servo], so it cannot be simulated; add one"
+        )
     return robot
 
 
 def given(robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = ()) -> Given:
     """Read logs into memory and lock the hinges that they say nothing of. Raises LogError."""
-    columns = _mapping(mapping)
+    columns = mapping_of(mapping)
     fitted = [_in_memory(log, robot, columns) for log in _listed(logs)]
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
@@ -86,7 +89,7 @@ def given(robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Log
 
 def opened(robot: Robot, logs: Logs, mapping: Columns | None = None) -> Opened:
     """Open logs and lock the hinges that they say nothing of; long ones stay on disk. Raises LogError."""
-    columns = _mapping(mapping)
+    columns = mapping_of(mapping)
     read = [_on_disk(log, robot, columns) for log in _listed(logs)]
     if not read:
         raise LogError("there is no log; give one or more")
@@ -99,7 +102,8 @@ def _reduced(robot: Robot, logs: Sequence[Log | LogFile]) -> tuple[Robot, tuple[
     return robot, (*(note for log in logs for note in log.notes), *notes)
 
 
-def _mapping(mapping: Columns | None) -> Mapping | None:
+def mapping_of(mapping: Columns | None) -> Mapping | None:
+    """A mapping, read where it is a file. Raises LogError."""
     return mapping if mapping is None or isinstance(mapping, Mapping) else read_mapping(mapping)
 
 

@@ -136,6 +136,7 @@ class Added(Result):
 
     @property
     def accepted(self) -> bool:
+        """Whether held-out data bear the effect out."""
         return self.extended.accepted
 
     def headline(self) -> str:

@@ -10,10 +10,11 @@ from flexfmu.simulate import LoadedFmu
 from flexmodels.files.robot_file import robot_text
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
+from flexmodels.robot import RobotError
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import simulate_robot
 from pyident.simulation.references import load_experiment, read_experiment
-from pyident.verbs.inputs import Model, robot_of, simulable
+from pyident.verbs.inputs import Columns, Model, mapping_of, robot_of, simulable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,6 +27,7 @@ def simulate(
     experiment: Experiment | str | Path,
     *,
     parameters: Mapping[str, float] | None = None,
+    mapping: Columns | None = None,
     allow_effects: bool = False,
     progress: Progress | None = None,
 ) -> Log:
@@ -35,12 +37,20 @@ def simulate(
     experiment   `identification` or `line` of the robot file, a file with time and joint{k}.r, or both
                  as an Experiment
     parameters   values that replace the model's own, by name, in SI units
-    Raises RobotError, ExperimentError, SimulationError, BuildError.
+    mapping      of the experiment's columns: a log of other names is replayed under its own commands
+    Raises RobotError, ExperimentError, LogError, SimulationError, BuildError.
     """
     if not isinstance(model, str | Path) or Path(model).suffix != ".fmu":
         robot = simulable(robot_of(model, parameters, allow_effects))
-        plan = experiment if isinstance(experiment, Experiment) else load_experiment(robot, str(experiment))
-        return Log(simulate_robot(robot, plan, progress=progress), f"simulation of {robot.name}")
+        plan = (
+            experiment
+            if isinstance(experiment, Experiment)
+            else load_experiment(robot, str(experiment), mapping_of(mapping))
+        )
+        frame = simulate_robot(robot, plan, progress=progress)
+        return Log(frame.assign(time=frame["time"] + plan.began), f"simulation of {robot.name}")
+    if mapping is not None:
+        raise RobotError(f"{model}: a mapping needs a robot file; import the log first (pyident log import)")
     with LoadedFmu(model) as fmu:
         plan = (
             experiment if isinstance(experiment, Experiment) else read_experiment(str(experiment), fmu.joints)

@@ -1,17 +1,22 @@
 """What a diagnosis may name: every effect of the catalogue at every joint where it can act."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmodels.coordinate import of_joint
-from flexmodels.effects import CATALOGUE
+from flexmodels.effects import CATALOGUE, signals
 from flexmodels.effects.effect import Effect
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
+from pyident.conditioning.motion import Motion
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
+from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Equations
+
+_recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
 
 
 @dataclass(frozen=True)
@@ -35,18 +40,27 @@ class Candidate:
         return Candidate(self.effect, self.joint, tuple(values.items()), self.log)
 
 
-def candidates(robot: Robot, logs: Sequence[Equations]) -> list[Candidate]:
-    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters."""
+def candidates(
+    robot: Robot, logs: Sequence[Equations], orders: Mapping[int, Sequence[float]] | None = None
+) -> list[Candidate]:
+    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters.
+
+    orders   joint -> orders per turn that periodic laws are tried at besides those of their grid
+    """
     found = []
     motions = [log.part.motion for log in logs]
     for joint, present in robot.numbered:
         for effect in CATALOGUE.values():
             if effect.base or effect.name in present.values:
                 continue
+            if effect.excess_over and effect.excess_over not in present.values:
+                continue
             try:
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
+            if any(p.name == "order" for p in effect.nonlinear):
+                grid = [*grid, *({**grid[0], "order": order} for order in (orders or {}).get(joint, ()))]
             scopes = range(len(logs)) if effect.body else (None,)
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
@@ -107,10 +121,39 @@ def columns(
     return out
 
 
+def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
+    """The log's motion as a law is evaluated along it.
+
+    A measured torque holds the friction that a law would explain, and noise that would explain itself. So a
+    law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
+    of the whole model where no controller says which torque was commanded.
+    """
+    motion, read = log.part.motion, CATALOGUE[candidate.effect].symbols
+    rigid = not robot.joints[candidate.joint - 1].flexible
+    if signals.load in read and rigid:
+        return with_model_torque(robot, motion, "link")
+    if signals.tau in read and robot.controller is None:
+        return with_model_torque(robot, motion, "")
+    return motion
+
+
+def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
+    """The motion with torques of the model's parameters whose names begin with `part`."""
+    for known in _recent:
+        if known[0] is robot and known[1] is motion and known[2] == part:
+            return known[3]
+    p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
+    tau = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])[:, : len(robot.joints)]
+    made = replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
+    _recent.append((robot, motion, part, made))
+    return made
+
+
 def _columns(
     robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
-    slopes = effect_columns(robot, candidate.joint, candidate.effect, log.part.motion, dict(candidate.values))
+    motion = motion_for(robot, candidate, log)
+    slopes = effect_columns(robot, candidate.joint, candidate.effect, motion, dict(candidate.values))
     rows = sorted({row for by_row in slopes.values() for row in by_row})
     nothing = np.zeros(len(log.part.target))
     out = {}

@@ -13,6 +13,8 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 
 _TRIALS = 60
+_SIMPLICES = (0.2, -0.05)  # of the range: first edges of the simplex
+_PER_TURN = 1.0  # between a periodic law's order and its neighbours: the next period is another law
 _PRECISION = 0.01  # of the range between neighbours
 
 
@@ -27,21 +29,24 @@ def refined(
     def candidate(x: np.ndarray) -> Candidate:
         return start.at(dict(zip(names, (middle + x * (high - low)).tolist(), strict=True)))
 
+    def missed(x: np.ndarray) -> float:
+        return -explained(candidate(x))
+
     ranges = list(zip((low - middle) / (high - low), (high - middle) / (high - low), strict=True))
-    options = {
-        "maxfev": _TRIALS,
-        "initial_simplex": np.vstack([np.zeros(len(names)), 0.2 * np.eye(len(names))]),
-        "xatol": _PRECISION,
-        "fatol": 1e-4 * explained(start),
-    }
-    found: Any = minimize(
-        lambda x: -explained(candidate(x)),
-        np.zeros(len(names)),
-        method="Nelder-Mead",
-        bounds=ranges,
-        options=options,
-    )
-    return candidate(np.asarray(found.x))
+    best, least = np.zeros(len(names)), -explained(start)
+    for size in _SIMPLICES:  # again from where the first ended, the other way round: a simplex may collapse
+        steps = np.clip(best + size * np.eye(len(names)), *np.array(ranges).T)
+        options = {
+            "maxfev": _TRIALS,
+            "initial_simplex": np.vstack([best, steps]),
+            "xatol": _PRECISION,
+            "fatol": 1e-4 * abs(least),
+        }
+        found: Any = minimize(missed, best, method="Nelder-Mead", bounds=ranges, options=options)
+        if found.fun >= least:
+            break
+        best, least = np.asarray(found.x), float(found.fun)
+    return candidate(best)
 
 
 def _range(
@@ -57,6 +62,8 @@ def _range(
         reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
         below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
         above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
+        if parameter.name == "order":
+            below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
         start.append(value)
         low.append(max(below, parameter.lower))
         high.append(min(above, parameter.upper))

@@ -74,9 +74,13 @@ def solve_base(whitened: Sequence[Equations]) -> Base:
     return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
 
 
-def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> Gain:
-    """Of K columns, with bounds (K,) on their coefficients."""
-    K = len(lower)
+def gain(
+    base: Base, columns: Columns, lower: np.ndarray | None = None, upper: np.ndarray | None = None
+) -> Gain:
+    """Of K columns, with bounds (K,) on their coefficients; none: any coefficient."""
+    K = next(X.shape[1] for rows in columns for X in rows.values())
+    lower = np.full(K, -np.inf) if lower is None else lower
+    upper = np.full(K, np.inf) if upper is None else upper
     G, g, b = np.zeros((K, K)), np.zeros(K), np.zeros((base.basis[0].shape[2], K))
     for rows, basis, residual in zip(columns, base.basis, base.residual, strict=True):
         for c, X in rows.items():
@@ -84,6 +88,31 @@ def gain(base: Base, columns: Columns, lower: np.ndarray, upper: np.ndarray) -> 
             g += X.T @ residual[c]
             b += basis[c].T @ X
     return _gain(G, G - b.T @ b, g, lower, upper)
+
+
+def gains_over(
+    base: Base,
+    columns: Columns,
+    residuals: Sequence[Sequence[np.ndarray]],
+    lower: np.ndarray,
+    upper: np.ndarray,
+) -> list[float]:
+    """Energies that K columns explain of other residuals (per log (n, E)) of the same motion."""
+    K = len(lower)
+    G, b = np.zeros((K, K)), np.zeros((base.basis[0].shape[2], K))
+    for rows, basis in zip(columns, base.basis, strict=True):
+        for c, X in rows.items():
+            G += X.T @ X
+            b += basis[c].T @ X
+    out = []
+    for left in residuals:
+        along = sum(np.einsum("cek,ce->k", basis, r) for basis, r in zip(base.basis, left, strict=True))
+        g = (
+            sum(X.T @ r[c] for rows, r in zip(columns, left, strict=True) for c, X in rows.items())
+            - b.T @ along
+        )
+        out.append(_gain(G, G - b.T @ b, np.asarray(g), lower, upper).energy)
+    return out
 
 
 def taken_over(base: Base, columns: Columns) -> np.ndarray:
@@ -112,8 +141,28 @@ def joined(several: Sequence[Columns]) -> Columns:
     return out
 
 
+def fall_per_row(base: Base, columns: Columns) -> np.ndarray:
+    """(n,) energy that K columns with free coefficients take of each equation's residual."""
+    new = _directions(base, columns)
+    part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
+    pairs = zip(new, base.residual, strict=True)
+    return sum(np.square(r).sum(axis=1) - np.square(r - d @ part).sum(axis=1) for d, r in pairs)  # pyright: ignore
+
+
 def extended(base: Base, columns: Columns) -> Base:
     """The base with K columns joined to it (`p` stays that of the base's own columns)."""
+    new = _directions(base, columns)
+    part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
+    return Base(
+        base.p,
+        base.directions,
+        [np.concatenate([old, d], axis=2) for old, d in zip(base.basis, new, strict=True)],
+        [r - d @ part for d, r in zip(new, base.residual, strict=True)],
+    )
+
+
+def _directions(base: Base, columns: Columns) -> list[np.ndarray]:
+    """Per log (n, E, K or fewer): an orthonormal basis of what the base cannot imitate of K columns."""
     R = base.basis[0].shape[2]
     K = next(X.shape[1] for rows in columns for X in rows.values())
     b, G = np.zeros((R, K)), np.zeros((K, K))
@@ -131,14 +180,7 @@ def extended(base: Base, columns: Columns) -> Base:
     w, V = np.linalg.eigh(sum(np.einsum("cek,cel->kl", d, d) for d in new) / np.outer(size, size))
     kept = w > _IMITATED
     directions = V[:, kept] / np.sqrt(w[kept]) / size[:, None]
-    new = [d @ directions for d in new]
-    part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
-    return Base(
-        base.p,
-        base.directions,
-        [np.concatenate([old, d], axis=2) for old, d in zip(base.basis, new, strict=True)],
-        [r - d @ part for d, r in zip(new, base.residual, strict=True)],
-    )
+    return [d @ directions for d in new]
 
 
 def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:

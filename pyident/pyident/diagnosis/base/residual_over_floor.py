@@ -1,7 +1,7 @@
 """A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,43 +9,16 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
-from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base
-from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve, solve_weighted
+from pyident.diagnosis.base.order_peaks import order_peaks
+from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solve_base
+from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.logs.log import Log
-from pyident.refinement.remove_bias import seen
-from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
-from pyident.simulation.replica import Repeat, repeats
-from pyident.simulation.sensor_noise import sensor_noise
 
-REPLICAS = 20
-PROBES = 4  # replicas that show the bias of the fit ...
-SMALL_STEP = 1e-4  # s
-ROUNDS = 3  # ... and times that it is taken away
+_BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise.
-
-    solver   the FMU's own parameters for the replicas
-    """
-
-    robot: Robot
-    simulated: Robot
-    repeats: tuple[Repeat, ...]
-    noise: dict[str, float]
-    reduced: Reduced
-    solution: Solution
-    solver: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def logs(self) -> list[Log]:
-        return [r.log for r in self.repeats]
 
 
 @dataclass(frozen=True)
@@ -79,57 +52,9 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def set_up(robot: Robot, logs: Sequence[Log]) -> Setting:
-    """Fit the robot to the logs and prepare its replicas. Raises LogError."""
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
-    solution = solve_weighted(reduced)
-    fitted = identified(robot, reduced, solution).robot
-    noise = sensor_noise(fitted, logs, solution.p)
-    simulated, made_again = repeats(fitted, logs)
-    return Setting(fitted, simulated, made_again, noise, reduced, solution)
-
-
-def unbiased(setting: Setting, workers: Any, rounds: int = ROUNDS, probes: int = PROBES) -> Setting:
-    """The setting with the parameters whose replicas the regression finds where it found the data.
-
-    Noise and sampling bias a regression; replicas of what it found show by how much, as in
-    `refinement.remove_bias`.
-    """
-    found = setting.solution.p
-    for number in range(rounds):
-        seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
-        jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
-        put_in = np.array(list(setting.robot.linear_parameters.values()))
-        change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
-        solution = replace(setting.solution, p=put_in + change)
-        robot = identified(setting.robot, setting.reduced, solution).robot
-        simulated = setting.simulated.with_parameters(robot.parameters)
-        setting = replace(setting, robot=robot, simulated=simulated)
-    return setting
-
-
-def steadied(setting: Setting) -> Setting:
-    """The setting for a fit that cannot be simulated as it is: with small steps and no hinge without damping.
-
-    What a model lacks may bend its fit that far. Damping is taken as at least proportional to the stiffness,
-    with the ratio that the hinges have in the middle.
-    """
-    values = setting.robot.parameters
-    pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
-    ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
-    damped = {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
-    return replace(
-        setting,
-        robot=setting.robot.with_parameters(damped),
-        simulated=setting.simulated.with_parameters(damped),
-        solver={"solver.step": SMALL_STEP},
-    )
-
-
-def examine(setting: Setting, workers: Any, progress: Progress, count: int = REPLICAS) -> Examination:
+def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
     """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
-    robot, logs = setting.robot, setting.logs
+    robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
     for i, job in enumerate(jobs):
@@ -139,15 +64,21 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         residuals += left
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
-    data = whitened(robot, logs, level)
-    listed = candidates(robot, data)
-    jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
-    base = solve_base(data)
+    level, data, base = balanced(level, whitened(robot, logs, level))
+    listed = candidates(robot, data, order_peaks(robot, data, base.p))
     gains = gains_of(robot, data, base, level, listed)
+    if setting.simulates:
+        jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
+    else:
+        jobs = [workers.submit(_left, robot, made, level) for made in replicas]
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
+    if setting.simulates:
+        replica_gains = np.array([g for g, _ in judged])
+    else:
+        replica_gains = _along_same_motion(robot, data, base, level, listed, [left for left, _ in judged])
     mean_square, number = energy(data, base)
     return Examination(
         setting,
@@ -156,31 +87,29 @@ def examine(setting: Setting, workers: Any, progress: Progress, count: int = REP
         base,
         listed,
         gains,
-        np.array([g for g, _ in judged]),
+        replica_gains,
         mean_square,
         np.array([e for _, e in judged]),
         number,
     )
 
 
-def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat], seed: int) -> list[Log]:
-    """Logs as the setting's robot would have made them."""
-    rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
-    seeds = rng.integers(2**31, size=len(repeats))
-    parameters = setting.robot.parameters | dict(setting.solver)
-    return [
-        r.replica(fmu.simulate, parameters, setting.noise, int(s))
-        for r, s in zip(repeats, seeds, strict=True)
-    ]
+def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equations], Base]:
+    """Floor, equations and their base with no equation heavier than what it leaves allows.
 
-
-def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
-    """What the regression finds in a replica."""
-    robot = setting.robot
-    problem = Problem(
-        robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
-    )
-    return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p
+    An equation that lacks something would else bend the parameters of all others to its own ends.
+    """
+    ratio = np.ones(len(level.rms))
+    whitened_data = list(data)
+    base = solve_base(whitened_data)
+    for _ in range(_BALANCING):
+        count = sum(r.shape[1] for r in base.residual)
+        left = np.sqrt(sum(np.square(r).sum(axis=1) for r in base.residual) / count)
+        scale = np.maximum(ratio * left, 1.0) / ratio
+        ratio = ratio * scale
+        whitened_data = [e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in whitened_data]
+        base = solve_base(whitened_data)
+    return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
 
 
 def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
@@ -196,6 +125,27 @@ def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Seq
     data = whitened(robot, logs, level)
     base = solve_base(data)
     return [g.energy for g in gains_of(robot, data, base, level, listed)], energy(data, base)[0]
+
+
+def _left(_: Any, robot: Robot, logs: Sequence[Log], level: Floor) -> tuple[list[np.ndarray], np.ndarray]:
+    """Residual and its energy in a replica."""
+    data = whitened(robot, logs, level)
+    base = solve_base(data)
+    return base.residual, energy(data, base)[0]
+
+
+def _along_same_motion(
+    robot: Robot,
+    data: Sequence[Equations],
+    base: Base,
+    level: Floor,
+    listed: Sequence[Candidate],
+    residuals: Sequence[Sequence[np.ndarray]],
+) -> np.ndarray:
+    """(B, C) gains in replicas that share the data's motion but for noise, and so its columns."""
+    levels = [level.at(e.band) for e in data]
+    found = [gains_over(base, columns(robot, c, data, levels), residuals, *bounds(robot, c)) for c in listed]
+    return np.array(found).T
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:

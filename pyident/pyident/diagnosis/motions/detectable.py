@@ -14,22 +14,24 @@ from pyident.diagnosis.result import Limit, Row
 from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import coverage, effect_columns
 from pyident.regression.spectrum import Equations
+from pyident.rules.search import SearchRules
 
-_IMITATED = 0.01  # share of a column that the base must leave, else it is not seen
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 
 
-def limits(search: Search, material: float) -> Iterator[Limit]:
-    """One per effect and joint of the search; material: least gain that is named, over the floor's energy."""
+def limits(search: Search) -> Iterator[Limit]:
+    """One per effect and joint of the search."""
     ex = search.examination
-    for number, at in enumerate(search.families.values()):
+    for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
         if c.log in (None, 0):
-            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number, material))
+            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
 
 
-def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed: float) -> Limit:
+def limit_of(
+    robot: Robot, log: Equations, c: Candidate, explained: Gain, needed: float, rules: SearchRules
+) -> Limit:
     """A candidate's limit along a log's motion. needed: gain that it would be named for."""
     law = law_of(robot, c)
     amplitudes = zip(law.linear, np.sqrt(needed) * explained.alone, strict=True)
@@ -37,7 +39,7 @@ def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed
     share = _share(robot, log, c, smallest)
     seen = coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
     reason = ""
-    if explained.left < _IMITATED:
+    if explained.left < rules.imitated:
         reason = "the model's own parameters imitate it in these logs"
     elif seen is not None and seen < 1:
         reason = f"the logs do not cover what it needs: {law.needs}"
@@ -51,28 +53,24 @@ def limit_of(robot: Robot, log: Equations, c: Candidate, explained: Gain, needed
 
 
 def rows_over_floor(ex: Examination) -> list[Row]:
-    """Every equation's residual, per band of frequency, and over the replicas'."""
-    robot, out = ex.setting.robot, []
-    bands = tuple(zip(EDGES, (*EDGES[1:], ex.floor.frequencies[-1]), strict=True))
+    """Every equation's residual, rms in every band of frequency, and over the replicas'."""
+    robot, out, top = ex.setting.robot, [], float(ex.floor.frequencies[-1])
+    edges = [edge for edge in EDGES if edge < top]
+    bands = tuple(zip(edges, (*edges[1:], top), strict=True))
     mean = ex.replica_energy.mean(axis=0)
+    at = np.digitize(ex.floor.frequencies, edges) - 1
+    part_of_all = np.sqrt(ex.count / sum(log.band.length for log in ex.logs))  # a band's rms per its level
     for c, coordinate in enumerate(robot.q):
-        at = np.digitize(ex.floor.frequencies, EDGES) - 1
-        level = [
-            float(np.sqrt(np.mean(ex.floor.rms[c][at == b] ** 2))) if (at == b).any() else 0.0
-            for b in range(len(EDGES))
-        ]
-        ratio = np.sqrt(ex.energy[c] / np.maximum(mean[c], 1e-12))
-        rms = np.sqrt(ex.energy[c]) * level
-        out.append(
-            Row(
-                coordinate.name,
-                joint_name(coordinate.joint),
-                coordinate.side,
-                bands,
-                tuple(rms.tolist()),
-                tuple(ratio.tolist()),
-            )
-        )  # pyright: ignore
+        squares = np.square(ex.floor.rms[c])
+        level = np.array(
+            [np.sqrt(np.mean(squares[at == b])) if (at == b).any() else 0.0 for b in range(len(edges))]
+        )
+        found = np.sqrt(ex.energy[c, : len(edges)])
+        ratio = found / np.sqrt(np.maximum(mean[c, : len(edges)], 1e-12))
+        rms = found * level * part_of_all[: len(edges)]
+        joint = joint_name(coordinate.joint)
+        found_in = tuple(rms.tolist()), tuple(ratio.tolist())
+        out.append(Row(coordinate.name, joint, coordinate.side, bands, *found_in))
     return out
 
 

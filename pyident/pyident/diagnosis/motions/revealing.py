@@ -16,7 +16,8 @@ from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, gains_of, replicated, whitened
+from pyident.diagnosis.base.residual_over_floor import gains_of, replicated, whitened
+from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.motions.detectable import limit_of
 from pyident.diagnosis.motions.separating import variants
 from pyident.diagnosis.result import Limit
@@ -25,13 +26,10 @@ from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import floor
 from pyident.simulation.replica import Repeat
 
-_REPLICAS = 3  # of every variant
-
 
 def revealing(
     search: Search,
     limits: Sequence[Limit],
-    material: float,
     workers: Any,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[Limit]:
@@ -41,8 +39,10 @@ def revealing(
     Raises RobotError and LogError where there is no experiment to vary.
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
-    asked = [(e, k) for e, k, log in search.families if (e, joint_name(k)) in hidden and log in (None, 0)]
-    needed = float(np.median([search.needed(family, material) for family in range(len(search.families))]))
+    asked = [
+        (e, k) for e, k, log in search.families.members if (e, joint_name(k)) in hidden and log in (None, 0)
+    ]
+    needed = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
     setting = search.examination.setting
     plans = variants(setting.simulated, setting.logs[0])
     jobs = {name: workers.submit(_along, setting, plan, asked, needed) for name, plan in plans.items()}
@@ -66,7 +66,7 @@ def _along(
     robot = setting.robot
     varied = replace(setting, repeats=(Repeat(setting.logs[0], plan),))
     try:
-        made = [replicated(fmu, varied, seed) for seed in range(_REPLICAS)]
+        made = [replicated(fmu, varied, seed) for seed in range(setting.rules.replicas.revealing)]
     except SimulationError:
         return []
     level = floor([b for _, bands, _ in made for b in bands], [r for *_, left in made for r in left])
@@ -77,7 +77,7 @@ def _along(
         listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
         gains = gains_of(robot, [along], base, level, listed)
         best = min(range(len(listed)), key=lambda i: float(gains[i].alone.min()))
-        found.append(limit_of(robot, along, listed[best], gains[best], needed))
+        found.append(limit_of(robot, along, listed[best], gains[best], needed, setting.rules.search))
     return found
 
 

@@ -10,12 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.candidates import Candidate, columns
 from pyident.diagnosis.base.projection import gain
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
-
-CHANGES = 0.1  # of what exceeds the floor on the law's equations: a gain by which the law is no law
 
 Quantity = Callable[[Equations, int], np.ndarray]
 QUANTITIES: dict[str, Quantity] = {
@@ -36,7 +34,7 @@ def changes_with(search: Search, candidate: Candidate) -> str:
         return ""  # a body's parameters cannot change within a log
     shares = {name: _gained(search, candidate, quantity) for name, quantity in QUANTITIES.items()}
     worst = max(shares, key=lambda name: shares[name])
-    return worst if shares[worst] > CHANGES else ""
+    return worst if shares[worst] > search.rules.changes else ""
 
 
 def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
@@ -46,5 +44,4 @@ def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
     middle = np.median(np.concatenate(values))
     high = [(v > middle).astype(float) for v in values]
     X = columns(search.robot, candidate, logs, search.levels, high)
-    free = np.full(len(bounds(search.robot, candidate)[0]), np.inf)
-    return gain(search.base, X, -free, free).energy / max(search.excess_on(search.rows(candidate)), 1e-300)
+    return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), 1e-300)

@@ -1,6 +1,7 @@
 """What candidates, fitted to some logs, take away of the residual in others."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,28 +10,84 @@ from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
+from pyident.rules.search import SearchRules
 
 
-def whitened_heldout(search: Search, heldout: Sequence[Log]) -> list[Equations]:
-    """The equations of logs that were not used, over the floor of those that were. Raises LogError."""
+@dataclass(frozen=True)
+class Unseen:
+    """Of what exceeds the floor on held-out logs: the share that is taken, its standard deviation; and that
+    excess itself, in floors.
+
+    With the residual r of the effects and s what they take, the energy falls by Σ (r + s)² − r², and the
+    noise in r makes that vary by 4 Σ s² r².
+    """
+
+    share: float
+    std: float
+    excess: float
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Equations of logs that were not used, over the floor of those that were; may be none."""
+
+    equations: tuple[Equations, ...]
+
+    def share(self, search: Search, further: Sequence[Candidate], rows: Sequence[int]) -> Unseen | None:
+        """What further candidates take beyond what the search rests on; None without held-out logs."""
+        if not self.equations:
+            return None
+        listed = list(rows)
+        before = residuals(search, search.chosen, self.equations)
+        after = residuals(search, [*search.chosen, *further], self.equations)
+        pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
+        fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
+        variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
+        count = sum(r.shape[1] for r in search.base.residual)
+        floor = float(search.examination.floor_energies[listed].sum()) / count
+        floor *= sum(r.shape[1] for r in before)
+        excess = sum(float(np.square(b).sum()) for b, _ in pairs) - floor
+        scale = max(excess, 1e-300)
+        return Unseen(fall / scale, float(np.sqrt(variance)) / scale, excess / max(floor, 1e-300))
+
+    def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
+        """Whether the share on unseen data stands beside the one on those that were fitted.
+
+        Where the unseen data hold nothing to explain, a fall is all that can be asked.
+        """
+        if unseen.excess < rules.unseen_excess:
+            return unseen.share > 0
+        return unseen.share >= rules.unseen * fitted_share and unseen.share > unseen.std
+
+
+def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
+    """Raises LogError."""
     ex = search.examination
-    return whitened(ex.setting.robot, heldout, ex.floor)
+    return HeldOut(tuple(whitened(ex.setting.robot, logs, ex.floor)))
 
 
-def heldout_gain(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
+def heldout_gain(search: Search, chosen: Sequence[Candidate], held: HeldOut) -> float:
     """Share of the residual's energy in held-out logs that these candidates, fitted to the others, take."""
     return 1 - left_over(search, chosen, held) / left_over(search, (), held)
 
 
-def left_over(search: Search, chosen: Sequence[Candidate], held: Sequence[Equations]) -> float:
-    """Energy of the residual on held-out logs, with everything fitted to the others."""
+def left_over(
+    search: Search, chosen: Sequence[Candidate], held: HeldOut, rows: Sequence[int] | None = None
+) -> float:
+    """Energy of the residual on held-out logs, of some equations, with everything fitted to the others."""
+    at = slice(None) if rows is None else list(rows)
+    return sum(float(np.square(r[at]).sum()) for r in residuals(search, chosen, held.equations))
+
+
+def residuals(search: Search, chosen: Sequence[Candidate], logs: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E)."""
     p, x = search.fitted(chosen)
-    return sum(_left_of(search, log, p, x, chosen) for log in held)
+    return [_left_of(search, log, p, x, chosen) for log in logs]
 
 
 def _left_of(
     search: Search, log: Equations, p: np.ndarray, x: np.ndarray, acting: Sequence[Candidate]
-) -> float:
+) -> np.ndarray:
     """Of one log; a payload is there or not, whichever fits."""
     residual = log.y - log.A @ p
     at = 0
@@ -45,4 +102,4 @@ def _left_of(
         if candidate.log is None or np.square(more).sum() < np.square(residual).sum():
             residual = more
         at += width
-    return float(np.square(residual).sum())
+    return residual

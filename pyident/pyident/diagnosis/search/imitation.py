@@ -14,11 +14,6 @@ from pyident.diagnosis.base.projection import extended
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
 
-_LEFT = 0.05  # of what exceeds the floor on a law's equations: who leaves less is no imitator
-_MOST = 0.5  # of what the law leaves on an equation, by one foreign signal
-_RICHER = 0.5  # of what the law leaves: a smooth function has many parameters and must leave less by itself
-_KEPT = 0.5  # of the law's gain, beside that signal
-
 
 def stands_in_for(search: Search, candidate: Candidate) -> str:
     """The dependence, in words, that a candidate imitates; empty when there is none.
@@ -26,7 +21,9 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     The search must rest on the candidate and all others that are named.
     """
     rows = search.rows(candidate)
-    if candidate.log is not None or search.remaining_on(rows) <= _LEFT * search.excess_on(rows):
+    if candidate.log is not None or search.remaining_on(rows) <= search.rules.foreign_left * search.excess_on(
+        rows
+    ):
         return ""
     row = max(rows, key=lambda row: search.remaining_on([row]))
     left = search.remaining_on([row])
@@ -35,14 +32,14 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
         return ""
     dependence, columns = found
     known = _known(law_of(search.robot, candidate), candidate.joint)
-    if dependence.gain < _MOST * left or not _foreign(dependence, known):
+    if dependence.gain < search.rules.foreign_signal * left or not _foreign(dependence, known):
         return ""
-    without = search.base_without(candidate)
+    without = search.without(candidate).base
     instead = extended(without, columns)
-    if search.beyond_floor(instead, [row]) > _RICHER * left:
+    if search.beyond_floor(instead, [row]) > search.rules.foreign_richer * left:
         return ""
     by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
-    return dependence.said if beside < _KEPT * by_itself else ""
+    return dependence.said if beside < search.rules.foreign_kept * by_itself else ""
 
 
 def _foreign(dependence: Dependence, known: frozenset[str]) -> bool:

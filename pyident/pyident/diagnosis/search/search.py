@@ -10,15 +10,8 @@ from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
-
-ALPHA = 0.05  # chance of a name when nothing is missing
-_WORTH_REFINING = 0.3  # of the best gain
-_TIE = 0.9  # of the best gain: what explains as much cannot be told from it ...
-_KEPT = 0.5  # of its own gain: ... unless this much of it stays beside the best: then it is another effect
-_WORTH_A_PARAMETER = 0.5  # of what a law with fewer parameters leaves: a richer law must leave less
-_CHANCE = 5.0  # standard deviations by which a gain may differ by chance
-_STANDS_OUT = 1.0  # of the floor's energy: less may be noise that is not known well enough
-_OWN_TRACE = 0.5  # of a family's mean gain in replicas: how well the method's own trace is known
+from pyident.diagnosis.search.families import Families, families_of
+from pyident.rules.search import SearchRules
 
 
 @dataclass(frozen=True)
@@ -67,36 +60,44 @@ class Step:
         return self.tie + self.others
 
 
+@dataclass(frozen=True, eq=False)
 class Search:
-    """The candidates of an examination against its base, which may rest on some of them."""
+    """The candidates of an examination against its base with those `chosen` joined to it."""
 
-    def __init__(self, examination: Examination):
-        self.examination = examination
-        self.robot: Robot = examination.setting.robot
-        self.base: Base = examination.base
-        self._chosen: tuple[Candidate, ...] = ()
-        self.levels = examination.levels
-        self._columns: list[Columns] = [self.columns(c) for c in examination.candidates]
-        self._bounds = [bounds(self.robot, c) for c in examination.candidates]
-        families = [c.family for c in examination.candidates]
-        self.families = {f: [i for i, g in enumerate(families) if g == f] for f in dict.fromkeys(families)}
-        best = np.array([examination.replica_gains[:, at].max(axis=1) for at in self.families.values()]).T
-        self.mean, self.spread = best.mean(axis=0), _spread(best)
-        self.peaks = np.array([_peak(best, b) for b in range(len(best))])
+    examination: Examination
+    families: Families
+    base: Base
+    chosen: tuple[Candidate, ...] = ()
 
-    def rest_on(self, chosen: Sequence[Candidate]) -> None:
-        """Take the examination's base with these candidates joined to it."""
-        self.base, self._chosen = self._base_with(chosen), tuple(chosen)
+    @property
+    def robot(self) -> Robot:
+        return self.examination.setting.robot
 
-    def base_without(self, candidate: Candidate) -> Base:
-        """The present base without one of those that it rests on."""
-        return self._base_with([c for c in self._chosen if c != candidate])
+    @property
+    def rules(self) -> SearchRules:
+        return self.examination.setting.rules.search
 
-    def _base_with(self, chosen: Sequence[Candidate]) -> Base:
+    @property
+    def levels(self) -> list[np.ndarray]:
+        return self.examination.levels
+
+    def resting_on(self, chosen: Sequence[Candidate]) -> "Search":
+        """The search whose base is the examination's with these candidates, and no others, joined to it."""
         base = self.examination.base
         for candidate in chosen:
             base = extended(base, self.columns(candidate))
-        return base
+        return replace(self, base=base, chosen=tuple(chosen))
+
+    def with_further(self, candidates: Sequence[Candidate]) -> "Search":
+        """The search that rests on further candidates as well."""
+        base = self.base
+        for candidate in candidates:
+            base = extended(base, self.columns(candidate))
+        return replace(self, base=base, chosen=(*self.chosen, *candidates))
+
+    def without(self, candidate: Candidate) -> "Search":
+        """The search that rests on all but one of those that this one rests on."""
+        return self.resting_on([c for c in self.chosen if c != candidate])
 
     def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
         """The model's parameters (P,) and the candidates' coefficients, all fitted together."""
@@ -111,22 +112,28 @@ class Search:
 
     def step(self) -> Step:
         """Rank the families by what they explain of the present base's residual."""
-        gains = [gain(self.base, X, *b) for X, b in zip(self._columns, self._bounds, strict=True)]
+        gains = [
+            gain(self.base, X, *b) for X, b in zip(self.families.columns, self.families.bounds, strict=True)
+        ]
         found = []
-        for number, at in enumerate(self.families.values()):
+        for number, at in enumerate(self.families.members.values()):
             candidate, explained = self._best_proper(at, gains)
             found.append(self._found(candidate, explained, number))
-        top = max(f.excess for f in found)
-        better = [self._refined(f, n) if f.excess > _WORTH_REFINING * top else f for n, f in enumerate(found)]
-        ranked = sorted(better, key=lambda f: (self.p_value(f) > ALPHA, -f.excess))
+        joints = {f.candidate.joint for f in found}
+        top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
+        better = [
+            self._refined(f, n) if f.excess > self.rules.refine * top[f.candidate.joint] else f
+            for n, f in enumerate(found)
+        ]
+        ranked = sorted(better, key=lambda f: (self.p_value(f) > self.rules.level, -f.excess))
         return self.led_by(ranked[0], ranked)
 
     def best(self, effect: str, joint: int) -> Found | None:
         """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""
         found = []
-        for number, (family, at) in enumerate(self.families.items()):
+        for number, (family, at) in enumerate(self.families.members.items()):
             if family[:2] == (effect, joint):
-                gains = {i: gain(self.base, self._columns[i], *self._bounds[i]) for i in at}
+                gains = {i: gain(self.base, self.families.columns[i], *self.families.bounds[i]) for i in at}
                 top = max(gains, key=lambda i: gains[i].energy)
                 start = self._found(self.examination.candidates[top], gains[top], number)
                 found.append(self._refined(start, number))
@@ -144,27 +151,32 @@ class Search:
     def _proper(self, candidate: Candidate, explained: Gain) -> bool:
         if law_of(self.robot, candidate).proper is None:
             return True
-        p, _ = self.fitted([*self._chosen, candidate])
+        p, _ = self.fitted([*self.chosen, candidate])
         parameters = dict(zip(self.robot.linear_parameters, p.tolist(), strict=True))
         return proper(self.robot, candidate, explained.coefficients.tolist(), parameters)
 
     def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
         """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
-        least = min(_TIE * best.excess, best.excess - _CHANCE**2)
-        near = [f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= ALPHA]
+        least = min(self.rules.tie * best.excess, best.excess - self.rules.chance**2)
+        near = [
+            f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= self.rules.level
+        ]
         tie = [best]
         if near:
             beside = extended(self.base, self.columns(best.candidate))
-            tie += [f for f in near if self.gain_of(f.candidate, beside).energy < _KEPT * f.gain.energy]
+            tie += [
+                f for f in near if self.gain_of(f.candidate, beside).energy < self.rules.apart * f.gain.energy
+            ]
         tie = self._simplest_first(tie)
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
     def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
         """Further parameters must take away most of what fewer leave, else the law with fewer is as good."""
         first = tie[0]
+        remaining = self.remaining_on(self.rows(first.candidate)) if len(tie) > 1 else 0.0
         for f in sorted(tie, key=lambda f: f.freedom):
-            left, best_left = (max(self.remaining - g.excess, _CHANCE**2) for g in (f, first))
-            if f.freedom < first.freedom and best_left > _WORTH_A_PARAMETER * left:
+            left, best_left = (max(remaining - g.excess, self.rules.chance**2) for g in (f, first))
+            if f.freedom < first.freedom and best_left > self.rules.parameter * left:
                 first = f
         return [first, *(f for f in tie if f is not first)]
 
@@ -175,7 +187,7 @@ class Search:
 
     def p_value(self, found: Found) -> float:
         """Chance of such a score anywhere in the search with nothing missing (max-T over the replicas)."""
-        return (1 + int((self.peaks >= found.z).sum())) / (1 + len(self.peaks))
+        return (1 + int((self.families.peaks >= found.z).sum())) / (1 + len(self.families.peaks))
 
     def columns(self, candidate: Candidate) -> Columns:
         """Per log: row -> (E, K)."""
@@ -200,6 +212,16 @@ class Search:
         """The same of the present base."""
         return max(self.base.energy - self.floor_energy, 0.0)
 
+    def floor_energy_on(self, rows: Sequence[int]) -> float:
+        """`floor_energy` of some equations only."""
+        return float(self.examination.floor_energies[list(rows)].sum())
+
+    @property
+    def over_floor(self) -> np.ndarray:
+        """(n,) energy that the present base leaves on each equation over that of replicas."""
+        left = sum(np.square(r).sum(axis=1) for r in self.base.residual)
+        return np.asarray(left) / np.maximum(self.examination.floor_energies, 1e-300)
+
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
         return self.beyond_floor(self.examination.base, rows)
@@ -215,24 +237,27 @@ class Search:
 
     @property
     def stands_out(self) -> bool:
-        """Whether the residual exceeds the replicas' by far, in all or in a band of a row."""
-        ex = self.examination
-        of_band = (ex.energy - ex.replica_energy.mean(axis=0)) * ex.count
-        return max(self.excess, float(of_band.max())) > _STANDS_OUT * self.floor_energy
+        """Whether the present base leaves by far more than replicas do on any equation."""
+        return bool((self.over_floor > 1 + self.rules.stands_out).any())
 
-    def needed(self, family: int, material: float) -> float:
-        """Gain a family (by number) would need to be named; material: least gain over the floor's energy."""
-        peak = float(np.quantile(self.peaks, 1 - ALPHA))
-        return float(self.mean[family] + max(peak * self.spread[family], material * self.floor_energy))
+    def needed(self, family: int) -> float:
+        """Gain a family (by number) would need to be named."""
+        peak = float(np.quantile(self.families.peaks, 1 - self.rules.level))
+        return float(
+            self.families.mean[family]
+            + max(peak * self.families.spread[family], self.rules.material * self.floor_energy)
+        )
 
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         """Energy that a base leaves on some equations beyond what replicas leave."""
-        left = sum(float(np.square(r[rows]).sum()) for r in base.residual)
-        return max(left - float(self.examination.floor_energies[rows].sum()), 0.0)
+        left = sum(float(np.square(r[list(rows)]).sum()) for r in base.residual)
+        return max(left - self.floor_energy_on(rows), 0.0)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
-        mean = float(self.mean[family])
-        return Found(candidate, explained, mean, (explained.energy - mean) / float(self.spread[family]))
+        mean = float(self.families.mean[family])
+        return Found(
+            candidate, explained, mean, (explained.energy - mean) / float(self.families.spread[family])
+        )
 
     def _refined(self, found: Found, family: int) -> Found:
         """The same candidate with its nonlinear values between those of the grid."""
@@ -246,12 +271,6 @@ class Search:
         return self._found(better, taken, family) if self._proper(better, taken) else found
 
 
-def _spread(best: np.ndarray) -> np.ndarray:
-    """(F,) how much a family's gain varies without cause: its noise, and how the method's trace varies."""
-    return best.std(axis=0) + 1.0 + _OWN_TRACE * best.mean(axis=0)
-
-
-def _peak(best: np.ndarray, b: int) -> float:
-    """The largest score of one replica against the others."""
-    rest = np.delete(best, b, axis=0)
-    return float(((best[b] - rest.mean(axis=0)) / _spread(rest)).max())
+def search_of(examination: Examination) -> Search:
+    """A search that rests on the model alone."""
+    return Search(examination, families_of(examination), examination.base)

@@ -1,28 +1,22 @@
-"""How many effects are named: the fewest that explain most of the excess, then those that stand alone.
+"""Which effects are named, equation by equation.
 
-A set is looked for first, one effect, then two ... that takes away most of the excess. Once there is one, a
-further effect must take away most of what still exceeds the floor on its own equations: what an inexact law
-leaves behind is shared among many candidates, a true effect is taken by one. At last a law whose coefficients
-change over the logs is dropped, and one that leaves what depends on a signal that it does not know: they
-stand in for something else (see `constancy`, `imitation`).
+The effect that explains most leads; with the fewest others that it needs it must explain most of what exceeds
+the floor on the equations where it acts, and hold on logs that were not used (see `gate`). Its joint's next
+effect must take away most of what is left there: what an inexact law leaves behind is shared among many
+candidates, a true effect is taken by one. Where no effect passes, the equation stays unexplained and the
+others go on. At last a law whose coefficients change over the logs is dropped, and one that leaves what
+depends on a signal that it does not know: they stand in for something else (see `constancy`, `imitation`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.constancy import changes_with
+from pyident.diagnosis.search.gate import Refusal, counts, group_for, main_rows, share_on
+from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
-from pyident.diagnosis.search.search import ALPHA, Found, Search, Step
-
-MATERIAL = 0.005  # of the floor's energy: a smaller gain is not worth a name
-EXPLAINED = (0.5, 0.65, 0.8)  # of the excess, by a set of one, two, three or more effects
-PART = 0.1  # of the excess: what each must contribute
-OWN = 0.7  # of what still exceeds the floor on its own equations: what a further effect must take away ...
-WHOLE = 0.95  # ... or, where that is less than a part of what did, this much of what still exceeds the floor
-MOST = 4  # effects at once
-ORDERS = 2  # further ones of a periodic law ...
-ORDER = 0.3  # of what still exceeds the floor on its equations: ... that each must take away
+from pyident.diagnosis.search.search import Found, Search, Step
 
 
 @dataclass(frozen=True)
@@ -30,51 +24,113 @@ class Selection:
     """What was selected.
 
     steps      one per effect, each ranked with all others in the base
-    explained  share of the excess after the first of them, the first two ...
     first      the ranking with none selected
     imitators  what was dropped: effect and joint -> why
+    refusals   the best candidate of every place that nothing explains
     """
 
     steps: tuple[Step, ...]
-    explained: tuple[float, ...]
     first: Step
     imitators: dict[str, str]
+    refusals: tuple[Refusal, ...] = ()
 
     @property
     def candidates(self) -> list[Candidate]:
         return _candidates(self.steps)
 
 
-def select(search: Search) -> Selection:
-    """Leaves the search resting on what it selects."""
-    search.rest_on(())
+def select(search: Search, held: HeldOut) -> Selection:
+    """What a search comes to, whatever it rests on."""
+    search = search.resting_on(())
     first = search.step()
-    chosen, imitators = _constant(search, _explaining(search, first))  # before others can cover a change
-    if chosen:
-        chosen = _judged_together(search, _standing(search, _with_orders(search, chosen)))
-    chosen, more = _constant(search, chosen)
-    chosen, others = _of_its_own(search, chosen)
-    imitators |= more | others
-    explained = []
-    for n in range(len(chosen)):
-        search.rest_on(_candidates(chosen[: n + 1]))
-        explained.append(search.explained)
-    search.rest_on(_candidates(chosen))
-    return Selection(tuple(chosen), tuple(explained), first, imitators)
+    chosen: list[Step] = []
+    refusals: dict[int, Refusal] = {}
+    imitators: dict[str, str] = {}
+    view, step = search, first
+    while len(chosen) < search.rules.most:
+        lead = next((f for f in step.ranked if _may_lead(view, f, chosen, refusals)), None)
+        if lead is None:
+            break
+        group, refusal = _group(view, step, lead, chosen, held)
+        if group:
+            group, faults = _faultless(view, group)
+            imitators |= faults
+            refusal = None if group else _imitator(view, lead, faults)
+        if refusal is not None:
+            refusals[max(refusal.rows, key=lambda row: view.remaining_on([row]))] = refusal
+            continue
+        chosen = _with_orders(search, [*chosen, *group])
+        view = search.resting_on(_candidates(chosen))
+        step = view.step()
+    chosen = _judged_together(search, chosen)
+    return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
-def _explaining(search: Search, step: Step) -> list[Step]:
-    """The smallest set that explains enough, empty when there is none."""
-    steps: list[Step] = []
-    for needed in EXPLAINED:
-        if not (_counts(search, step.best) and step.best.excess >= PART * search.excess):
-            return []
-        steps.append(step)
-        search.rest_on([s.best.candidate for s in steps])
-        if search.explained >= needed:
-            return steps
-        step = search.step()
-    return []
+def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[int, Refusal]) -> bool:
+    """Not where something was refused already, nor what is named already."""
+    named = {s.best.candidate.family for s in chosen}
+    if found.candidate.family in named or not counts(view, found):
+        return False
+    return refusals.keys().isdisjoint(main_rows(view, found.candidate))
+
+
+def _group(
+    view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut
+) -> tuple[list[Step], Refusal | None]:
+    """A set for equations that have no effect yet; where they have one, a single one that takes the rest."""
+    rows = main_rows(view, lead.candidate)
+    taken = {row for s in chosen for row in view.rows(s.best.candidate)}
+    if taken.isdisjoint(rows):
+        return group_for(view, step, lead, held)
+    if not _owns(view, lead, rows):
+        reason = "beside the effects found there it takes too little of the rest"
+        return [], Refusal(lead.candidate, rows, 100 * share_on(view, [lead.candidate], rows), None, reason)
+    unseen = held.share(view, [lead.candidate], rows)
+    share = share_on(view, [lead.candidate], rows)
+    if unseen is not None and not held.holds(unseen, share, view.rules):
+        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
+        return [], Refusal(lead.candidate, rows, 100 * share, 100 * unseen.share, reason)
+    return [view.led_by(lead, step.ranked)], None
+
+
+def _owns(view: Search, found: Found, rows: Sequence[int]) -> bool:
+    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
+
+    A small one must leave nothing there: beside an inexact law it may be that law's remainder.
+    """
+    left = view.remaining_on(rows)
+    if found.excess >= view.rules.part * view.excess_on(rows):
+        return found.excess >= view.rules.own * left
+    return found.excess >= view.rules.whole * left
+
+
+def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, str]]:
+    """The group without imitators, where the rest explains enough; and the faults of those."""
+    whole = view.with_further(_candidates(group))
+    faults = {id(s): _fault(whole, s.best.candidate) for s in group}
+    kept = [s for s in group if not faults[id(s)]]
+    named = {f"{s.best.candidate.effect} at joint{s.best.candidate.joint}": faults[id(s)] for s in group}
+    if 0 < len(kept) < len(group):
+        rows = main_rows(view, kept[0].best.candidate)
+        needed = view.rules.explained[min(len(kept), len(view.rules.explained)) - 1]
+        if share_on(view, _candidates(kept), rows) < needed:
+            kept = []
+    return kept, {name: why for name, why in named.items() if why}
+
+
+def _fault(whole: Search, candidate: Candidate) -> str:
+    """Why a candidate only imitates, empty when it does not."""
+    quantity = changes_with(whole, candidate)
+    if quantity:
+        return f"its coefficients change with {quantity}"
+    words = stands_in_for(whole, candidate)
+    return f"what it leaves depends on {words}, beside which it explains little" if words else ""
+
+
+def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
+    rows = main_rows(view, lead.candidate)
+    share = 100 * share_on(view, [lead.candidate], rows)
+    return Refusal(lead.candidate, rows, share, None, next(iter(faults.values()), "it only imitates"))
 
 
 def _candidates(steps: Sequence[Step]) -> list[Candidate]:
@@ -86,18 +142,17 @@ def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
     out = list(steps)
     for i, step in enumerate(steps):
         law, joint = law_of(search.robot, step.best.candidate), step.best.candidate.joint
-        if not any(p.name == "order" for p in law.nonlinear):
+        if step.orders or not any(p.name == "order" for p in law.nonlinear):
             continue
         others = _candidates([s for s in out if s is not out[i]])
         orders = [step.best.candidate]
-        for _ in range(ORDERS):
-            search.rest_on([*others, *orders])
-            more = search.best(law.name, joint)
-            if more is None or not (_counts(search, more) and _takes(search, more, ORDER)):
+        for _ in range(search.rules.orders):
+            view = search.resting_on([*others, *orders])
+            more = view.best(law.name, joint)
+            if more is None or not (counts(view, more) and _takes(view, more, search.rules.order)):
                 break
             orders = _refitted(search, others, [*orders, more.candidate])
-        search.rest_on([*others, *orders[1:]])
-        main = search.best(law.name, joint)
+        main = search.resting_on([*others, *orders[1:]]).best(law.name, joint)
         out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(orders[1:]))
     return out
 
@@ -106,97 +161,42 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
     """Each order again with the rest in the base: the first was found beside what the others now take."""
     out = list(orders)
     for i, order in enumerate(orders):
-        search.rest_on([*others, *out[:i], *out[i + 1 :]])
-        again = search.best(order.effect, order.joint)
+        view = search.resting_on([*others, *out[:i], *out[i + 1 :]])
+        again = view.best(order.effect, order.joint)
         out[i] = again.candidate if again else order
     return out
 
 
-def _standing(search: Search, steps: list[Step]) -> list[Step]:
-    """With the further effects that stand by themselves, where all together explain enough."""
-    while len(steps) < MOST:
-        search.rest_on(_candidates(steps))
-        step = search.step()
-        named = {f.candidate.family for s in steps for f in s.tie}
-        others = [f for f in step.ranked if f.candidate.family not in named and _counts(search, f)]
-        allowed = search.remaining - (1 - EXPLAINED[-1]) * search.excess
-        further = next((f for f in others if f.excess >= allowed and _owns(search, f)), None)
-        if further is None:
-            return steps
-        steps = [*steps, search.led_by(further, step.ranked)]
-    return steps
-
-
 def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     """Each effect ranked again with the others in the base; those that others have made needless are gone."""
+    if len(steps) < 2:
+        return list(steps)
     kept, out = list(steps), []
     for old in steps:
         others = [s for s in kept if s is not old]
-        search.rest_on([*_candidates(others), *old.orders])
-        step, family = search.step(), old.best.candidate.family
+        view = search.resting_on([*_candidates(others), *old.orders])
+        step, family = view.step(), old.best.candidate.family
         again = next((f for f in step.ranked if f.candidate.family == family), None)
-        if again is None or not _counts(search, again):
+        if again is None or not counts(view, again):
             kept.remove(old)
             continue
-        named = {s.best.candidate.family for s in others}
-        rivals = [f for f in step.ranked if f.candidate.joint == again.candidate.joint and _counts(search, f)]
-        rivals = [f for f in rivals if f is again or _owns(search, f)]
-        best = next(f for f in rivals if f.candidate.family not in named)
-        orders = old.orders if best.candidate.family == family else ()
-        new = replace(search.led_by(best, step.ranked), orders=orders)
+        new = replace(_best_there(view, step, again, others), orders=())
+        new = replace(new, orders=old.orders if new.best.candidate.family == family else ())
         kept[kept.index(old)] = new
         out.append(new)
     return out
 
 
-def _constant(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
-    """Those whose coefficients stay the same, if they explain enough; and what the others' change with."""
-
-    def changing(candidate: Candidate) -> str:
-        quantity = changes_with(search, candidate)
-        return f"its coefficients change with {quantity}" if quantity else ""
-
-    return _without(search, steps, changing)
-
-
-def _of_its_own(search: Search, steps: Sequence[Step]) -> tuple[list[Step], dict[str, str]]:
-    """Those that stand in for nothing else, if they explain enough; and what the others stand in for."""
-
-    def imitated(candidate: Candidate) -> str:
-        words = stands_in_for(search, candidate)
-        return f"what it leaves depends on {words}, beside which it explains little" if words else ""
-
-    return _without(search, steps, imitated)
+def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step]) -> Step:
+    """What takes most of an effect's equations beside the others: the effect itself or a rival."""
+    named = {s.best.candidate.family for s in others}
+    joint = again.candidate.joint
+    rivals = [f for f in step.ranked if f.candidate.joint == joint and counts(view, f)]
+    rivals = [f for f in rivals if f is again or _owns(view, f, main_rows(view, f.candidate))]
+    best = next((f for f in rivals if f.candidate.family not in named), again)
+    return view.led_by(best, step.ranked)
 
 
-def _without(
-    search: Search, steps: Sequence[Step], fault: Callable[[Candidate], str]
-) -> tuple[list[Step], dict[str, str]]:
-    """Those without a fault, if they explain enough; and the faults of the others."""
-    found = {i: step.best.candidate for i, step in enumerate(steps)}
-    search.rest_on(_candidates(steps))
-    faults = {i: fault(c) for i, c in found.items()}
-    kept = [step for i, step in enumerate(steps) if not faults[i]]
-    search.rest_on(_candidates(kept))
-    if len(kept) < len(steps) and search.explained < EXPLAINED[min(len(kept), len(EXPLAINED)) - 1]:
-        kept = []
-    return kept, {f"{found[i].effect} at joint{found[i].joint}": why for i, why in faults.items() if why}
-
-
-def _counts(search: Search, found: Found) -> bool:
-    return search.p_value(found) <= ALPHA and found.excess >= MATERIAL * search.floor_energy
-
-
-def _owns(search: Search, found: Found) -> bool:
-    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
-
-    A small one must leave nothing anywhere: beside an inexact law it may be that law's remainder.
-    """
-    if found.excess >= PART * search.excess_on(search.rows(found.candidate)):
-        return _takes(search, found, OWN)
-    return found.excess >= WHOLE * search.remaining
-
-
-def _takes(search: Search, found: Found, share: float) -> bool:
+def _takes(view: Search, found: Found, share: float) -> bool:
     """Whether it takes this share of what still exceeds the floor on its equations."""
-    return found.excess >= share * search.remaining_on(search.rows(found.candidate))
+    return found.excess >= share * view.remaining_on(view.rows(found.candidate))

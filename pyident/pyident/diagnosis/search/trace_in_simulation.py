@@ -21,15 +21,13 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.projection import solve_base
-from pyident.diagnosis.base.residual_over_floor import Setting, energy, replica_of, set_up, unbiased, whitened
-from pyident.diagnosis.search.search import ALPHA, Search
+from pyident.diagnosis.base.residual_over_floor import energy, whitened
+from pyident.diagnosis.base.setting import Setting, replica_of, set_up, unbiased
+from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
 from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
 
-EXPLAINED = 0.5  # of the energy that exceeds the floor, by the best signature
-FOLLOWED = 0.2  # of its course
-_TIE = 0.9  # of the best one's share of the course
 _REPLICAS = 4  # of which a signature is the mean
 _ROUNDS, _PROBES = 4, 2  # of the removal of the bias
 _TRIALS = 6  # of the nonlinear parameter of the best law
@@ -56,7 +54,8 @@ class Trace:
     @property
     def holds(self) -> bool:
         """Whether it says anything at all."""
-        shown = self.explained >= EXPLAINED and self.followed >= FOLLOWED
+        rules = self.setting.rules.search
+        shown = self.explained >= rules.trace_explained and self.followed >= rules.trace_followed
         return shown and (self.heldout is None or self.heldout > 0)
 
 
@@ -66,13 +65,13 @@ def traces(search: Search, heldout: Sequence[Log], open_workers: OpenWorkers) ->
     Only where a deformation's equation exceeds its floor most: a motor's laws can be evaluated. Raises
     LogError.
     """
+    search = search.resting_on(())
     judge = _Judge(search, heldout, open_workers)
-    search.rest_on(())
     found = [judge.trace(c) for c in _suspects(search)]
     ranked = sorted((t for t in found if t is not None), key=lambda t: -t.followed)
     if ranked:
         ranked[0] = judge.refined(ranked[0])
-    return [t for t in ranked if t.holds and t.followed >= _TIE * ranked[0].followed]
+    return [t for t in ranked if t.holds and t.followed >= search.rules.tie * ranked[0].followed]
 
 
 def _suspects(search: Search) -> list[Candidate]:
@@ -87,7 +86,7 @@ def _suspects(search: Search) -> list[Candidate]:
     return [
         f.candidate
         for f in listed
-        if f is not None and row in search.rows(f.candidate) and search.p_value(f) <= ALPHA
+        if f is not None and row in search.rows(f.candidate) and search.p_value(f) <= search.rules.level
     ]
 
 

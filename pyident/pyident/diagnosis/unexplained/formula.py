@@ -72,8 +72,7 @@ def partial_residual(examination: Examination, row: int, chosen: Sequence[Variab
     logs, levels, base = examination.logs, examination.levels, examination.base
     constant = constant_columns(logs, levels, row)
     X = joined([constant, *(spline_columns(v, logs, levels, row) for v in chosen)])
-    free = np.full(X[0][row].shape[1], np.inf)
-    x = gain(base, X, -free, free).coefficients
+    x = gain(base, X).coefficients
     imitated = sum(basis[row].T @ c[row] for basis, c in zip(base.basis, X, strict=True)) @ x
     out = []
     for log, level, basis, residual in zip(logs, levels, base.basis, base.residual, strict=True):

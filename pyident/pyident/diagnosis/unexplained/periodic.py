@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.ndimage import percentile_filter
 from scipy.optimize import minimize_scalar
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
@@ -71,9 +71,11 @@ class Peak:
 def spectrum(base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over) -> Spectrum:
     """A residual's amplitudes over a grid of frequencies or orders."""
     at = _grid(logs, over)
+    if not len(at):  # an axis at rest passes no period
+        return Spectrum(over, at, at, at, at)
     energy, amplitude = np.array([_held(base, logs, levels, over, x) for x in at]).T
     quiet = percentile_filter(energy, _QUIET, _NEIGHBOURS, mode="reflect")
-    typical = quiet / chi2.ppf(_QUIET / 100, _freedom(logs, over))
+    typical = quiet / chdtri(_freedom(logs, over), 1 - _QUIET / 100)
     return Spectrum(over, at, amplitude, energy, np.maximum(typical, 1.0))
 
 
@@ -92,7 +94,7 @@ def highest(
 
     finer: Any = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
     energy, amplitude = _held(base, logs, levels, found.over, float(finer.x))
-    p = float(chi2.sf(energy / found.background[best], _freedom(logs, found.over))) * len(found.at)
+    p = float(chdtrc(_freedom(logs, found.over), energy / found.background[best])) * len(found.at)
     return Peak(found.over, float(finer.x), amplitude, energy, min(p, 1.0))
 
 
@@ -169,11 +171,10 @@ def _held(
     base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
 ) -> tuple[float, float]:
     """Energy and amplitude at one frequency or order."""
-    free = np.full(_freedom(logs, over), np.inf)
-    found = gain(base, periodic_columns(logs, levels, over, at), -free, free)
+    found = gain(base, periodic_columns(logs, levels, over, at))
     if found.left < _LEFT:
         return 0.0, 0.0
-    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(len(free) / 2))
+    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(_freedom(logs, over) / 2))
 
 
 def _freedom(logs: Sequence[Equations], over: Over) -> int:

@@ -28,13 +28,6 @@ from pyident.diagnosis.unexplained.smooth import (
 )
 from pyident.regression.spectrum import Equations
 
-MOST = 3  # of one equation
-_TIE = 0.95  # of the best gain: what explains as much cannot be told from it
-_MATERIAL = 0.03  # of the excess
-_SURE = 6.0  # standard deviations of a chi-square
-_BEYOND = 3.0  # times the most that a replica pretends
-_LEVEL = 0.01  # p-value of a peak
-
 
 @dataclass(frozen=True)
 class Dependence:
@@ -87,6 +80,7 @@ class RowSearch:
         pretended: np.ndarray | None = None,
     ):
         self.robot: Robot = examination.setting.robot
+        self.rules = examination.setting.rules.unexplained
         self.logs, self.levels = examination.logs, examination.levels
         self.base, self.row, self.total = base, row, total
         self.variables = variables(self.robot, self.logs, row)
@@ -103,7 +97,7 @@ class RowSearch:
         """floor: energy of what replicas leave."""
         level, share = self._constant()
         found: list[Dependence] = []
-        while len(found) < MOST and self.base.energy - floor > _MATERIAL * self.total:
+        while len(found) < self.rules.terms and self.base.energy - floor > self.rules.material * self.total:
             best = self.strongest()
             if best is None:
                 break
@@ -113,14 +107,14 @@ class RowSearch:
         if found and found[0].form == "force":  # its mean is part of it
             first = found[0]
             found[0] = replace(first, share_percent=first.share_percent + share, gain=first.gain + level.gain)
-        elif share > 100 * _MATERIAL:
+        elif share > 100 * self.rules.material:
             found.append(level)
         return found
 
     def _constant(self) -> tuple[Dependence, float]:
         """Join a constant force, which no spline may claim for itself, to the base; its share [%]."""
-        columns, free = constant_columns(self.logs, self.levels, self.row), np.full(1, np.inf)
-        explained = gain(self.base, columns, -free, free)
+        columns = constant_columns(self.logs, self.levels, self.row)
+        explained = gain(self.base, columns)
         self.base = extended(self.base, columns)
         share, size = 100 * explained.energy / self.total, float(explained.coefficients[0])
         coordinate = self.robot.coordinates[self.row]
@@ -132,17 +126,18 @@ class RowSearch:
         gains = spline_gains(self.base, self.variables, self.logs, self.levels, self.row)
         mean, most = self.pretended.mean(axis=0), self.pretended.max(axis=0)
         beyond = gains - mean
-        near = np.flatnonzero(beyond >= _TIE * beyond.max())
+        near = np.flatnonzero(beyond >= self.rules.tie * beyond.max())
         best = max(near.tolist(), key=lambda i: (self._is_own(i), beyond[i]))
         variable = self.variables[best]
         columns = spline_columns(variable, self.logs, self.levels, self.row)
         K = columns[0][self.row].shape[1]
         if gains[best] < max(
-            K + _SURE * np.sqrt(2 * K), _BEYOND * most[best], mean[best] + _MATERIAL * self.total
+            K + self.rules.sure * np.sqrt(2 * K),
+            self.rules.beyond * most[best],
+            mean[best] + self.rules.material * self.total,
         ):
             return None
-        free = np.full(K, np.inf)
-        x, force = curve(variable, gain(self.base, columns, -free, free).coefficients)
+        x, force = curve(variable, gain(self.base, columns).coefficients)
         share = 100 * (gains[best] - mean[best]) / self.total
         return (
             Dependence(
@@ -170,11 +165,11 @@ class RowSearch:
         found = [spectrum(self.base, self.logs, self.levels, over) for over in _overs(self.robot, self.row)]
         self.spectra = self.spectra or found
         peaks = [(highest(self.base, self.logs, self.levels, s), s) for s in found]
-        counted = [(p, s) for p, s in peaks if p is not None and p.p_value < _LEVEL]
+        counted = [(p, s) for p, s in peaks if p is not None and p.p_value < self.rules.level]
         if not counted:
             return None
         peak, of = max(counted, key=lambda pair: pair[0].energy)
-        if peak.energy < _MATERIAL * self.total:
+        if peak.energy < self.rules.material * self.total:
             return None
         if peak.over.kind == "misread":
             return self._misread(peak, of)
@@ -182,12 +177,12 @@ class RowSearch:
 
     def _misread(self, peak: Peak, of: Spectrum) -> tuple[Dependence, Columns]:
         """The error of an angle acts on every equation."""
-        column, free = peak.over.column, np.full(2, np.inf)
+        column = peak.over.column
 
         def columns(order: float) -> Columns:
             return misread_columns(self.robot, self.base.p, self.logs, self.levels, column, order)
 
-        whole = gain(self.base, columns(peak.at), -free, free)
+        whole = gain(self.base, columns(peak.at))
         size = float(np.linalg.norm(whole.coefficients))
         exact = replace(peak, energy=max(whole.energy, peak.energy), amplitude=size)
         return self._of_peak(exact, of), columns(peak.at)
@@ -231,8 +226,7 @@ def spline_gains(
     out = []
     for variable in listed:
         columns = spline_columns(variable, logs, levels, row)
-        free = np.full(columns[0][row].shape[1], np.inf)
-        out.append(gain(base, columns, -free, free).energy)
+        out.append(gain(base, columns).energy)
     return np.array(out)
 
 

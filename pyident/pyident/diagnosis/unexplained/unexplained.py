@@ -13,15 +13,13 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, Setting, replica_of, whitened
+from pyident.diagnosis.base.residual_over_floor import Examination, whitened
+from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
 from pyident.regression.spectrum import Floor
 
-REPLICAS = 3
-_ROWS = 2
-_ROW = 0.2  # of the excess: an equation that has less left is not looked at
 _FIRST_SEED = 1_000_000
 
 
@@ -34,25 +32,24 @@ class Unexplained:
     spectra: tuple[Spectrum, ...]
 
 
-def depends_on(
-    examination: Examination, base: Base | None = None, workers: Any = None, replicas: int = REPLICAS
-) -> Unexplained:
+def depends_on(examination: Examination, base: Base | None = None, workers: Any = None) -> Unexplained:
     """What the residual of an examination depends on.
 
     base      the examination's own, or with accepted candidates joined to it
     workers   processes that hold the fitted robot's FMU; none: replicas are taken as noise of their floor
     """
-    base = base or examination.base
+    base, rules = base or examination.base, examination.setting.rules.unexplained
+    replicas = examination.setting.rules.replicas.splines
     floor = examination.floor_energies
     total = max(base.energy - float(floor.sum()), 1e-300)
     found: list[Dependence] = []
     spectra: list[Spectrum] = []
     sentences: list[str] = []
     rows: list[int] = []
-    while len(rows) < _ROWS:
+    while len(rows) < rules.equations:
         excess = sum(np.square(r).sum(axis=1) for r in base.residual) - floor
         row = int(np.argmax(excess))
-        if row in rows or excess[row] < _ROW * total:
+        if row in rows or excess[row] < rules.equation * total:
             break
         rows.append(row)
         pretended = _pretended_by_replicas(examination, workers, row, replicas) if workers else None

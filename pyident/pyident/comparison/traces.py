@@ -1,0 +1,142 @@
+"""One equation along one log: measured, modelled, and the residual inside what replicas leave there.
+
+Differences amplify noise with the square of the frequency, so that the bare residual of an acceleration hides
+what physics leaves in it. It is shown below the frequency up to which it stands above its floor, data and
+replicas alike.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.comparison.bins import Bin
+from pyident.comparison.model_against_replicas import Part
+
+RIBBON = (5.0, 95.0)  # percentiles of the replicas
+_LEAST_CUTOFF = 5.0  # Hz: a slower residual would be smeared over its causes
+_STANDS_OUT = 1.25  # times the floor: a band that counts
+_WINDOW = 0.25  # s over which the residual's rms is compared with the replicas'
+_LEAVES = 1.5  # times the replicas' rms: a bump
+MOST_BUMPS = 12
+
+
+@dataclass(frozen=True)
+class Trace:
+    """N samples of one equation [unit: N m or N] on one log.
+
+    time [s]; position and speed of the joint's motor [rad or m, per s]
+    measured   the right-hand side, motor torque, or zero for a deformation;  modelled: Φ p
+    residual   measured less modelled, below `cutoff` [Hz];  low, high: where 5 to 95 % of the replicas' lie
+    used       whether the sample counts (dry friction is not known at reversals)
+    """
+
+    log: str
+    coordinate: str
+    time: np.ndarray
+    position: np.ndarray
+    speed: np.ndarray
+    measured: np.ndarray
+    modelled: np.ndarray
+    residual: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    used: np.ndarray
+    cutoff: float
+
+
+@dataclass(frozen=True)
+class Bump:
+    """A stretch of time in which the residual leaves the ribbon. share: of the log's energy beyond it."""
+
+    start: float
+    stop: float
+    over_floor: float
+    share: float
+
+
+def traces(
+    log: str,
+    coordinates: Sequence[str],
+    data: Part,
+    replicas: Sequence[Part],
+    bins: Sequence[Bin],
+    joints: Sequence[int],
+) -> tuple[Trace, ...]:
+    """A trace per coordinate. joints: position in q of the motor of each coordinate's joint."""
+    listed = []
+    for c, coordinate in enumerate(coordinates):
+        cutoff = _cutoff([b for b in bins if b.coordinate == coordinate and b.kind == "frequency"])
+        used = data.part.use[:, c] > 0
+        residual = _low_passed(data.residual[:, c], data.period, cutoff)
+        others = [_low_passed(p.residual[:, c], p.period, cutoff) for p in replicas]
+        low, high = _ribbon(others, len(residual), data.period)
+        measured = data.part.target[:, c]
+        motion = data.part.motion
+        listed.append(
+            Trace(
+                log=log,
+                coordinate=coordinate,
+                time=data.time[-1] - data.period * np.arange(len(residual), dtype=float)[::-1],
+                position=motion.q[:, joints[c]],
+                speed=motion.dq[:, joints[c]],
+                measured=measured,
+                modelled=measured - data.residual[:, c],
+                residual=residual,
+                low=low,
+                high=high,
+                used=used,
+                cutoff=cutoff,
+            )
+        )
+    return tuple(listed)
+
+
+def bumps(trace: Trace) -> list[Bump]:
+    """Where the residual leaves the ribbon, the largest first."""
+    period = float(trace.time[1] - trace.time[0])
+    width = max(int(_WINDOW / period), 1)
+    energy = _moving_mean(trace.residual**2, width)
+    level = np.maximum(_moving_mean(np.maximum(trace.high, -trace.low) ** 2, width), 1e-300)
+    outside = energy > _LEAVES**2 * level
+    beyond = np.maximum(energy - level, 0.0)
+    total = max(float(beyond.sum()), 1e-300)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
+    stretches = []
+    for start, stop in edges.reshape(-1, 2):
+        at = slice(start, stop)
+        ratio = float(np.sqrt(np.max(energy[at] / level[at])))
+        share = float(beyond[at].sum()) / total
+        stretches.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
+    return sorted(stretches, key=lambda bump: -bump.share)[:MOST_BUMPS]
+
+
+def _cutoff(bands: Sequence[Bin]) -> float:
+    """The upper edge of the highest band that stands above its floor."""
+    standing = [b.high for b in bands if b.ratio > _STANDS_OUT]
+    return max([_LEAST_CUTOFF, *standing])
+
+
+def _low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
+    from scipy.signal import butter, sosfiltfilt
+
+    relative = 2 * cutoff * period
+    if relative >= 0.9 or len(values) < 64:
+        return values
+    return np.asarray(sosfiltfilt(butter(2, relative, output="sos"), values))
+
+
+def _ribbon(replicas: Sequence[np.ndarray], samples: int, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Percentiles of the replicas around each sample, (samples,) twice."""
+    from scipy.ndimage import uniform_filter1d
+
+    stacked = np.stack([r[:samples] for r in replicas])
+    low, high = np.percentile(stacked, RIBBON, axis=0)
+    width = max(int(_WINDOW / period), 1)
+    return uniform_filter1d(low, width), uniform_filter1d(high, width)
+
+
+def _moving_mean(values: np.ndarray, width: int) -> np.ndarray:
+    from scipy.ndimage import uniform_filter1d
+
+    return np.maximum(uniform_filter1d(values, width, mode="nearest"), 0.0)

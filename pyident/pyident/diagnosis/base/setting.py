@@ -1,0 +1,142 @@
+"""What data and replicas share: the fitted robot, how each log is made again, noise, the bias of the fit."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.identify import identified
+from pyident.estimation.least_squares import Reduced, Solution, reduce, solve, solve_weighted
+from pyident.logs.log import Log
+from pyident.refinement.remove_bias import seen
+from pyident.regression.equations import Problem
+from pyident.rules.rules import RULES, Rules
+from pyident.simulation.along import AlongMotion, along
+from pyident.simulation.recorded import loop_of
+from pyident.simulation.replica import OpenWorkers, Repeat, repeats
+from pyident.simulation.sensor_noise import sensor_noise, torque_noise
+from pyident.simulation.workers import inline
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What data and replicas share: the fitted robot, how each log is repeated, the sensors' noise.
+
+    solver   the FMU's own parameters for the replicas
+    rules    every threshold
+    own_noise   log -> noise of its own, where it tells it
+    """
+
+    robot: Robot
+    simulated: Robot
+    repeats: tuple[Repeat | AlongMotion, ...]
+    noise: dict[str, float]
+    reduced: Reduced
+    solution: Solution
+    solver: Mapping[str, float] = field(default_factory=dict)
+    own_noise: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    rules: Rules = RULES
+
+    @property
+    def logs(self) -> list[Log]:
+        return [r.log for r in self.repeats]
+
+    @property
+    def simulates(self) -> bool:
+        """Whether its replicas are simulated, else they go along the measured motion."""
+        return all(isinstance(r, Repeat) for r in self.repeats)
+
+
+def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
+    """Fit the robot to the logs and prepare its replicas. Raises LogError."""
+    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    solution = solve_weighted(reduced)
+    fitted = identified(robot, reduced, solution).robot
+    noise = sensor_noise(fitted, logs, solution.p)
+    own = {log.source: torque_noise(fitted, [log]) for log in logs}
+    setting = Setting(fitted, fitted, (), noise, reduced, solution, rules=rules, own_noise=own)
+    loop_is_known = all(loop_of(fitted, log) is None for log in logs)
+    if loop_is_known or any(joint.flexible for joint in fitted.joints):
+        return in_closed_loop(setting, logs)
+    own = {log.source: sensor_noise(fitted, [log], solution.p) for log in logs}
+    paths = tuple(along(fitted, log, own[log.source], solution.covariance) for log in logs)
+    return replace(setting, repeats=paths, own_noise=own)
+
+
+def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
+    """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
+    simulated, made_again = repeats(setting.robot, logs)
+    return replace(setting, simulated=simulated, repeats=made_again)
+
+
+def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:
+    """Processes for the setting's replicas: with its FMU where they are simulated."""
+    return open_workers(setting.simulated) if setting.simulates else inline(nullcontext)
+
+
+def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:
+    """The setting with the parameters whose replicas the regression finds where it found the data.
+
+    Noise and sampling bias a regression; replicas of what it found show by how much, as in
+    `refinement.remove_bias`.
+    """
+    rules, found = setting.rules.replicas, setting.solution.p
+    probes = rules.probes if probes is None else probes
+    for number in range(rules.rounds if rounds is None else rounds):
+        seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
+        jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
+        put_in = np.array(list(setting.robot.linear_parameters.values()))
+        change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
+        solution = replace(setting.solution, p=put_in + change)
+        robot = identified(setting.robot, setting.reduced, solution).robot
+        simulated = setting.simulated.with_parameters(robot.parameters)
+        setting = replace(setting, robot=robot, simulated=simulated)
+    return setting
+
+
+def steadied(setting: Setting) -> Setting:
+    """The setting for a fit that cannot be simulated as it is: with small steps and no hinge without damping.
+
+    What a model lacks may bend its fit that far. Damping is taken as at least proportional to the stiffness,
+    with the ratio that the hinges have in the middle.
+    """
+    values = setting.robot.parameters
+    pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
+    ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
+    damped = {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
+    return replace(
+        setting,
+        robot=setting.robot.with_parameters(damped),
+        simulated=setting.simulated.with_parameters(damped),
+        solver={"solver.step": setting.rules.replicas.step},
+    )
+
+
+def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int) -> list[Log]:
+    """Logs as the setting's robot would have made them."""
+    rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
+    seeds = rng.integers(2**31, size=len(repeats))
+    parameters = setting.robot.parameters | dict(setting.solver)
+    return [
+        r.replica(
+            fmu.simulate if fmu else None,
+            parameters,
+            {**setting.noise, **setting.own_noise.get(r.log.source, {})},
+            int(s),
+        )
+        for r, s in zip(repeats, seeds, strict=True)
+    ]
+
+
+def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
+    """What the regression finds in a replica."""
+    robot = setting.robot
+    problem = Problem(
+        robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
+    )
+    return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p

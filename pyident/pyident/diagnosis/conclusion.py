@@ -1,0 +1,171 @@
+"""What a search comes to: findings with their numbers, every place's state, a verdict."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.coordinate import joint_name
+from flexmodels.joint import parameter_name
+from pyident.diagnosis.base.candidates import law_of
+from pyident.diagnosis.motions.detectable import limits, rows_over_floor
+from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
+from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
+from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.search import Found, Search, Step
+from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
+from pyident.logs.log import Log
+
+
+def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Sequence[Log]) -> Diagnosis:
+    """Of a search that rests on nothing. heldout: the logs of `held`."""
+    ex, robot = search.examination, search.robot
+    beside = search.resting_on(selection.candidates)
+    findings = tuple(_finding(search, selection, i, held) for i in range(len(selection.steps)))
+    places = tuple(_places(search, beside, selection))
+    rows = rows_over_floor(ex)
+    worst = rows[int(np.argmax(search.over_floor))]
+    steps = selection.steps
+    localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
+    verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
+    stages = tuple(_stages(search, findings, steps))
+    return Diagnosis(
+        robot=robot.name,
+        logs=tuple(log.source for log in ex.setting.logs),
+        heldout=tuple(log.source for log in heldout),
+        verdict=verdict,
+        sentence=sentence_of(verdict, findings, places, localised),
+        findings=findings,
+        localised=None if verdict == "nothing_detectable" else localised,
+        limits=tuple(limits(search)),
+        rows=tuple(rows),
+        excess=stages[0].over_floor,
+        remaining=stages[-1].over_floor,
+        ranking=tuple(_beside(search, beside, f) for f in selection.first.ranked),
+        depends_on=tuple(
+            f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
+        ),
+        notes=(*(_orders_of(step) for step in steps if step.orders), *_warnings(search, verdict, places)),
+        noise=ex.setting.noise,
+        stages=stages,
+        places=places,
+        band=float(ex.floor.frequencies[-1]),
+    )
+
+
+def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -> Finding:
+    step = selection.steps[number]
+    view = search.resting_on(
+        [c for i, other in enumerate(selection.steps) if i != number for c in other.candidates]
+    )
+    rows = main_rows(view, step.best.candidate)
+    unseen = held.share(view, step.candidates, rows)
+    return Finding(
+        tie=tuple(named(search, f) for f in step.tie),
+        p_value=step.p_value,
+        excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
+        share_percent=100 * share_on(view, step.candidates, rows),
+        heldout_gain_percent=None if unseen is None else 100 * unseen.share,
+        heldout_std_percent=None if unseen is None else 100 * unseen.std,
+        experiment=asked_for(search.robot, [f.candidate for f in step.tie]),
+    )
+
+
+def named(search: Search, found: Found) -> Named:
+    """A candidate as it is reported."""
+    robot, c = search.robot, found.candidate
+    law = law_of(robot, c)
+    linear = [p.name for p in law.linear]
+    units = robot.with_effect(c.joint, c.effect).units
+    return Named(
+        effect=c.effect,
+        joint=joint_name(c.joint),
+        values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
+        std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
+        units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},
+        gain_percent=percent(found.excess, search),
+        log=None if c.log is None else search.examination.setting.logs[c.log].source,
+        nonlinear=tuple(name for name, _ in c.values),
+    )
+
+
+def percent(energy: float, search: Search) -> float:
+    """Of what exceeds the floor."""
+    return 100 * energy / max(search.excess, energy, 1e-300)
+
+
+def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Place]:
+    ex, robot = search.examination, search.robot
+    before, after = search.over_floor, beside.over_floor
+    floor = _floor_percent(search)
+    acting = {row for c in selection.candidates for row in search.rows(c)}
+    for row, coordinate in enumerate(robot.q):
+        left = after[row] > 1 + ex.setting.rules.search.stands_out
+        state = "unexplained" if left else "explained" if row in acting else "in_order"
+        refusal = next((r for r in selection.refusals if row in r.rows), None)
+        ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
+        reason = _said(refusal) if refusal and left else ""
+        joint = joint_name(coordinate.joint)
+        yield Place(joint, coordinate.side, state, ratio, floor[row], reason)
+
+
+def _said(refusal: Refusal) -> str:
+    c = refusal.candidate
+    return f"{c.effect} at joint{c.joint} comes nearest, but {refusal.reason}"
+
+
+def _floor_percent(search: Search) -> list[float]:
+    """rms of the floor, of the torque or of the stiffness' moment, per equation."""
+    ex, robot = search.examination, search.robot
+    level = np.mean(np.square(ex.floor.rms), axis=1) * ex.floor_energies / sum(e.y.shape[1] for e in ex.logs)
+    out = []
+    for row, coordinate in enumerate(robot.q):
+        signals = []
+        for log in ex.logs:
+            part = log.part
+            if row < len(robot.joints):
+                own = part.target[:, row]
+            else:
+                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]
+            signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
+        out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
+    return out
+
+
+def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[str]:
+    """What makes a verdict worth less than it seems."""
+    rules = search.rules
+    weak = [p for p in places if p.floor_percent > 100 * rules.worthless]
+    if weak and verdict == "nothing_detectable":
+        worst = max(weak, key=lambda p: p.floor_percent)
+        yield (
+            f"this says little: replicas leave {worst.floor_percent:.0f} % of the torque of {worst.joint} "
+            "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
+        )
+    quiet = [p for p in places if p.over_floor[0] < rules.below_floor]
+    for p in quiet:
+        yield (
+            f"the residual of {p.joint}, {p.balance} side, is {p.over_floor[0]:.2g} times its floor: the "
+            "replicas are noisier than the log, and hide what is smaller than their floor"
+        )
+
+
+def _orders_of(step: Step) -> str:
+    best = step.best.candidate
+    more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
+
+
+def _beside(search: Search, beside: Search, found: Found) -> Named:
+    """A candidate by itself, and what it would still take away beside those that the search rests on."""
+    excess = max(beside.gain_of(found.candidate).energy - found.pretended, 0.0)
+    return replace(named(search, found), beside_percent=percent(excess, search))
+
+
+def _stages(search: Search, findings: Sequence[Finding], steps: Sequence[Step]) -> Iterator[Stage]:
+    """One finding after the other."""
+    for n in range(len(steps) + 1):
+        view = search.resting_on([c for step in steps[:n] for c in step.candidates])
+        added = findings[n - 1].tie[0] if n else None
+        yield Stage(added, float(np.mean(view.over_floor)))

@@ -1,0 +1,173 @@
+"""Output error on positions alone: what a servo's log can say of a robot whose torque nobody measured.
+
+The robot is simulated as an FMU under the recorded commands, its servos inside; the free parameters are those
+whose positions come nearest to the measured ones (robust least squares, as sticking makes single errors
+large). Intervals are a jackknife over the logs, linearised at the optimum: what a log leaves out moves.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from flexmodels.coordinate import motor_of
+from flexmodels.effects import CATALOGUE
+from flexmodels.experiment import Experiment
+from flexmodels.joint import parameter_name
+from flexmodels.named_values import settable, with_settings
+from flexmodels.robot import Robot
+from pyident.logs.log import Log, LogError
+from pyident.simulation.references import experiment_of
+
+# Such as `FmuRuns`: a frame per set of parameters.
+Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+
+_ROUGH = 0.03  # [rad or m] error from which on it counts by its size and no longer by its square
+_STEP = 1e-3  # finite difference, of a parameter's scale
+_ROUNDS = 30
+_FEWEST = 3  # logs of a jackknife
+
+
+@dataclass(frozen=True)
+class ServoLog:
+    """A recorded motion and what was set otherwise while it was recorded (`servo.kp` -> 400)."""
+
+    log: Log
+    settings: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class ClosedLoopFit:
+    """robot has the values;  std: None with fewer than three logs;  error: mean absolute one of each log."""
+
+    robot: Robot
+    values: Mapping[str, float]
+    std: Mapping[str, float] | None
+    error: tuple[float, ...]
+
+    def json(self) -> dict[str, Any]:
+        parameters = {
+            name: {"value": value, "std": self.std[name] if self.std else None}
+            for name, value in self.values.items()
+        }
+        return {"parameters": parameters, "mean_absolute_error": list(self.error)}
+
+
+def fit_closed_loop(
+    robot: Robot,
+    recordings: Sequence[ServoLog],
+    free: Sequence[str],
+    simulate: Simulate,
+    rounds: int = _ROUNDS,
+) -> ClosedLoopFit:
+    """Change the `free` parameters until the simulation follows the logs.
+
+    robot   its values are the start;  simulate   of this robot's FMU. Raises LogError, SimulationError.
+    """
+    from scipy.optimize import least_squares
+
+    runs = [_Run.of(robot, recording) for recording in recordings]
+    at = settable(robot)
+    start = np.array([at[name] for name in free])
+    lower = np.array([_lower(robot, name) for name in free])
+    scale = np.maximum(np.abs(start), np.array([_least(robot, name) for name in free]))
+
+    def errors(points: np.ndarray) -> list[np.ndarray]:
+        """Per log (points, samples x joints)."""
+        sets = [dict(zip(free, p, strict=True)) for p in points]
+        return [run.errors(simulate, sets) for run in runs]
+
+    def residual(p: np.ndarray) -> np.ndarray:
+        return np.concatenate([e[0] for e in errors(p[None])])
+
+    def jacobian(p: np.ndarray) -> np.ndarray:
+        found = errors(np.vstack([p, p + np.diag(_STEP * scale)]))
+        return np.concatenate([((e[1:] - e[0]) / (_STEP * scale)[:, None]).T for e in found])
+
+    begin = np.maximum(start, lower + 1e-9 * scale)
+    best = least_squares(
+        residual, begin, jac=jacobian,  # pyright: ignore[reportArgumentType]
+        bounds=(lower, np.inf), x_scale=scale, loss="soft_l1", f_scale=_ROUGH,
+        max_nfev=rounds, ftol=1e-5, xtol=1e-6,
+    )  # fmt: skip
+    values = dict(zip(free, (float(v) for v in best.x), strict=True))
+    lengths = [run.measured.size for run in runs]
+    parts = np.split(best.fun, np.cumsum(lengths)[:-1])
+    std = _jackknife(np.asarray(best.jac), best.fun, lengths, scale) if len(runs) >= _FEWEST else None
+    return ClosedLoopFit(
+        with_settings(robot, values),
+        values,
+        None if std is None else dict(zip(free, std.tolist(), strict=True)),
+        tuple(float(np.abs(part).mean()) for part in parts),
+    )
+
+
+def replay_errors(
+    robot: Robot, recordings: Sequence[ServoLog], simulate: Simulate
+) -> list[tuple[pd.DataFrame, np.ndarray]]:
+    """Per log the simulation under its commands, and simulated − measured positions (N, joints)."""
+    found = []
+    for recording in recordings:
+        run = _Run.of(robot, recording)
+        frame = next(iter(simulate(run.plan, [{**settable(robot), **run.settings}])))
+        found.append((frame, frame[list(run.channels)].to_numpy() - run.measured))
+    return found
+
+
+@dataclass(frozen=True)
+class _Run:
+    plan: Experiment
+    measured: np.ndarray  # (N, joints)
+    channels: tuple[str, ...]
+    settings: Mapping[str, float]
+
+    @staticmethod
+    def of(robot: Robot, recording: ServoLog) -> "_Run":
+        channels = tuple(motor_of(k) for k, _ in robot.numbered)
+        missing = [name for name in channels if name not in recording.log.frame]
+        if missing:
+            raise LogError(f"{recording.log.source}: column {missing[0]} is missing, the measured position")
+        plan = experiment_of(recording.log, len(robot.joints))
+        settings = with_settings(robot, recording.settings)
+        changed = {name: v for name, v in settable(settings).items() if v != settable(robot)[name]}
+        return _Run(plan, recording.log.signals(channels), channels, changed)
+
+    def errors(self, simulate: Simulate, sets: Sequence[Mapping[str, float]]) -> np.ndarray:
+        frames = simulate(self.plan, [{**self.settings, **p} for p in sets])
+        return np.array([(f[list(self.channels)].to_numpy() - self.measured).ravel() for f in frames])
+
+
+def _lower(robot: Robot, name: str) -> float:
+    """No parameter of a servo is negative; a law says of its own."""
+    if name not in robot.parameters:
+        return 0.0
+    bounds = {
+        parameter_name(k, effect, p.name): p.lower
+        for k, joint in robot.numbered
+        for effect in joint.values
+        for p in CATALOGUE[effect].parameters
+    }
+    return bounds.get(name, -np.inf)
+
+
+def _least(robot: Robot, name: str) -> float:
+    """A small value of this kind: what a parameter that starts at zero is measured by."""
+    if name.endswith("delay"):
+        return 1e-3
+    return 1e-2 if name not in robot.parameters or "load" in name else 1e-3
+
+
+def _jackknife(J: np.ndarray, residual: np.ndarray, lengths: list[int], scale: np.ndarray) -> np.ndarray:
+    """Standard deviations from leaving out one log at a time, a Gauss-Newton step each."""
+    weight = 1 / np.sqrt(1 + (residual / _ROUGH) ** 2)
+    A = J * scale
+    cuts = np.cumsum(lengths)[:-1]
+    parts = list(zip(np.split(A, cuts), np.split(weight, cuts), np.split(residual, cuts), strict=True))
+    H = [a.T @ (w[:, None] * a) for a, w, _ in parts]
+    g = [a.T @ (w * r) for a, w, r in parts]
+    whole_H, whole_g = sum(H), sum(g)
+    moved = np.array([-np.linalg.pinv(whole_H - h) @ (whole_g - b) for h, b in zip(H, g, strict=True)])
+    n = len(parts)
+    return np.sqrt((n - 1) / n * np.sum((moved - moved.mean(axis=0)) ** 2, axis=0)) * scale

@@ -1,0 +1,47 @@
+"""Thresholds of replicas: how many there are, and how the bias of a fit is taken away with them."""
+
+from dataclasses import dataclass
+
+from pyident.rules.rule import in_range, rule
+
+_TUNING = "tuning seed of studies/hidden_effect"
+
+
+@dataclass(frozen=True)
+class ReplicaRules:
+    """How the method's own trace is measured."""
+
+    count: int = rule(
+        20,
+        "replicas of a diagnosis",
+        "the least possible p-value is 1/(1 + count), below `search.level`",
+        "level 5 %",
+    )
+    probes: int = rule(
+        4,
+        "replicas per round that show the bias of a fit",
+        "their mean scatters half as much as one",
+        _TUNING,
+    )
+    rounds: int = rule(3, "times that the bias is taken away", "a fourth changed no verdict", _TUNING)
+    step: float = rule(
+        1e-4,
+        "solver step [s] for a fit that cannot be simulated",
+        "a tenth of the plants' usual step",
+        _TUNING,
+    )
+    splines: int = rule(
+        3,
+        "replicas that show what splines pretend of an unexplained residual",
+        "their largest counts",
+        _TUNING,
+    )
+    revealing: int = rule(
+        3, "replicas of every motion that may show a law", "only their floor is used", _TUNING
+    )
+    trial: int = rule(4, "replicas by which `add` judges", "only their mean square is used", _TUNING)
+
+    def __post_init__(self) -> None:
+        in_range(self, "replicas", 2, 10_000, "count", "trial")
+        in_range(self, "replicas", 1, 1000, "probes", "splines", "revealing")
+        in_range(self, "replicas", 0, 100, "rounds")

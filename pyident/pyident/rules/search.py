@@ -1,0 +1,129 @@
+"""Thresholds of the search for a missing effect: what counts, what ties, what is named."""
+
+from dataclasses import dataclass
+
+from pyident.rules.rule import RulesError, in_range, rule
+
+_TUNING = "tuning seed of studies/hidden_effect"
+_TX40 = "tuning seed of studies/hidden_effect and TX40"
+
+
+@dataclass(frozen=True)
+class SearchRules:
+    """What a candidate must show to be named."""
+
+    level: float = rule(0.05, "chance of a name when nothing is missing", "the usual level", "convention")
+    material: float = rule(0.005, "floor's energy that a gain reaches", "less is not worth a name", _TUNING)
+    explained: tuple[float, ...] = rule(
+        (0.4, 0.65, 0.8),
+        "excess on its equations that a set of one, two, three or more effects takes away",
+        "a true effect explains 80 to 140 %, a wrong neighbour 13 %; more effects must explain more",
+        _TX40,
+    )
+    unseen: float = rule(
+        0.5,
+        "share of the fitted logs that a set must take on held-out ones",
+        "what is learnt by heart takes next to nothing there; a true effect takes as much",
+        "a cable over two joints read as saturation: 57 % fitted, 2 % held out",
+    )
+    unseen_excess: float = rule(
+        0.2, "floor's energy: held-out logs that exceed it by less have nothing to explain", "noise", _TUNING
+    )
+    part: float = rule(
+        0.1, "excess that each effect of a set takes away", "remainders are shared by many", _TUNING
+    )
+    own: float = rule(
+        0.7, "what still exceeds the floor on its equations that a further effect takes", "as above", _TUNING
+    )
+    whole: float = rule(
+        0.95,
+        "what still exceeds the floor that a further small effect takes",
+        "it may be a remainder",
+        _TUNING,
+    )
+    most: int = rule(4, "effects at once", "more were never told apart", _TUNING)
+    orders: int = rule(2, "further orders of a periodic law", "each costs a search", _TUNING)
+    order: float = rule(0.3, "what still exceeds the floor that a further order takes", "as `own`", _TUNING)
+    refine: float = rule(
+        0.3, "best gain from which on a candidate's nonlinear values are refined", "time only", _TUNING
+    )
+    tie: float = rule(
+        0.9, "best gain: who explains as much cannot be told from it", "gains' own scatter", _TUNING
+    )
+    apart: float = rule(
+        0.5, "its own gain beside the best: who keeps more is another effect", "none: by reason", _TUNING
+    )
+    parameter: float = rule(
+        0.5, "what a law with fewer parameters leaves: a richer law leaves less", "parsimony", _TUNING
+    )
+    chance: float = rule(
+        5.0, "standard deviations by which a gain differs by chance", "two sides of 1e-6", "normal law"
+    )
+    stands_out: float = rule(
+        1.0,
+        "floor's energy by which a residual exceeds it",
+        "the noise itself is known that well only",
+        _TUNING,
+    )
+    worthless: float = rule(
+        0.2,
+        "a joint's torque that the floor reaches: 'nothing' then says little",
+        "goal of the project",
+        "none",
+    )
+    below_floor: float = rule(
+        0.7,
+        "floor's rms: a residual below it shows that the replicas are too noisy",
+        "their own scatter",
+        _TUNING,
+    )
+    own_trace: float = rule(
+        0.5,
+        "a family's mean gain in replicas: how well the method's own trace is known",
+        "false alarms",
+        _TUNING,
+    )
+    changes: float = rule(
+        0.1,
+        "excess on a law's equations gained by coefficients of its halves",
+        "imitators gain more",
+        _TUNING,
+    )
+    foreign_left: float = rule(
+        0.05, "excess on a law's equations: who leaves less is no imitator", "true laws leave less", _TUNING
+    )
+    foreign_signal: float = rule(
+        0.5, "what a law leaves, by one signal it does not know", "imitators", _TUNING
+    )
+    foreign_richer: float = rule(
+        0.5, "what a law leaves: a smooth function has more parameters and leaves less", "parsimony", _TUNING
+    )
+    foreign_kept: float = rule(
+        0.5, "a law's gain that is left beside the foreign signal", "imitators", _TUNING
+    )
+    trace_explained: float = rule(
+        0.5,
+        "excess that a law's simulated trace has, too",
+        "as `explained`",
+        "flexible cases of the tuning seed",
+    )
+    trace_followed: float = rule(
+        0.2, "course of the excess that the trace follows", "ringing starts from noise", "the same cases"
+    )
+    imitated: float = rule(
+        0.01,
+        "a column that the base leaves, else it is not seen",
+        "its coefficient would have no digits",
+        "by reason",
+    )
+
+    def __post_init__(self) -> None:
+        shares = ("level", "part", "own", "whole", "order", "tie", "apart", "changes", "imitated")
+        in_range(self, "search", 0, 1, *shares)
+        in_range(self, "search", 1, 100, "most")
+        if list(self.explained) != sorted(self.explained) or not all(0 < x <= 1 for x in self.explained):
+            raise RulesError("rules: search.explained must rise, with shares between 0 and 1")
+        if self.part > self.explained[0]:
+            raise RulesError(
+                "rules: search.part is above search.explained[0]; no single effect could fail it"
+            )

@@ -1,0 +1,43 @@
+"""Thresholds of what an unexplained residual is said to depend on, and of what `add` accepts."""
+
+from dataclasses import dataclass
+
+from pyident.rules.rule import in_range, rule
+
+_OUTSIDE = "cases outside the catalogue, tuning seed of studies/hidden_effect"
+
+
+@dataclass(frozen=True)
+class UnexplainedRules:
+    """Terms of a residual that no law explains."""
+
+    equations: int = rule(2, "equations that are looked at", "the worst ones; time", _OUTSIDE)
+    equation: float = rule(
+        0.2, "excess that an equation still has to be looked at", "the worst ones; time", _OUTSIDE
+    )
+    terms: int = rule(3, "terms of one equation", "more are read by nobody", _OUTSIDE)
+    tie: float = rule(0.95, "best gain: who explains as much is named as well", "splines are alike", _OUTSIDE)
+    material: float = rule(0.03, "excess that a term takes", "less is not worth a sentence", _OUTSIDE)
+    sure: float = rule(6.0, "standard deviations of a chi-square", "many terms are tried", "chi-square law")
+    beyond: float = rule(3.0, "the most that a replica pretends", "few replicas are made", _OUTSIDE)
+    level: float = rule(0.01, "p-value of a peak, corrected for the spectrum", "convention", "convention")
+
+    def __post_init__(self) -> None:
+        in_range(self, "unexplained", 0, 1, "equation", "tie", "material", "level")
+
+
+@dataclass(frozen=True)
+class ExtensionRules:
+    """What `add` accepts."""
+
+    fitted: float = rule(2 / 3, "an only log that is fitted", "the rest judges", "convention")
+    least_gain: float = rule(
+        0.05,
+        "mean square error on held-out data that a law takes away",
+        "less is no reason for a law",
+        "EMPS",
+    )
+
+    def __post_init__(self) -> None:
+        in_range(self, "extension", 0.1, 0.9, "fitted")
+        in_range(self, "extension", 0.0, 1.0, "least_gain")

@@ -1,0 +1,123 @@
+"""Replicas along the measured motion, for a rigid robot whose loop nobody knows.
+
+A stand-in controller moves otherwise than the robot did, and its floor would be its own doing. So nothing is
+simulated: the motion is the measured one without its noise, the torques are those that the model needs for
+it (inverse dynamics), and noise is put on both. Every replica has parameters of its own, drawn from the
+fit's covariance.
+
+The motion is what a low pass leaves whose corner is where the spectrum of a coordinate meets its noise.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import REACH, central_differences
+from pyident.logs.log import Log
+from pyident.regression.regressor import Motion, regressor_blocks
+
+_OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
+_WIDER = 1.5  # times the highest frequency of the motion: the corner of the low pass
+_LOWEST, _HIGHEST = 0.05, 0.9  # of the Nyquist frequency: ends of the corner
+
+
+@dataclass(frozen=True)
+class AlongMotion:
+    """How a log can be made again without its loop.
+
+    motion    the smooth one
+    steps     coordinate or torque -> its resolution, 0: none
+    spread    (P, R): a draw of R standard normal numbers becomes a change of the parameters
+    """
+
+    log: Log
+    robot: Robot
+    motion: Motion
+    steps: Mapping[str, float]
+    spread: np.ndarray
+
+    def replica(self, _: Any, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int) -> Log:
+        """The log's motion with the torques of a model; noise: signal -> standard deviation."""
+        rng = np.random.default_rng(seed)
+        p = np.array([parameters[name] for name in self.robot.linear_parameters])
+        p = p + self.spread @ rng.standard_normal(self.spread.shape[1])
+        joints = len(self.robot.joints)
+        torque = np.concatenate(
+            [(Phi @ p)[:, :joints] for _, Phi in regressor_blocks(self.robot, self.motion)]
+        )
+        frame = self.log.frame.copy()
+        made = dict(zip(self.robot.coordinates, self.motion.q.T, strict=True))
+        made |= dict(zip(self.robot.torques, torque.T, strict=True))
+        for name, values in made.items():
+            noisy = values + noise.get(name, 0.0) * rng.standard_normal(len(values))
+            step = self.steps.get(name, 0.0)
+            frame[name] = np.round(noisy / step) * step if step > 0 else noisy
+        return Log(frame, f"replica of {self.log.source}")
+
+
+def along(
+    robot: Robot, log: Log, noise: Mapping[str, float], covariance: np.ndarray | None = None
+) -> AlongMotion:
+    """`robot` is fitted and rigid; covariance (P, P) of its linear parameters, none: they are exact.
+
+    noise   signal -> standard deviation of its sensor
+    """
+    measured = log.signals(robot.coordinates)
+    tau = log.signals(robot.torques)
+    time = log.signals(["time"])[:, 0]
+    q = np.column_stack(
+        [smooth(x, noise.get(name, 0.0)) for x, name in zip(measured.T, robot.coordinates, strict=True)]
+    )
+    wide = _extended(q)
+    q, dq, ddq = central_differences(wide, log.period)
+    names = [*robot.coordinates, *robot.torques]
+    steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
+    motion = Motion(q, dq, ddq, tau, time - time[0])
+    return AlongMotion(log, robot, motion, steps, _spread(covariance, len(robot.linear_parameters)))
+
+
+def smooth(x: np.ndarray, noise: float) -> np.ndarray:
+    """(N,) without what lies above the frequencies at which the motion exceeds its white noise."""
+    N = len(x)
+    line = np.linspace(x[0], x[-1], N)  # what is left begins and ends at zero: an odd continuation is smooth
+    S = np.fft.rfft(np.concatenate([x - line, -(x - line)[-2:0:-1]]))
+    power = np.abs(S) ** 2 / len(S)
+    bins = max(3, len(S) // 200)
+    mean = np.convolve(power, np.ones(bins) / bins, mode="same")
+    level = max(2 * noise**2, 0.0)
+    above = np.flatnonzero(mean > _OVER_NOISE * level)
+    last = above[-1] if len(above) else 0
+    corner = int(np.clip(_WIDER * last, _LOWEST * len(S), _HIGHEST * len(S)))
+    gain = 1 / (1 + (np.arange(len(S)) / max(corner, 1)) ** 16)
+    return line + np.fft.irfft(S * gain, 2 * N - 2)[:N]
+
+
+def resolution(x: np.ndarray) -> float:
+    """The step of a quantised channel, 0 where there is none: every change is a multiple of the smallest."""
+    changes = np.abs(np.diff(x))
+    changes = changes[changes > 1e-12 * max(float(np.abs(x).max()), 1e-300)]
+    if len(changes) < 10:
+        return 0.0
+    step = float(np.quantile(changes, 0.01))
+    ratio = changes / step
+    if np.mean(np.abs(ratio - np.round(ratio)) < 0.02) < 0.95:
+        return 0.0
+    return float(np.median(changes / np.round(ratio)))
+
+
+def _extended(q: np.ndarray) -> np.ndarray:
+    """(N + 2 REACH, n): continued point-symmetrically at both ends."""
+    first = 2 * q[:1] - q[REACH:0:-1]
+    last = 2 * q[-1:] - q[-2 : -REACH - 2 : -1]
+    return np.concatenate([first, q, last])
+
+
+def _spread(covariance: np.ndarray | None, size: int) -> np.ndarray:
+    if covariance is None:
+        return np.zeros((size, 0))
+    w, V = np.linalg.eigh(covariance)
+    kept = w > 1e-12 * max(float(w[-1]), 1e-300)
+    return V[:, kept] * np.sqrt(w[kept])

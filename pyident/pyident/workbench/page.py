@@ -1,0 +1,151 @@
+"""The page: places on the left, the verdict and the versions always in sight, the chosen place below."""
+
+from collections.abc import Callable
+
+from nicegui import ui
+
+from pyident.workbench.bench import Bench
+from pyident.workbench.places import data, model, next_step, where, why
+from pyident.workbench.project import ProjectError
+from pyident.workbench.view import PLACES, View
+
+_WORDS = {
+    "data": ("1 Data", "Which logs take part, and whether they can be believed"),
+    "model": ("2 Model", "What the robot is, and what the logs can tell of it"),
+    "where": ("3 Where", "Where model and logs disagree"),
+    "why": ("4 Why", "Which law would explain it"),
+    "next": ("5 Next", "What to do with the model, and what to measure next"),
+}
+_SHOW = {"data": data.show, "model": model.show, "where": where.show, "why": why.show, "next": next_step.show}
+_VERDICTS = {
+    "nothing_detectable": ("positive", "nothing detectable"),
+    "missing_effect": ("warning", "an effect is missing"),
+    "cannot_tell": ("info", "these logs cannot tell"),
+    "unexplained": ("negative", "unexplained"),
+}
+_PERIOD = 0.4  # s between looks at the shared state
+
+
+class Page:
+    """One open tab: what it looks at, and how it draws itself anew."""
+
+    def __init__(self, bench: Bench, view: View):
+        self.bench, self.view, self.seen = bench, view, bench.revision
+
+    def build(self) -> None:
+        """Lay the page out."""
+        ui.colors(primary="#2b6ca3", warning="#b5480d")
+        with ui.header().classes("items-center gap-4 wrap").props('role="banner"'):
+            ui.label("flexident").classes("text-lg font-bold")
+            ui.label(str(self.bench.project.folder)).classes("text-sm opacity-80").props(
+                'data-testid="folder"'
+            )
+            self._verdict()
+        with ui.row().classes("w-full no-wrap max-md:flex-wrap").props('role="main"'):
+            with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
+                self._places()
+            with ui.column().classes("grow min-w-0"):
+                self._progress()
+                self._versions()
+                self._content()
+        ui.timer(_PERIOD, self._look)
+
+    def go(self, **changes: object) -> None:
+        """Look at something else; the URL follows."""
+        self.view = self.view.at(**changes)
+        ui.navigate.history.replace(f"/?{self.view.query}")
+        self._places.refresh()
+        self._content.refresh()
+
+    def act(self, action: Callable[[], None]) -> None:
+        """Do what a button says; a failure becomes a sentence on the page."""
+        try:
+            action()
+        except (ProjectError, OSError, ValueError) as error:
+            ui.notify(str(error), type="negative", multi_line=True)
+        self._look()
+
+    def _look(self) -> None:
+        self.bench.collect()
+        if self.bench.jobs:
+            self._progress.refresh()
+        if self.seen != self.bench.revision:
+            self.seen = self.bench.revision
+            for part in (self._progress, self._versions, self._verdict, self._places, self._content):
+                part.refresh()
+
+    @ui.refreshable_method
+    def _verdict(self) -> None:
+        diagnosis = self.bench.result("diagnose")
+        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("grey", "no diagnosis yet")
+        badge = ui.badge(text, color=colour).classes("text-sm p-2").props('data-testid="verdict"')
+        if diagnosis:
+            badge.tooltip(diagnosis.sentence)
+
+    @ui.refreshable_method
+    def _places(self) -> None:
+        for place in PLACES:
+            label, hint = _WORDS[place]
+            locked = place not in ("data", "model") and not self.bench.sound
+            button = ui.button(label, on_click=lambda p=place: self.go(place=p)).classes("w-full")
+            button.props(
+                f'data-testid="place-{place}" align=left no-caps'
+                + (" flat" if place != self.view.place else "")
+            )
+            button.set_enabled(not locked)
+            button.tooltip("opens when the checks have passed for exactly these inputs" if locked else hint)
+
+    @ui.refreshable_method
+    def _progress(self) -> None:
+        if self.bench.message:
+            ui.label(self.bench.message).classes("text-negative whitespace-pre-wrap").props(
+                'data-testid="message" role="alert"'
+            )
+        for what, job in list(self.bench.jobs.items()):
+            with ui.row().classes("items-center w-full"):
+                ui.label(f"{job.title} …").props(f'data-testid="job-{what}"')
+                ui.linear_progress(job.progress, show_value=False).classes("grow").props(
+                    f'aria-label="{job.title}"'
+                )
+                ui.button("Cancel", on_click=lambda w=what: self.act(lambda: self.bench.cancel(w))).props(
+                    f'data-testid="cancel-{what}" flat dense'
+                )
+
+    @ui.refreshable_method
+    def _versions(self) -> None:
+        project = self.bench.project
+        if not project.versions:
+            return
+        with (
+            ui.row()
+            .classes("items-center gap-1")
+            .props('data-testid="versions" aria-label="versions of the model"')
+        ):
+            for i, version in enumerate(project.versions):
+                if i:
+                    ui.label("→")
+                chip = ui.button(
+                    version.what if i else version.model,
+                    on_click=lambda n=i: self.act(lambda: self._use(n)),
+                ).props(
+                    f'data-testid="version-{i}" dense no-caps' + (" outline" if i != project.current else "")
+                )
+                if version.command:
+                    chip.tooltip(version.command)
+            if project.current:
+                ui.button("Undo", on_click=lambda: self.act(lambda: self._use(project.current - 1))).props(
+                    'data-testid="undo" flat dense'
+                )
+
+    def _use(self, number: int) -> None:
+        self.bench.change(self.bench.project.at_version(number))
+
+    @ui.refreshable_method
+    def _content(self) -> None:
+        place = self.view.place
+        if place not in ("data", "model") and not self.bench.sound:
+            ui.label(
+                "This place opens when the checks have passed for exactly these logs and this model."
+            ).props('data-testid="locked"')
+            return
+        _SHOW[place](self)

@@ -1,0 +1,65 @@
+"""Place 5: the next measurement, and the model for other tools."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+from pyident.workbench import work
+from pyident.workbench.project import command
+
+if TYPE_CHECKING:
+    from pyident.workbench.page import Page
+
+
+def show(page: "Page") -> None:
+    """What would separate or reveal, and downloads."""
+    bench = page.bench
+    diagnosis = bench.result("diagnose")
+    ui.label("The next experiment").classes("text-lg")
+    sentences = [f.experiment for f in diagnosis.findings if f.experiment] if diagnosis else []
+    sentences += (
+        [f"{x.effect} at {x.joint}: {x.experiment}" for x in diagnosis.limits if x.experiment]
+        if diagnosis
+        else []
+    )
+    for sentence in sentences[:8]:
+        ui.label(sentence)
+    if not sentences:
+        words = (
+            "The diagnosis asks for no further motion."
+            if diagnosis
+            else "Run the diagnosis in place 4 first."
+        )
+        ui.label(words).props('data-testid="no-experiment"')
+    ui.label("Take the model with you").classes("text-lg mt-4")
+    with ui.row():
+        ui.button(
+            "Robot file (TOML)", on_click=lambda: ui.download.file(bench.project.path(bench.project.model))
+        ).props('data-testid="download-model" no-caps').set_enabled(
+            (bench.project.folder / bench.project.model).is_file()
+        )
+        for fmi in (2, 3):
+            ui.button(f"FMU (FMI {fmi})", on_click=lambda v=fmi: page.act(lambda: _export(page, v))).props(
+                f'data-testid="export-fmi{fmi}" no-caps'
+            )
+        ui.button(
+            "Script of everything that was done",
+            on_click=lambda: ui.download.content(bench.project.script(), "replay.sh"),
+        ).props('data-testid="download-script" no-caps')
+    made = bench.result("export")
+    if made:
+        ui.label(f"wrote {Path(made).name}").props('data-testid="exported"')
+        ui.button("Download", on_click=lambda: ui.download.file(made)).props(
+            'data-testid="download-fmu" no-caps'
+        )
+    ui.label("What was done, as commands").classes("text-lg mt-4")
+    ui.code(bench.project.script(), language="bash").classes("w-full").props('data-testid="script"')
+
+
+def _export(page: "Page", fmi: int) -> None:
+    bench = page.bench
+    output = bench.project.folder / bench.project.free_name(Path(bench.project.model).stem, ".fmu")
+    line = command("export", Path(bench.inputs.model).name, "-o", output.name, "--fmi", str(fmi))
+    bench.change(bench.project.after(line))
+    bench.start("export", f"exporting {output.name}", work.exported, bench.inputs.model, str(output), fmi)

@@ -1,0 +1,41 @@
+"""What one page looks at; the URL holds it, so that a reload or a link shows the same."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+from urllib.parse import urlencode
+
+Place = Literal["data", "model", "where", "why", "next"]
+PLACES: tuple[Place, ...] = ("data", "model", "where", "why", "next")
+
+
+@dataclass(frozen=True)
+class View:
+    """place; log: its name; coordinate: of the equation; span: of time [s], None for all; band: [Hz]."""
+
+    place: Place = "data"
+    log: str = ""
+    coordinate: str = ""
+    span: tuple[float, float] | None = None
+
+    def at(self, **changes: Any) -> "View":
+        """The same with something else."""
+        return replace(self, **changes)
+
+    @property
+    def query(self) -> str:
+        """As the part of a URL behind the question mark."""
+        words = {"place": self.place, "log": self.log, "coordinate": self.coordinate}
+        if self.span is not None:
+            words["from"], words["to"] = (f"{t:.6g}" for t in self.span)
+        return urlencode({key: value for key, value in words.items() if value})
+
+
+def view_of(query: Mapping[str, str]) -> View:
+    """What a URL asks for; what makes no sense in it is left out."""
+    place = next((p for p in PLACES if p == query.get("place")), "data")
+    try:
+        span = (float(query["from"]), float(query["to"]))
+    except (KeyError, ValueError):
+        span = None
+    return View(place, query.get("log", ""), query.get("coordinate", ""), span)

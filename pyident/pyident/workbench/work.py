@@ -1,0 +1,118 @@
+"""What jobs do: calls of the front door with files as arguments, results as files beside them."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+Progress = Callable[[float], None]
+REFUSED = "refused: "  # how the sentence of a log that must not be used begins
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What a question is asked of. model: shipped name or path; logs, heldout, mapping: paths."""
+
+    model: str
+    logs: tuple[str, ...]
+    heldout: tuple[str, ...] = ()
+    mapping: str = ""
+
+    def options(self) -> list[str]:
+        """As words of a command line."""
+        held = [word for log in self.heldout for word in ("--holdout", Path(log).name)]
+        return held + (["--mapping", Path(self.mapping).name] if self.mapping else [])
+
+    def log_names(self) -> list[str]:
+        return [Path(log).name for log in self.logs]
+
+
+def compared(inputs: Inputs, json_file: str, progress: Progress) -> Any:
+    """The comparison of the model with every log, written to `json_file`, too."""
+    import pyident as pi
+
+    logs = [*inputs.logs, *inputs.heldout]
+    compared = pi.compare(inputs.model, logs, mapping=inputs.mapping or None, progress=progress)
+    _write(json_file, compared.to_dict())
+    return compared.comparison
+
+
+def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> Any:
+    """The diagnosis, written to `json_file`, too."""
+    import pyident as pi
+
+    diagnosed = pi.diagnose(
+        inputs.model,
+        list(inputs.logs),
+        heldout=list(inputs.heldout),
+        mapping=inputs.mapping or None,
+        progress=progress,
+    )
+    _write(json_file, diagnosed.to_dict())
+    return diagnosed.diagnosis
+
+
+def added(inputs: Inputs, effect: str, joint: int, output: str, json_file: str, progress: Progress) -> Any:
+    """The model with one more law, written to `output` if it is accepted."""
+    import pyident as pi
+
+    added = pi.add_effect(
+        inputs.model,
+        effect,
+        joint,
+        list(inputs.logs),
+        heldout=list(inputs.heldout),
+        mapping=inputs.mapping or None,
+        progress=progress,
+    )
+    _write(json_file, added.to_dict())
+    if added.accepted:
+        added.save(output)
+    return added.extended
+
+
+def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) -> Any:
+    """The model with parameters from the logs, written to `output`."""
+    import pyident as pi
+
+    fit = pi.identify(inputs.model, list(inputs.logs), mapping=inputs.mapping or None, progress=progress)
+    fit.save(output)
+    _write(json_file, fit.to_dict())
+    return fit
+
+
+def exported(model: str, output: str, fmi: int, progress: Progress) -> str:
+    """The model as an FMU."""
+    import pyident as pi
+
+    pi.export_fmu(model, output, fmi=fmi)
+    progress(1.0)
+    return output
+
+
+def checked(inputs: Inputs, names: Sequence[str], progress: Progress) -> dict[str, list[str]]:
+    """Log -> sentences of the checks; one that cannot be used has its error as the only sentence."""
+    import pyident as pi
+
+    sentences: dict[str, list[str]] = {}
+    for i, name in enumerate(names):
+        try:
+            log = pi.read_log(name, robot=inputs.model or None, mapping=inputs.mapping or None)
+            defects = pi.check_log(pi.load_robot(inputs.model), log)
+            listed = [f"{len(log)} samples at {1 / log.period:.4g} Hz", *log.notes]
+            refused = [f"{REFUSED}{d.sentence}" for d in defects if d.severity == "gross"]
+            doubted = [f"to look at: {d.sentence}" for d in defects if d.severity != "gross"]
+            sentences[Path(name).name] = [*refused, *listed, *doubted]
+        except ValueError as error:
+            sentences[Path(name).name] = [f"{REFUSED}{error}"]
+        progress((i + 1) / len(names))
+    return sentences
+
+
+def _write(path: str, content: Any) -> None:
+    from flexmodels.atomic import replacing
+
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as file:
+        file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,159 @@
+"""XL330: a servo without torque sensor, its friction found from positions, one gain held out at a time."""
+
+import os
+import re
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from pyident.sweep.studies.xl330.figure import draw
+from pyident.sweep.studies.xl330.ladder import RUNGS, STEP, Ladder, Track, compiled
+
+from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.robot import Robot, RobotError
+from pyident.logs.foreign import robot_log
+from pyident.logs.mapping import read_mapping
+from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
+from pyident.simulation.fmu_runs import runs_here
+from pyident.sweep.studies import StudyResult, row
+
+_HERE = Path(__file__).parent
+_INERTIA, _WEIGHT = 0.0049, 0.49 * 9.80665 * 0.1
+_LAWS = ("load_dependent_friction", "quadratic_load_friction", "stribeck", "nonlinear_viscous")
+_WORTH = 0.9  # of the error at a gain that was not fitted: what a further law must come below
+_CLIMB_ROUNDS = 12
+_POSE = ("link1.ms[x]",)  # the zero of the encoder is not quite straight down
+
+
+def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
+    """Fit, judge, write model.toml and mapping.toml. Without the data the table says so."""
+    data = Path(os.environ.get("PYIDENT_DATA", "data")) / "bam_xl330"
+    files = sorted(data.glob("*_kp*.csv"))
+    if not files:
+        return StudyResult([], notes=[f"skipped: {data} holds no logs; set PYIDENT_DATA to the data sets"])
+    start = load_robot(_HERE / "start.toml")
+    mapping = read_mapping(_HERE / "mapping.toml")
+    recordings = {
+        file.stem: ServoLog(robot_log(file, start, mapping), {"servo.kp": float(_gain(file.stem))})
+        for file in files
+    }
+    robot, steps = climbed(start, recordings, lambda share: progress(0.4 * share))
+    gains = sorted({_gain(name) for name in recordings})
+    rows, bars = [], []
+    with compiled(_INERTIA, _WEIGHT) as ladder:
+        for i, gain in enumerate(gains):
+            ours = held_out(robot, recordings, gain)
+            theirs = {rung: _ladder_error(ladder, rung, recordings, gain, start) for rung in RUNGS}
+            best = min(theirs, key=lambda rung: theirs[rung])
+            text = f"{ours:.2f}° against {theirs[best]:.2f}° of {best}, the ladder's best"
+            rows.append(row(f"kp {gain} held out: mean absolute error", text, "less", ours < theirs[best]))
+            bars.append((gain, ours, theirs))
+            progress(0.4 + 0.5 * (i + 1) / len(gains))
+    fit = _fitted(robot, list(recordings.values()))
+    rows += _described(fit, recordings, robot)
+    save_robot(fit.robot, folder / "model.toml")
+    shutil.copy(_HERE / "mapping.toml", folder / "mapping.toml")
+    with runs_here(fit.robot) as runs:
+        replays = replay_errors(fit.robot, list(recordings.values()), runs)
+    figure = draw(folder / "xl330.png", bars, list(recordings.items()), replays)
+    progress(1.0)
+    return StudyResult(rows, [figure], steps)
+
+
+def climbed(
+    robot: Robot, recordings: dict[str, ServoLog], progress: Callable[[float], None]
+) -> tuple[Robot, list[str]]:
+    """From Coulomb and viscous friction up: the law that helps most at the middle gain, which is not fitted.
+
+    What was tried at each step is told in a sentence.
+    """
+    middle = sorted({_gain(name) for name in recordings})[1]
+    robot, error = _judged(robot, recordings, middle)
+    told = [f"Coulomb and viscous friction: {error:.2f}° at kp {middle}, fitted at the other gains"]
+    for number in range(len(_LAWS)):
+        tried = {}
+        for law in _LAWS:
+            if law not in robot.joints[0].values and _allowed(robot, law):
+                tried[law] = _judged(robot.with_effect(1, law), recordings, middle)
+        if not tried:
+            break
+        best = min(tried, key=lambda law: tried[law][1])
+        told.append(
+            f"with {', '.join(f'{law} {tried[law][1]:.2f}°' for law in tried)}: "
+            + (
+                f"{best} is taken"
+                if tried[best][1] < _WORTH * error
+                else "none helps by a tenth, so none is taken"
+            )
+        )
+        progress((number + 1) / len(_LAWS))
+        if tried[best][1] >= _WORTH * error:
+            break
+        robot, error = tried[best]
+    return robot, told
+
+
+def held_out(robot: Robot, recordings: dict[str, ServoLog], gain: int) -> float:
+    """Mean absolute error [degrees] at a gain, fitted at the others."""
+    fit = _fitted(robot, [r for name, r in recordings.items() if _gain(name) != gain])
+    return _error(fit.robot, [r for name, r in recordings.items() if _gain(name) == gain])
+
+
+def _judged(robot: Robot, recordings: dict[str, ServoLog], gain: int) -> tuple[Robot, float]:
+    fit = _fitted(robot, [r for name, r in recordings.items() if _gain(name) != gain], _CLIMB_ROUNDS)
+    return fit.robot, _error(fit.robot, [r for name, r in recordings.items() if _gain(name) == gain])
+
+
+def _allowed(robot: Robot, law: str) -> bool:
+    try:
+        effect = robot.with_effect(1, law).joints[0].law(law)
+    except RobotError:
+        return False
+    return not effect.excess_over or effect.excess_over in robot.joints[0].values
+
+
+def _fitted(robot: Robot, recordings: Sequence[ServoLog], rounds: int = 30) -> ClosedLoopFit:
+    assert robot.servo is not None
+    free = [*robot.servo.free, *(name for name in robot.parameters if name.startswith("joint1.")), *_POSE]
+    with runs_here(robot) as runs:
+        return fit_closed_loop(robot, recordings, free, runs, rounds)
+
+
+def _error(robot: Robot, recordings: Sequence[ServoLog]) -> float:
+    with runs_here(robot) as runs:
+        errors = [np.abs(e).mean() for _, e in replay_errors(robot, recordings, runs)]
+    return float(np.degrees(np.mean(errors)))
+
+
+def _ladder_error(
+    ladder: Ladder, rung: str, recordings: dict[str, ServoLog], gain: int, robot: Robot
+) -> float:
+    tracks = {name: _track(recording, robot) for name, recording in recordings.items()}
+    values = ladder.fit(rung, [track for name, track in tracks.items() if _gain(name) != gain])
+    return float(np.degrees(ladder.error(values, [t for name, t in tracks.items() if _gain(name) == gain])))
+
+
+def _track(recording: ServoLog, robot: Robot) -> Track:
+    assert robot.servo is not None
+    frame = recording.log.frame
+    time = frame["time"].to_numpy()
+    steps = np.arange(time[0], time[-1], STEP)
+    at = {name: np.interp(steps, time, frame[f"joint1.{name}"]) for name in ("r", "e", "on")}
+    gain = robot.servo.gain[0] * recording.settings["servo.kp"]
+    return Track(gain, robot.servo.supply, at["r"], at["e"], (at["on"] > 0.5).astype(float))
+
+
+def _described(fit: ClosedLoopFit, recordings: dict[str, ServoLog], robot: Robot) -> list[dict[str, str]]:
+    units = robot.units | {"joint1.servo.kt": "N.m/A", "joint1.servo.R": "Ohm", "servo.delay": "s"}
+    rows = [row("all gains fitted: mean absolute error", f"{np.degrees(np.mean(fit.error)):.2f}°")]
+    for name, value in fit.values.items():
+        spread = f" ± {1.96 * fit.std[name]:.2g}" if fit.std else ""
+        rows.append(row(name, f"{value:.4g}{spread} {units[name]} (95 %, jackknife over logs)"))
+    return rows
+
+
+def _gain(name: str) -> int:
+    match = re.search(r"_kp(\d+)$", name)
+    assert match is not None
+    return int(match[1])

@@ -1,0 +1,85 @@
+"""Journeys in a real browser: a project folder with a hidden law, a server of its own, Debian's Chromium."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from two_link_logs import TWO_LINK, hidden, loaded, made_log
+
+from pyident.logs.log import write_log
+
+pytest.importorskip("nicegui", reason="the workbench's extra is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+_FLAGS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+PATIENCE = 300_000  # ms that a journey waits for work on a busy machine
+
+
+@pytest.fixture(scope="session")
+def recordings(tmp_path_factory) -> Path:
+    """A robot file and three logs in which joint 2 takes more torque in one direction than in the other."""
+    folder = tmp_path_factory.mktemp("recordings")
+    shutil.copy(TWO_LINK, folder / "robot.toml")
+    with loaded(hidden(), tmp_path_factory.mktemp("fmu")) as fmu:
+        for number, name in enumerate(("a", "b", "c"), start=1):
+            write_log(made_log(fmu, hidden(), number), folder / f"{name}.parquet")
+    return folder
+
+
+@pytest.fixture
+def project(recordings, tmp_path) -> Path:
+    folder = tmp_path / "project"
+    shutil.copytree(recordings, folder)
+    return folder
+
+
+@contextmanager
+def served(folder: Path, port: int = 0) -> Iterator[str]:
+    """The URL of a workbench on the folder."""
+    words = [sys.executable, "-m", "pyident", "open", str(folder), "--no-browser", "--port", str(port)]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        assert process.stdout is not None
+        url = next((m[0] for line in process.stdout if (m := re.search(r"http://\S+", line))), None)
+        assert url, "the workbench printed no URL"
+        yield url
+    finally:
+        process.terminate()
+        process.wait(30)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium: apt install chromium, or name one in CHROMIUM")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=CHROMIUM, args=_FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def tab(browser):
+    """A page that remembers which hosts it asked and what its scripts complained of."""
+    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    page.set_default_timeout(60_000)
+    page.hosts, page.errors = set(), []
+    page.on("request", lambda request: page.hosts.add(re.sub(r"^\w+://([^/:]+).*", r"\1", request.url)))
+    page.on("pageerror", lambda error: page.errors.append(str(error)))
+    yield page
+    page.close()

@@ -1,0 +1,95 @@
+"""Replicas of a rigid robot whose loop nobody knows: their noise, their steps, what their search says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from six_axis_logs import arm, made, plain, three_laws
+
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.order_peaks import order_peaks
+from pyident.diagnosis.base.setting import set_up
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.regression.spectrum import equations
+from pyident.simulation.along import along, resolution, smooth
+
+
+def never(_):
+    raise AssertionError("nothing is simulated where the loop is unknown")
+
+
+@pytest.fixture(scope="module")
+def nothing():
+    return [made(arm(), seed, plain, 20.0) for seed in range(3)]
+
+
+def test_a_smooth_motion_loses_its_noise_and_nothing_else():
+    time = np.arange(0, 20, 0.01)
+    motion = np.sin(2 * np.pi * 0.7 * time) + 0.3 * np.cos(2 * np.pi * 2.1 * time)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(time))
+    left = smooth(motion + noise, 1e-4) - motion
+    assert np.std(left[30:-30]) < 0.75 * np.std(noise)
+    assert np.abs(smooth(motion, 0.0) - motion)[30:-30].max() < 1e-6  # ends: a continued curvature
+
+
+@pytest.mark.parametrize("step", [1e-3, 1.5339e-3])
+def test_the_step_of_a_quantised_channel_is_found(step):
+    x = np.sin(np.linspace(0, 20, 4000))
+    assert resolution(np.round(x / step) * step) == pytest.approx(step, rel=1e-6)
+    assert resolution(x) == 0.0
+
+
+def test_torque_noise_is_that_of_each_joint(nothing):
+    setting = set_up(arm(), nothing[:2])
+    for log in nothing[:2]:
+        for name in setting.robot.torques:
+            true = 0.004 * np.sqrt(np.mean(log.frame[name] ** 2))
+            assert setting.own_noise[log.source][name] == pytest.approx(
+                true, rel=0.45
+            )  # encoders and torques share the top band
+
+
+def test_replicas_differ_in_noise_and_keep_the_steps_of_the_log(nothing):
+    setting = set_up(arm(), nothing[:1])
+    frame = nothing[0].frame.copy()
+    frame["joint1.e"] = np.round(frame["joint1.e"] / 1e-3) * 1e-3
+    again = along(setting.robot, replace(nothing[0], frame=frame), setting.noise)
+    first, second = (again.replica(None, setting.robot.parameters, setting.noise, s) for s in (1, 2))
+    steps = first.frame["joint1.e"].to_numpy() / 1e-3
+    assert np.abs(steps - np.round(steps)).max() < 1e-6
+    difference = first.frame["joint3.tau"] - second.frame["joint3.tau"]
+    assert np.std(difference) == pytest.approx(np.sqrt(2) * setting.noise["joint3.tau"], rel=0.1)
+
+
+def test_a_ripple_of_a_gear_is_seen_hundreds_of_times_a_turn():
+    def ripple(q, v, load, time):
+        out = plain(q, v, load, time)
+        out[:, 0] += 1.0 * np.cos(202.0 * q[:, 0])
+        return out
+
+    robot = arm()
+    logs = [made(robot, seed, ripple, 20.0) for seed in range(2)]
+    setting = set_up(robot, logs)
+    data = equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
+    found = order_peaks(robot, data, setting.solution.p)
+    assert found[1][0] == pytest.approx(202.0, abs=1.0)
+    assert not found[6]
+
+
+def test_nothing_hidden_in_another_simulators_logs_is_nothing_found(nothing):
+    search = searched(arm(), nothing[:2], never)
+    found = concluded(search, never, nothing[2:])
+    assert found.verdict == "nothing_detectable"
+    assert {p.state for p in found.places} == {"in_order"}
+
+
+def test_three_laws_at_three_joints_are_named_each(nothing):
+    """The third of another form than any of the catalogue: a root of the speed."""
+    logs = [made(arm(), seed, three_laws, 20.0) for seed in range(3)]
+    found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
+    ties = [{(n.effect, n.joint) for n in f.tie} for f in found.findings]
+    for joint in ("joint2", "joint3"):
+        assert any(("load_dependent_friction", joint) in tie for tie in ties), found.sentence
+    at_first = {e for tie in ties for e, joint in tie if joint == "joint1"}
+    assert at_first & {"nonlinear_viscous", "stribeck"}, found.sentence
+    assert not {joint for tie in ties for _, joint in tie} - {"joint1", "joint2", "joint3"}

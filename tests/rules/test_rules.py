@@ -1,0 +1,36 @@
+"""Thresholds: each says what it is, and what cannot work together is refused."""
+
+from dataclasses import replace
+
+import pytest
+
+from pyident.rules.replicas import ReplicaRules
+from pyident.rules.rule import RulesError
+from pyident.rules.rules import RULES, Rules
+from pyident.rules.search import SearchRules
+
+
+def test_every_threshold_says_what_it_is():
+    frame = RULES.to_frame()
+    assert (frame[["of", "why", "fixed_on"]].map(len) > 3).all().all()
+    assert frame.index.is_unique
+
+
+def test_too_few_replicas_for_the_level_are_refused():
+    """The least p-value that B replicas can give is 1/(1 + B)."""
+    for count in (5, 18, 19, 20):
+        possible = 1 / (1 + count) <= 0.05
+        if possible:
+            assert Rules(replicas=ReplicaRules(count=count)).replicas.count == count
+        else:
+            with pytest.raises(RulesError, match="19 replicas or more"):
+                Rules(replicas=ReplicaRules(count=count))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"explained": (0.8, 0.5)}, {"explained": (0.5, 1.2)}, {"part": 0.6}, {"level": 1.5}, {"most": 0}],
+)
+def test_thresholds_that_contradict_each_other_are_refused(change):
+    with pytest.raises(RulesError):
+        replace(SearchRules(), **change)

@@ -1,0 +1,66 @@
+"""What the page draws: thinned traces keep their peaks, the skeleton stands where the joints are."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pyident.workbench.skeleton import segments, skeleton
+from pyident.workbench.thinned import thinned, thinned_band, window
+from pyident.workbench.view import View, view_of
+
+pytest.importorskip("tsdownsample", reason="the workbench's extra is not installed")
+
+
+def test_thinning_keeps_a_single_peak():
+    time = np.arange(200_000) * 1e-3
+    values = np.sin(time)
+    values[123_456] = 5.0
+    t, v = thinned(time, values)
+    assert len(v) <= 2_000
+    assert v.max() == 5.0
+    assert t[np.argmax(v)] == pytest.approx(123.456)
+
+
+def test_a_thinned_ribbon_covers_the_whole_one():
+    time = np.arange(50_000) * 1e-3
+    high = np.abs(np.random.default_rng(0).standard_normal(50_000))
+    t, low, top = thinned_band(time, -high, high, 500)
+    assert len(t) == 500
+    assert top.max() == high.max()
+    assert low.min() == -high.max()
+
+
+def test_a_window_holds_its_span():
+    time = np.arange(100) * 0.1
+    part = time[window(time, (2.0, 3.0))]
+    assert part[0] <= 2.0
+    assert part[-1] >= 3.0
+    assert len(part) < 15
+
+
+def test_a_view_survives_its_url():
+    view = View("where", "a.parquet", "joint2.eps[1]", (1.5, 2.5))
+    from urllib.parse import parse_qsl
+
+    assert view_of(dict(parse_qsl(view.query))) == view
+    assert view_of({"place": "elsewhere", "from": "x"}) == View()
+
+
+def test_the_skeleton_turns_about_the_first_axis(four_link):
+    """A quarter turn of joint 1 turns everything behind it about its axis, whatever the rest does."""
+    rest = skeleton(four_link)[0]
+    turned = skeleton(four_link, pd.DataFrame({"joint1.e": [np.pi / 2]}))[0]
+    axis = np.array(four_link.joints[0].x, dtype=float)
+    arm, moved = rest[-1] - rest[0], turned[-1] - turned[0]
+    along = axis @ arm
+    expected = axis * along + np.cross(axis, arm)
+    np.testing.assert_allclose(moved, expected, atol=1e-12)
+
+
+def test_the_skeletons_tip_is_the_simulations(four_link, identification_log):
+    """Against the FMU's own tip: another derivation, motors and deformations at work."""
+    frame = identification_log.frame.iloc[::250].reset_index(drop=True)
+    points = skeleton(four_link, frame)
+    tip = frame[["tip.x", "tip.y", "tip.z"]].to_numpy()
+    np.testing.assert_allclose(points[:, -1], tip, atol=1e-6)
+    assert len(segments(four_link)) == points.shape[1]
