@@ -48,7 +48,8 @@ def test_the_controller_sees_the_noise(loaded, plan):
     added = {name: sigma * rng.standard_normal(len(plan.time)) for name, sigma in NOISE.items()}
     seen = np.zeros_like(plan.reference)
     seen[:, 0], seen[:, 1] = added["joint1.e"], added["joint2.e"]
-    by_hand = loaded.simulate(Experiment(plan.time, plan.reference - seen, plan.feedforward))
+    start = {f"joint{k}.start_error": seen[0, k - 1] for k in (1, 2)}
+    by_hand = loaded.simulate(Experiment(plan.time, plan.reference - seen, plan.feedforward), start)
     for name in ("joint1.e", "joint3.eps[1]"):
         np.testing.assert_allclose(noisy[name], by_hand[name] + added[name], rtol=0, atol=1e-10)
     np.testing.assert_allclose(noisy["joint1.r"], plan.reference[:, 0])

@@ -64,4 +64,4 @@ def test_directional_derivatives_are_right_in_every_mode(fmus, mode):
         differences = (ahead - behind)[places] / 2
         size = np.abs(fmu.values({})[places])
         np.testing.assert_allclose(exact, differences, rtol=2e-4, atol=1e-9 * (1 + size.max()))
-        assert np.count_nonzero(exact) > 0.8 * len(unknown)
+        assert np.count_nonzero(exact) > 0.7 * len(unknown)

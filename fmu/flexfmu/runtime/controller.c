@@ -25,8 +25,8 @@ int controller_group(unsigned reference) { return reference >= AT_TORQUE && refe
 
 void controller_show(Controller *s, int groups, Answer answer) {
     Pid copy = s->pid;
-    (void)groups, (void)answer;
-    if (pid_due(&copy, s->value + AT_GAIN, s->time)) sample(s, &copy, 0);
+    (void)groups;
+    if (answer != HELD && pid_due(&copy, s->value + AT_GAIN, s->time)) sample(s, &copy, 0);
 }
 
 int controller_advance(Controller *s, double duration) {

@@ -194,6 +194,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     *event = *terminate = *early = fmi3False;
     failed = m->memory.own_events ? run_with_samples(m, end, early) : run_to_event(m, end, event, early);
     m->memory.shown = 0;
+    m->memory.fed = 0;
     *reached = m->memory.start + m->memory.model.time;
     if (failed) {
         m->memory.phase = BROKEN;

@@ -22,6 +22,7 @@ void memory_reset(Memory *m) {
 
 int memory_initialise(Memory *m, char *text, size_t size) {
     m->unplaced = 0;
+    m->fed = 1;
     if (MODEL(initialise)(&m->model)) {
         m->phase = BROKEN;
         snprintf(text, size, "No static equilibrium was found at the first reference: check the stiffnesses k, "
@@ -35,6 +36,7 @@ int memory_initialise(Memory *m, char *text, size_t size) {
 int memory_group(unsigned reference) { return MODEL(group)(reference); }
 
 void memory_changed(Memory *m) {
+    m->fed = 1;
     m->shown = 0;
     m->unplaced = m->phase == INITIALIZING;
 #ifdef MODEL_PLANT
@@ -44,7 +46,7 @@ void memory_changed(Memory *m) {
 
 Answer memory_answer(const Memory *m) {
     if (m->phase == INITIALIZING) return STARTING;
-    if (m->own_events) return SETTLED;
+    if (m->own_events) return m->fed ? SETTLED : HELD;
     return m->phase == EVENT ? SAMPLED : HELD;
 }
 
@@ -61,6 +63,7 @@ void memory_show(Memory *m, int groups) {
 int memory_advance(Memory *m, double duration) {
     int failed = MODEL(advance)(&m->model, duration);
     m->shown = 0;
+    m->fed = 0;
     return failed;
 }
 

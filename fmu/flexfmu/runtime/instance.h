@@ -33,6 +33,7 @@ typedef struct {
     int model_exchange;
     int own_events; /* co-simulation: the importer does not handle events, doStep does */
     int shown;      /* groups of values that are up to date */
+    int fed;        /* inputs were set since the last step: a sample that is due answers to them */
     int unplaced;   /* in initialisation: values changed since the start was computed */
     double start;   /* start time of the experiment [s] */
 } Memory;
