@@ -1,7 +1,6 @@
 """The parts of an FMU -> the file: sources, binaries, descriptions, documentation, a recorded run."""
 
 import shutil
-import tempfile
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from flexfmu.interface import Interface
 from flexfmu.simulate import constant_run
 from flexmodels.atomic import replacing
 from flexmodels.inputs import SimulationError
+from flexmodels.scratch import scratch_folder
 
 Version = Literal[2, 3]
 Platforms = Literal["host", "all"]
@@ -70,8 +70,7 @@ class Papers:
 def write_fmu(package: Package, path: str | Path, fmi: Version, platforms: Platforms) -> Path:
     """Compile, describe, record, zip. Raises BuildError."""
     path, identifier = Path(path), package.interface.identifier
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
+    with scratch_folder() as root:
         names = _write_sources(root / "sources", package, fmi)
         for platform in PLATFORMS if platforms == "all" else [HOST]:
             binary = root / "binaries" / platform.folder(fmi) / f"{identifier}{platform.suffix}"

@@ -1,17 +1,14 @@
-"""FMU + experiment -> log, for any FMU that follows the log contract. The only file that imports FMPy."""
+"""FMU + experiment -> log, for FMUs that follow the log contract; FMPy is imported here and in `fmu_file`."""
 
 import ctypes
 import re
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import pandas as pd
-from fmpy import calloc, extract, free, read_model_description, simulate_fmu
+from fmpy import calloc, extract, free, simulate_fmu
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2CallbackAllocateMemoryTYPE,
@@ -19,19 +16,21 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
-from fmpy.model_description import ModelDescription
 
 from flexfmu.code.compilation import HOST
 from flexfmu.fed import input_names, input_values, start_values
+from flexfmu.finite import require_finite
+from flexfmu.fmu_file import FmuDescription, first_line
 from flexfmu.names import fmi_name
 from flexfmu.replicas import run_replicas
 from flexmodels.inputs import Experiment, SimulationError
+from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
-_LOGGED = re.compile(r"joint\d+\.(r|tau_ff|e|eps\[\d\]|tau)|tip\.[xyz]")
+_LOGGED = re.compile(r"joint\d+\.(r|tau_ff|on|e|eps\[\d\]|tau)|tip\.[xyz]")
 
 
-class LoadedFmu:
+class LoadedFmu(FmuDescription):
     """An unpacked FMU that can be simulated many times; use as a context manager.
 
     Its variables follow the log contract: inputs joint{k}.r and joint{k}.tau_ff, outputs joint{k}.e,
@@ -39,23 +38,20 @@ class LoadedFmu:
     """
 
     def __init__(self, path: str | Path):
+        super().__init__(path)
+        self._stack = ExitStack()
+        self._folder = str(self._stack.enter_context(scratch_folder()))
         try:
-            self.description: ModelDescription = read_model_description(str(path))
+            extract(str(path), unzipdir=self._folder)
         except Exception as error:
-            raise SimulationError(f"{path} is not an FMU that can be read ({error})") from None
-        self._folder = str(extract(str(path)))
-        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+            self._stack.close()
+            raise SimulationError(f"{path} cannot be unpacked ({first_line(error)})") from None
 
     def __enter__(self) -> "LoadedFmu":
         return self
 
-    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    @property
-    def joints(self) -> int:
-        """Number of driven joints: those with a reference among the inputs."""
-        return sum(1 for name in self.references if re.fullmatch(r"joint\d+\.r", name))
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
 
     def simulate(
         self,
@@ -79,6 +75,7 @@ class LoadedFmu:
         rows = run(experiment, parameters or {}, logged, progress)
         frame = pd.DataFrame(rows, columns=list(logged))
         frame.insert(0, "time", experiment.time)
+        require_finite(frame)
         return frame
 
     def _step_by_step(
@@ -240,8 +237,8 @@ class LoadedFmu:
 @contextmanager
 def loaded_fmu(content: bytes) -> Iterator[LoadedFmu]:
     """An FMU file's content, unpacked and ready. Raises SimulationError."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "plant.fmu"
+    with scratch_folder() as folder:
+        path = folder / "plant.fmu"
         path.write_bytes(content)
         with LoadedFmu(path) as fmu:
             yield fmu

@@ -1,6 +1,5 @@
 """Equations -> SSP file: plant and controller as two FMUs, and how they are connected."""
 
-import tempfile
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -14,6 +13,7 @@ from flexfmu.variable import Variable
 from flexmodels.atomic import replacing
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
+from flexmodels.scratch import scratch_folder
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -27,8 +27,7 @@ def export_ssp(equations: Equations, path: str | Path, platforms: Platforms = "h
     and connects no parameters: simple masters know neither.
     """
     path, plant = Path(path), without_controller(equations)
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
+    with scratch_folder() as root:
         resources = root / "resources"
         resources.mkdir()
         export_fmu(plant, resources / "plant.fmu", 2, platforms)

@@ -1,7 +1,7 @@
 """A driven joint: where it sits, how it moves and which laws act at it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -32,6 +32,7 @@ class Joint:
     parent    number of the link that it sits on, 0 for the base; None takes the link before
     name      what others call it (in a URDF or a ROS message); may be empty
     limits    None where nothing is known of them
+    own       the robot's own laws by name, beside those of the catalogue
     """
 
     kind: Literal["revolute", "prismatic"]
@@ -44,6 +45,7 @@ class Joint:
     parent: int | None = None
     name: str = ""
     limits: Limits | None = None
+    own: Mapping[str, Effect] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def triad(self) -> np.ndarray:
@@ -57,8 +59,13 @@ class Joint:
         return (1, 2, 3) if self.flexible and self.bends else (1,) if self.flexible else ()
 
     def law(self, effect: str) -> Effect:
-        """A law of the catalogue as it acts here: on the coordinates that the joint has."""
-        return restricted(CATALOGUE[effect], self.deformations)
+        """A law as it acts here: on the coordinates that the joint has."""
+        return restricted(self.catalogue[effect], self.deformations)
+
+    @property
+    def catalogue(self) -> Mapping[str, Effect]:
+        """Every law that may act here: those that ship, and the robot's own."""
+        return {**CATALOGUE, **self.own} if self.own else CATALOGUE
 
     @property
     def effects(self) -> tuple[Effect, ...]:

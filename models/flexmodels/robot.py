@@ -6,12 +6,11 @@ base axes in the zero pose; its mass moments and inertia are about that point (t
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from flexmodels.coordinate import Coordinate, deformation_of, motor_of, torque_of
-from flexmodels.effects import CATALOGUE, load_effects
+from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection
 from flexmodels.gearing import Transmission
 from flexmodels.joint import Joint, parameter_name, unit_at
@@ -38,7 +37,7 @@ class Robot:
     closures   pins that make the passive joints follow
     tip        from the joint of link `tip_link` (None: the last link) [m]
     transmission  how logs of the motor side are referred to the joints; None where there are none
-    effect_files   Python files whose effects join the catalogue, absolute
+    effect_files   Python files of the joints' own laws, absolute
     """
 
     name: str
@@ -59,15 +58,15 @@ class Robot:
     transmission: Transmission | None = None
     effect_files: tuple[str, ...] = ()
 
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        """Another process that receives the robot knows its effects too."""
-        self.__dict__.update(state)
-        load_effects(self.effect_files)
-
     @property
     def numbered(self) -> Iterator[tuple[int, Joint]]:
         """The driven joints, counted from 1."""
         return enumerate(self.joints, start=1)
+
+    @property
+    def catalogue(self) -> Mapping[str, Effect]:
+        """Every law that may act at its joints: those that ship, and its own."""
+        return self.joints[0].catalogue
 
     @property
     def parents(self) -> tuple[int, ...]:
@@ -162,12 +161,12 @@ class Robot:
 
     def with_effect(self, joint: int, effect: str) -> "Robot":
         """The same robot with one more law at `joint` (from 1), its parameters at their start values."""
-        if effect not in CATALOGUE:
-            raise RobotError(f"unknown effect {effect!r}; known are {', '.join(sorted(CATALOGUE))}")
+        if effect not in self.catalogue:
+            raise RobotError(f"unknown effect {effect!r}; known are {', '.join(sorted(self.catalogue))}")
         if not 1 <= joint <= len(self.joints):
             raise RobotError(f"robot {self.name} has no joint {joint}; it has 1 to {len(self.joints)}")
         old = self.joints[joint - 1]
-        wrong = objection(CATALOGUE[effect], old.deformations, old.kind, joint, len(self.joints))
+        wrong = objection(self.catalogue[effect], old.deformations, old.kind, joint, len(self.joints))
         if wrong:
             raise RobotError(f"robot {self.name}: effect {effect} {wrong}")
         start = {p.name: p.start for p in old.law(effect).parameters}

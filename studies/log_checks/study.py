@@ -5,7 +5,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pandas as pd
-from pyident.sweep.studies.log_checks import wrong_rows  # noqa: F401  (registers its kinds)
+from pyident.sweep.studies.log_checks import (  # their kinds register themselves
+    wrong_channels,  # noqa: F401
+    wrong_rows,  # noqa: F401
+)
 from pyident.sweep.studies.log_checks.good_logs import Case, foreign, good_logs
 from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
 from pyident.sweep.studies.log_checks.wrong_logs import KINDS

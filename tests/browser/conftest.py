@@ -52,7 +52,9 @@ def project(recordings, tmp_path) -> Path:
 def served(folder: Path, port: int = 0) -> Iterator[str]:
     """The URL of a workbench on the folder."""
     words = [sys.executable, "-m", "pyident", "open", str(folder), "--no-browser", "--port", str(port)]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    # NiceGUI behaves differently where it believes that it is under test
+    plain = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=plain)
     try:
         assert process.stdout is not None
         url = next((m[0] for line in process.stdout if (m := re.search(r"http://\S+", line))), None)

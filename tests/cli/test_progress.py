@@ -1,6 +1,6 @@
 """What a file sees of long work."""
 
-from pyident.cli.progress import SECONDS, lines
+from pyident.cli.common.progress import SECONDS, lines
 
 
 def test_a_line_every_ten_seconds_with_what_is_left(capsys):

@@ -9,7 +9,7 @@ from one_joint import one_joint
 
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
-from flexmodels.effects import CATALOGUE, load_effects
+from flexmodels.effects import effects_of
 from flexmodels.experiment import Experiment, identification
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
@@ -129,16 +129,14 @@ def test_a_draft_is_an_effect_file(bumpy, tmp_path):
     assert isinstance(draft, Draft)
     assert draft.share_percent > 80
     (tmp_path / "drafted.py").write_text(draft.text)
-    load_effects([str(tmp_path / "drafted.py")])
-    try:
-        law = CATALOGUE["drafted"]
-        motion = examination.logs[0].part.motion
-        columns = effect_columns(examination.setting.robot, 1, "drafted", motion)
-        force = sum(p.start * columns[p.name][0] for p in law.linear)
-        truth = bump(motion.q[:, 0])
-        assert np.corrcoef(np.asarray(force), truth)[0, 1] > 0.8
-    finally:
-        CATALOGUE.pop("drafted", None)
+    own = effects_of([str(tmp_path / "drafted.py")])
+    robot = examination.setting.robot
+    robot = replace(robot, joints=tuple(replace(joint, own=own) for joint in robot.joints))
+    motion = examination.logs[0].part.motion
+    columns = effect_columns(robot, 1, "drafted", motion)
+    force = sum(p.start * columns[p.name][0] for p in own["drafted"].linear)
+    truth = bump(motion.q[:, 0])
+    assert np.corrcoef(np.asarray(force), truth)[0, 1] > 0.8
 
 
 def test_without_the_package_a_sentence_says_so(bumpy, monkeypatch):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from test_effects import TWO_LINK, experiment, law_forces, simulated
 
-from flexmodels.effects import CATALOGUE
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import RobotError
 
@@ -28,21 +27,15 @@ def test_a_law_from_outside_the_package(tmp_path):
     text = 'effects = ["own.py"]\n' + TWO_LINK.read_text()
     text = text.replace("[[link]]", "[joint.effects.own_friction]\nlevel = 8.0\ntravel = 0.02\n\n[[link]]", 1)
     (tmp_path / "robot.toml").write_text(text)
-    try:
-        robot = load_robot(tmp_path / "robot.toml", allow_effects=True)
-        assert robot.parameters["joint2.own_friction.travel"] == 0.02
-        assert "joint2.own_friction.travel" not in robot.linear_parameters
-        (tmp_path / "elsewhere").mkdir()
-        save_robot(robot, tmp_path / "elsewhere" / "copy.toml")
-        assert (
-            load_robot(tmp_path / "elsewhere" / "copy.toml", allow_effects=True).parameters
-            == robot.parameters
-        )
-        log, motion, _ = simulated(robot, tmp_path, experiment(0.4))
-        own = law_forces(robot, motion, 2, "own_friction")[:, 1]
-        np.testing.assert_allclose(own, 8.0 * log["joint2.own_friction.bend"], atol=0.05)
-    finally:
-        CATALOGUE.pop("own_friction", None)
+    robot = load_robot(tmp_path / "robot.toml", allow_effects=True)
+    assert robot.parameters["joint2.own_friction.travel"] == 0.02
+    assert "joint2.own_friction.travel" not in robot.linear_parameters
+    (tmp_path / "elsewhere").mkdir()
+    save_robot(robot, tmp_path / "elsewhere" / "copy.toml")
+    assert load_robot(tmp_path / "elsewhere" / "copy.toml", allow_effects=True).parameters == robot.parameters
+    log, motion, _ = simulated(robot, tmp_path, experiment(0.4))
+    own = law_forces(robot, motion, 2, "own_friction")[:, 1]
+    np.testing.assert_allclose(own, 8.0 * log["joint2.own_friction.bend"], atol=0.05)
 
 
 @pytest.mark.parametrize(

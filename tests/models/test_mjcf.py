@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodels.files.mjcf_export import export_mjcf
-from flexmodels.files.mjcf_import import import_mjcf
+from flexmodels.files.mjcf.exporter import export_mjcf
+from flexmodels.files.mjcf.importer import import_mjcf
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations

@@ -1,5 +1,6 @@
 """The compiled Φ^(l) and the NumPy path are the same numbers; without a compiler NumPy takes over."""
 
+import hashlib
 import subprocess
 
 import numpy as np
@@ -67,6 +68,17 @@ def test_a_source_is_compiled_once(monkeypatch, tmp_path):
     monkeypatch.setattr(subprocess, "run", _none)
     assert compiled.library(SOURCE) is not None
     assert compiled.library(SOURCE + "\n") is None
+
+
+def test_a_truncated_library_is_made_anew(monkeypatch, tmp_path):
+    monkeypatch.setattr(compiled, "cache_folder", lambda: tmp_path)
+    assert compiled.library(SOURCE) is not None
+    (file,) = tmp_path.iterdir()
+    whole = file.read_bytes()
+    file.write_bytes(whole[: len(whole) // 2])  # loading it would kill the process
+    assert compiled.library(SOURCE) is not None
+    (again,) = tmp_path.iterdir()
+    assert again.stem.endswith(hashlib.sha256(again.read_bytes()).hexdigest())
 
 
 def test_a_source_with_errors_leaves_nothing_behind(monkeypatch, tmp_path):

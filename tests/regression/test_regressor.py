@@ -8,7 +8,7 @@ import pytest
 import sympy
 from pinocchio_model import PinocchioRobot, mixed_robot, random_motion, tree_robot
 
-from flexmodels.effects import CATALOGUE, signals
+from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.files.robot_file import load_robot
 from flexmodels.link import LINK_PARAMETERS
@@ -121,11 +121,10 @@ def test_no_dry_friction_at_rest():
     assert Phi.matrix[0, 0, Phi.columns.index("joint1.coulomb")] == 0.0
 
 
-def with_law(robot: Robot, effect: Effect, k: int, monkeypatch: pytest.MonkeyPatch) -> Robot:
-    monkeypatch.setitem(CATALOGUE, effect.name, effect)
+def with_law(robot: Robot, effect: Effect, k: int) -> Robot:
     joints = list(robot.joints)
     values = {**joints[k - 1].values, effect.name: {p.name: 0.0 for p in effect.parameters}}
-    joints[k - 1] = replace(joints[k - 1], values=values)
+    joints[k - 1] = replace(joints[k - 1], values=values, own={effect.name: effect})
     return replace(robot, joints=tuple(joints))
 
 
@@ -133,10 +132,10 @@ def law(name: str, expression: sympy.Expr, *parameters: Parameter, on: sympy.Sym
     return Effect(name=name, title=name, forces={on: expression}, parameters=parameters, citation="test")
 
 
-def test_a_new_law_gets_its_column(monkeypatch: pytest.MonkeyPatch):
+def test_a_new_law_gets_its_column():
     c = Parameter("c", "N.m")
     expression = c.symbol * sympy.cos(signals.eps[1]) * signals.tau * signals.beyond.de
-    robot = with_law(load_robot("four_link"), law("odd", expression, c, on=signals.eps[3]), 2, monkeypatch)
+    robot = with_law(load_robot("four_link"), law("odd", expression, c, on=signals.eps[3]), 2)
     tau = np.random.default_rng(1).normal(size=(30, 4))
     motion = replace(motion_of(robot), tau=tau)
     Phi = regressor(robot, motion)
@@ -147,26 +146,24 @@ def test_a_new_law_gets_its_column(monkeypatch: pytest.MonkeyPatch):
     assert np.count_nonzero(column.any(axis=0)) == 1
 
 
-def test_a_law_that_is_not_linear_is_refused(monkeypatch: pytest.MonkeyPatch):
+def test_a_law_that_is_not_linear_is_refused():
     c, speed = Parameter("c", "N.m"), Parameter("speed", "rad/s")
     decay = law("decay", c.symbol * sympy.exp(-signals.de * speed.symbol), c, speed)
-    robot = with_law(load_robot("four_link"), decay, 3, monkeypatch)
+    robot = with_law(load_robot("four_link"), decay, 3)
     with pytest.raises(ValueError, match=r"effect decay is not linear in its parameter speed.*need a grid"):
         regressor(robot, motion_of(robot))
 
 
-def test_a_product_of_parameters_is_refused(monkeypatch: pytest.MonkeyPatch):
+def test_a_product_of_parameters_is_refused():
     a, b = Parameter("a", "N.m"), Parameter("b", "1")
-    robot = with_law(
-        load_robot("four_link"), law("product", a.symbol * b.symbol * signals.e, a, b), 1, monkeypatch
-    )
+    robot = with_law(load_robot("four_link"), law("product", a.symbol * b.symbol * signals.e, a, b), 1)
     with pytest.raises(ValueError, match="effect product is not linear in its parameter a"):
         regressor(robot, motion_of(robot))
 
 
-def test_a_signal_that_was_not_logged_is_named(monkeypatch: pytest.MonkeyPatch):
+def test_a_signal_that_was_not_logged_is_named():
     c = Parameter("c", "1")
-    robot = with_law(load_robot("four_link"), law("thirsty", c.symbol * signals.tau, c), 4, monkeypatch)
+    robot = with_law(load_robot("four_link"), law("thirsty", c.symbol * signals.tau, c), 4)
     with pytest.raises(ValueError, match=r"effect thirsty at joint 4 needs the signal joint4\.tau"):
         regressor_blocks(robot, motion_of(robot))
 

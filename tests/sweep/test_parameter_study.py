@@ -231,6 +231,10 @@ def test_sweep_from_a_plan(cluster, tmp_path):
     )
     words = ["sweep", str(plan), "-o", str(tmp_path / "out"), "--scheduler", cluster]
     done = CliRunner().invoke(main, words)
+    assert done.exit_code == 2
+    assert "mine.py is Python code that would be run" in done.output
+    words.append("--allow-effects")
+    done = CliRunner().invoke(main, words)
     assert done.exit_code == 0, done.output
     found = pd.read_parquet(tmp_path / "out" / "results.parquet")
     assert {"joint1.coulomb", "joint1.viscous", "largest", "torque_rms.joint1"} <= set(found)

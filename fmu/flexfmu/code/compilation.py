@@ -3,11 +3,11 @@
 import platform
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from flexmodels.compiler import BuildError, compiler, zig
+from flexmodels.scratch import scratch_folder
 
 
 @dataclass(frozen=True)
@@ -66,11 +66,11 @@ def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path
     """Compile the C files of `folder` into `binary`; `native` takes this machine's own compiler."""
     command = [*compiler()] if native else [*zig(), "-target", target.zig]
     flags = _FLAGS if target.system == "windows" else [*_FLAGS, "-fPIC"]
-    with tempfile.TemporaryDirectory() as built:
+    with scratch_folder() as built:
         objects = []
         for level, names in (("-O1", set(sources) & set(_STRAIGHT)), ("-O2", set(sources) - set(_STRAIGHT))):
             for name in sorted(names):
-                objects.append(str(Path(built) / f"{name}.o"))
+                objects.append(str(built / f"{name}.o"))
                 _run([*command, *flags, level, "-c", name, "-o", objects[-1]], folder)
         _run([*command, "-shared", *objects, "-o", str(binary), "-lm"], folder)
     for leftover in binary.parent.iterdir():  # debug and import files of the Windows linker

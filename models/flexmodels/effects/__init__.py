@@ -1,34 +1,35 @@
-"""The catalogue: every law that a robot file may name."""
+"""The catalogue: the laws that every robot file may name. A robot's own laws belong to it alone."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from flexmodels.effects import drive, friction, loading, structure, transmission
 from flexmodels.effects.effect import Effect, EffectError
 
-CATALOGUE: dict[str, Effect] = {
-    effect.name: effect
-    for module in (drive, friction, transmission, structure)
-    for effect in loading.in_module(module)
-}
-BASE: dict[str, Effect] = {name: effect for name, effect in CATALOGUE.items() if effect.base}
+
+def _checked(effects: Iterable[Effect], taken: Mapping[str, Effect]) -> dict[str, Effect]:
+    """Effects by name. Raises EffectError when one breaks a rule or its name is taken."""
+    found: dict[str, Effect] = {}
+    for effect in effects:
+        if (taken | found).get(effect.name, effect) is not effect:
+            raise EffectError(f"effect {effect.name} is in the catalogue already; give yours another name")
+        if effect.base:
+            raise EffectError(f"effect {effect.name} must not be a base effect; leave `base` out")
+        effect.check()
+        found[effect.name] = effect
+    return found
 
 
-def register(effect: Effect) -> None:
-    """Add a law to the catalogue. Raises EffectError when it breaks a rule or its name is taken."""
-    if CATALOGUE.get(effect.name, effect) is not effect:
-        raise EffectError(f"effect {effect.name} is in the catalogue already; give yours another name")
-    if effect.base:
-        raise EffectError(f"effect {effect.name} must not be a base effect; leave `base` out")
-    effect.check()
-    CATALOGUE[effect.name] = effect
+def _catalogue() -> dict[str, Effect]:
+    modules = (drive, friction, transmission, structure)
+    ours = {effect.name: effect for module in modules for effect in loading.in_module(module)}
+    return ours | _checked(loading.of_packages(), ours)
 
 
-def load_effects(files: Iterable[str]) -> None:
-    """Add the laws of Python files (absolute paths) to the catalogue. Raises EffectError."""
-    for file in files:
-        for effect in loading.of_file(file):
-            register(effect)
+CATALOGUE: Mapping[str, Effect] = MappingProxyType(_catalogue())
+BASE: Mapping[str, Effect] = MappingProxyType({n: effect for n, effect in CATALOGUE.items() if effect.base})
 
 
-for _effect in loading.of_packages():
-    register(_effect)
+def effects_of(files: Iterable[str]) -> dict[str, Effect]:
+    """The laws that Python files (absolute paths) define; the files run. Raises EffectError."""
+    return _checked((effect for file in files for effect in loading.of_file(file)), CATALOGUE)

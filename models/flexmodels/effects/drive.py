@@ -21,7 +21,7 @@ motor_inertia = Effect(
 
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
 _orders = tuple(float(order) for order in range(4, 31, 2))  # periods per turn of the joint
-_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders)
+_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders, periodic=True)
 
 torque_ripple = Effect(
     name="torque_ripple",

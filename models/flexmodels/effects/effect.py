@@ -10,6 +10,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from flexmodels.effects import signals
+from flexmodels.effects.functions import check_functions
 from flexmodels.effects.law_names import EffectError, check_names
 
 SLOW = 0.01  # [rad/s or m/s] over which a sign of any other speed than the joint's own is rounded
@@ -21,6 +22,7 @@ class Parameter:
 
     grid    values that a search tries first; a parameter enters its law nonlinearly if and only if it has one
     scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`
+    periodic  whether it counts the law's periods per turn of the joint; a law has one such parameter at most
     """
 
     name: str
@@ -30,6 +32,7 @@ class Parameter:
     upper: float = inf
     grid: tuple[float, ...] = ()
     scale: Symbol | None = None
+    periodic: bool = False
 
     @property
     def symbol(self) -> Symbol:
@@ -134,6 +137,11 @@ class Effect:
         """Parameters that enter in any other way."""
         return tuple(p for p in self.parameters if not p.linear)
 
+    @property
+    def order(self) -> Parameter | None:
+        """The parameter that counts the law's periods per turn, None where the law is not periodic."""
+        return next((p for p in self.parameters if p.periodic), None)
+
     @cached_property
     def expressions(self) -> tuple[Expr, ...]:
         """Everything that the law computes: its forces and the rates of its states."""
@@ -182,6 +190,14 @@ class Effect:
         check_names(
             self.name, {p.name: p.unit for p in self.parameters}, {s.name: s.unit for s in self.states}
         )
+        check_functions(
+            self.name, (*self.forces.values(), *self.body.values(), *(s.rate for s in self.states))
+        )
+        periods = [p.name for p in self.parameters if p.periodic]
+        if len(periods) > 1 or any(p.periodic and p.linear for p in self.parameters):
+            raise EffectError(
+                f"effect {self.name}: one parameter with a grid may be periodic, not {', '.join(periods)}"
+            )
         coordinates = {signals.e, *signals.eps.values(), signals.beyond.e}
         known = {p.symbol for p in self.parameters} | {s.symbol for s in self.states}
         for name in {str(q) for q in set(self.forces) - coordinates}:

@@ -130,7 +130,7 @@ nonlinear_viscous = Effect(
 )
 
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
-_order = Parameter("order", "1", start=1.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0))
+_order = Parameter("order", "1", start=1.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0), periodic=True)
 
 position_dependent_friction = Effect(
     name="position_dependent_friction",

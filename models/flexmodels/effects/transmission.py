@@ -106,7 +106,7 @@ stiffness_coupling = Effect(
 # the error times -k1. The forces are dV/d(eps1) and dV/de: they do no work over a cycle.
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
 _orders = tuple(float(order) for order in range(4, 31, 2))  # periods per turn of the joint
-_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders)
+_order = Parameter("order", "1", start=4.0, lower=3.0, grid=_orders, periodic=True)
 _phase = _order.symbol * e
 _in_phase = _cosine.symbol * cos(_phase) + _sine.symbol * sin(_phase)
 _in_quadrature = _sine.symbol * cos(_phase) - _cosine.symbol * sin(_phase)

@@ -10,7 +10,7 @@ def imported(
     path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = ()
 ) -> tuple[Robot, tuple[str, ...]]:
     """The robot of a URDF or MJCF file, and what of the file it does not hold. Raises RobotError."""
-    from flexmodels.files.mjcf_import import import_mjcf
+    from flexmodels.files.mjcf.importer import import_mjcf
     from flexmodels.files.urdf_import import import_urdf
 
     if is_mjcf(path):
@@ -33,11 +33,12 @@ def exported(robot: Robot, path: str | Path) -> tuple[list[str], frozenset[str]]
     Returns what the format cannot say, a sentence each, and the names of the laws that it keeps. Raises
     RobotError.
     """
-    from flexmodels.files import five_numbers, mjcf_export, urdf_export
+    from flexmodels.files import five_numbers, urdf_export
+    from flexmodels.files.mjcf import exporter
 
     formats = {
         ".urdf": (urdf_export.export_urdf, urdf_export.KEPT),
-        ".xml": (mjcf_export.export_mjcf, mjcf_export.KEPT),
+        ".xml": (exporter.export_mjcf, exporter.KEPT),
         ".json": (five_numbers.export_five_numbers, five_numbers.KEPT),
     }
     ending = Path(path).suffix

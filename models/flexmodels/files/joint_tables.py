@@ -1,11 +1,13 @@
 """The [[joint]] and [[closure]] tables of a robot file."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.effects import BASE, CATALOGUE
+from flexmodels.effects import BASE
+from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection
 from flexmodels.files.toml_table import Table
 from flexmodels.joint import Joint, Limits
@@ -15,13 +17,15 @@ from flexmodels.robot import RobotError
 _BASE_PARAMETERS = {p.name: effect for effect in BASE.values() for p in effect.parameters}
 
 
-def read_joints(tables: list[Table]) -> tuple[tuple[Joint, ...], tuple[PassiveJoint, ...]]:
+def read_joints(
+    tables: list[Table], own: Mapping[str, Effect]
+) -> tuple[tuple[Joint, ...], tuple[PassiveJoint, ...]]:
     """Driven joints, then passive ones. Raises RobotError."""
     driven = [table for table in tables if not table.flag("passive")]
     for table in tables[: len(driven)]:
         if table.flag("passive"):
             raise RobotError(f"{table.where} is passive but stands before a driven one; list it after them")
-    joints = tuple(_joint(table, k, len(driven)) for k, table in enumerate(driven, start=1))
+    joints = tuple(_joint(table, k, len(driven), own) for k, table in enumerate(driven, start=1))
     rest = enumerate(tables[len(driven) :], start=len(driven) + 1)
     return joints, tuple(_passive(table, k, joints) for k, table in rest)
 
@@ -30,7 +34,7 @@ def read_closures(tables: list[Table], links: int) -> tuple[Closure, ...]:
     return tuple(_closure(table, links) for table in tables)
 
 
-def _joint(table: Table, k: int, joints: int) -> Joint:
+def _joint(table: Table, k: int, joints: int, own: Mapping[str, Effect]) -> Joint:
     kind = table.get("kind", "revolute")
     if kind not in ("revolute", "prismatic"):
         raise RobotError(f"{table.place('kind')} must be revolute or prismatic, not {kind!r}")
@@ -51,6 +55,7 @@ def _joint(table: Table, k: int, joints: int) -> Joint:
         parent=_parent(table, k),
         name=table.text("name") if "name" in table else "",
         limits=_limits(table.table("limits")) if "limits" in table else None,
+        own=own,
     )
     joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
     table.done()
@@ -94,10 +99,10 @@ def _laws(table: Table, joint: Joint, k: int, joints: int) -> dict[str, dict[str
 
 
 def _effect_values(effects: Table, name: str, joint: Joint, k: int, joints: int) -> dict[str, float]:
-    if name not in CATALOGUE or name in BASE:
-        known = ", ".join(sorted(set(CATALOGUE) - set(BASE)))
+    if name not in joint.catalogue or name in BASE:
+        known = ", ".join(sorted(set(joint.catalogue) - set(BASE)))
         raise RobotError(f"{effects.place(name)} is not a known effect; known are {known}")
-    wrong = objection(CATALOGUE[name], joint.deformations, joint.kind, k, joints)
+    wrong = objection(joint.catalogue[name], joint.deformations, joint.kind, k, joints)
     if wrong:
         raise RobotError(f"{effects.place(name)} {wrong}")
     table = effects.table(name)

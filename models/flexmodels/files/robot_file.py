@@ -1,6 +1,8 @@
 """Robot files: TOML in and out. A wrong file gets one sentence that names the key."""
 
+import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -9,7 +11,7 @@ import numpy as np
 import tomli_w
 
 from flexmodels.atomic import replacing
-from flexmodels.effects import load_effects
+from flexmodels.effects import effects_of
 from flexmodels.effects.effect import EffectError
 from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
@@ -17,6 +19,7 @@ from flexmodels.files.joint_tables import read_closures, read_joints
 from flexmodels.files.robot_document import document
 from flexmodels.files.servo_table import read_servo
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
+from flexmodels.files.urdf_check import require_few
 from flexmodels.gearing import Transmission
 from flexmodels.link import Link
 from flexmodels.linkage_check import check_linkage
@@ -49,6 +52,15 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
         raise RobotError(f"{path}: {error}") from None
 
 
+def check_readable(robot: Robot) -> None:
+    """Raises RobotError unless a file of this robot could be loaded."""
+    text = tomli_w.dumps(document(replace(robot, effect_files=()), {}))
+    try:
+        _robot(tomllib.loads(text), Path("robot.toml"), allow_effects=False)
+    except ValueError as error:
+        raise RobotError(f"robot {robot.name} cannot be used: {error}") from None
+
+
 def save_robot(robot: Robot, path: str | Path) -> None:
     """Write a robot file, and beside it a copy of every effect file from elsewhere. Raises RobotError."""
     folder = Path(path).resolve().parent
@@ -65,8 +77,8 @@ def robot_text(robot: Robot) -> str:
 def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
     effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()
-    load_effects(effect_files)
-    joints, passive = read_joints(table.tables("joint"))
+    joints, passive = read_joints(table.tables("joint"), effects_of(effect_files))
+    require_few(len(joints))
     links = tuple(_link(t) for t in table.tables("link"))
     count = len(joints) + len(passive)
     if len(links) != count:

@@ -15,6 +15,7 @@ from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
+from flexmodels.files.urdf_check import check_urdf, require_few
 from flexmodels.joint import Joint, Limits
 from flexmodels.robot import Robot, RobotError
 
@@ -51,7 +52,8 @@ def import_urdf(path: str | Path, flexible: Iterable[int] = (), twist: Iterable[
     """
     model = _parse(Path(path))
     tree = _Tree()
-    _walk(model, model.get_root(), _Frame(np.zeros(3), np.eye(3), 0), tree)
+    _walk(model, tree)
+    require_few(len(tree.joints))
     if not tree.joints:
         raise RobotError(f"{path}: there is no joint that moves; a robot needs one")
     tip = max(reversed(tree.ends), key=lambda end: end.link)
@@ -74,34 +76,49 @@ def _parse(path: Path) -> Any:
     core.on_error = complaints.append  # else it prints attributes that it does not know
     try:
         root = etree.parse(str(path)).getroot()
+        check_urdf(root)
         etree.strip_elements(root, *_UNUSED, with_tail=False)
         model = urdf.Robot.from_xml_string(etree.tostring(root))
         model.get_root()
+    except RobotError as error:
+        raise RobotError(f"{path} cannot be read as URDF: {error}") from None
     except (etree.XMLSyntaxError, core.ParseError, AssertionError, ValueError, KeyError) as error:
         first = (str(error).strip() or "it has no single root link").splitlines()
         raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); mend the file") from None
     return model
 
 
-def _walk(model: Any, name: str, frame: _Frame, tree: _Tree) -> None:
-    """Add a link of the file, then what hangs on it."""
+def _walk(model: Any, tree: _Tree) -> None:
+    """Add every link of the file, each before what hangs on it."""
+    waiting: list[tuple[str, _Frame, Any]] = [(model.get_root(), _Frame(np.zeros(3), np.eye(3), 0), None)]
+    while waiting:
+        name, before, joint = waiting.pop()
+        frame = before if joint is None else _behind(joint, before, tree)
+        children = _add_link(model, name, frame, tree)
+        waiting += [(child.child, frame, child) for child in reversed(children)]
+
+
+def _behind(joint: Any, before: _Frame, tree: _Tree) -> _Frame:
+    """The frame that a joint carries; one that moves is added."""
+    shift, turn = _pose(joint.origin)
+    position, axes = before.position + before.axes @ shift, before.axes @ turn
+    if joint.type == "fixed":
+        return _Frame(position, axes, before.link)
+    tree.joints.append(_joint(joint, position - tree.places[before.link], axes, before.link))
+    tree.places.append(position)
+    tree.bodies.append([])
+    return _Frame(position, axes, len(tree.joints))
+
+
+def _add_link(model: Any, name: str, frame: _Frame, tree: _Tree) -> list[Any]:
+    """Its body, and the joints that hang on it."""
     inertial = model.link_map[name].inertial
     if inertial is not None and inertial.mass:
         tree.bodies[frame.link].append(_body(inertial, frame))
     children = [model.joint_map[joint] for joint, _ in model.child_map.get(name, ())]
-    for joint in children:
-        shift, turn = _pose(joint.origin)
-        position, axes = frame.position + frame.axes @ shift, frame.axes @ turn
-        if joint.type == "fixed":
-            below = _Frame(position, axes, frame.link)
-        else:
-            tree.joints.append(_joint(joint, position - tree.places[frame.link], axes, frame.link))
-            tree.places.append(position)
-            tree.bodies.append([])
-            below = _Frame(position, axes, len(tree.joints))
-        _walk(model, joint.child, below, tree)
     if not children:
         tree.ends.append(frame)
+    return children
 
 
 def _body(inertial: Any, frame: _Frame) -> Body:

@@ -9,10 +9,12 @@ from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances, Samples, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
+from pyident.kinematics.structure import StructureError
 from pyident.rules.log_checks import LOG_CHECKS
 
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
+_EQUATIONS = 10  # per parameter: with fewer, anything fits
 
 
 @dataclass(frozen=True)
@@ -42,26 +44,40 @@ def misfit(of: Balances, torque: np.ndarray | None = None) -> Misfit:
     return Misfit(max(energy - float(np.asarray(right) @ p), 0.0) / len(joints))
 
 
-def better_channels(of: Balances, source: str) -> Iterator[Defect]:
-    """The transformation that explains the log best, where it explains it far better."""
-    if not misfit(of).material:
-        return
-    robot = of.samples.robot
+@dataclass(frozen=True)
+class Better:
+    """The change of the channels that explains a log best; shares of the torques left with and without."""
+
+    change: Transformation
+    left: float
+    now: float
+
+
+def best_change(of: Balances) -> Better | None:
+    """The change that explains a log far better than its channels as they are, None where there is none."""
+    now = misfit(of)
+    if not now.material or len(of.samples.at) * len(of.joints) < _EQUATIONS * len(of.columns):
+        return None
     few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
-    tried = [
-        (_of(few, change).share, i, change) for i, change in enumerate(transformations(robot, of.samples.q))
-    ]
-    now = misfit(of).share
+    looped = bool(of.samples.robot.closures)  # then other positions are out of reach, and slow to find so
+    changes = [c for c in transformations(of.samples.robot, of.samples.q) if not (looped and c.moves)]
+    tried = [(_of(few, change).share, i, change) for i, change in enumerate(changes)]
     best = [(_of(of.samples, change).share, i, change) for _, i, change in sorted(tried)[:_JUDGED]]
     left, _, change = min(best)
-    if left < LOG_CHECKS.better * now and now - left > LOG_CHECKS.material**2:
-        gross = left < LOG_CHECKS.far_better * now
+    far = left < LOG_CHECKS.better * now.share and now.share - left > LOG_CHECKS.material**2
+    return Better(change, left, now.share) if far else None
+
+
+def better_channels(of: Balances, source: str) -> Iterator[Defect]:
+    """The transformation that explains the log best, where it explains it far better."""
+    if (best := best_change(of)) is not None:
+        gross = best.left < LOG_CHECKS.far_better * best.now
         yield Defect(
             "gross" if gross else "doubtful",
-            change.kind,
-            change.channel,
-            f"{source}: {change.mend} ({100 * np.sqrt(left):.2g} % of the torques are left instead of "
-            f"{100 * np.sqrt(now):.2g} %)",
+            best.change.kind,
+            best.change.channel,
+            f"{source}: {best.change.mend} ({100 * np.sqrt(best.left):.2g} % of the torques are left, not "
+            f"{100 * np.sqrt(best.now):.2g} %)",
         )
 
 
@@ -86,7 +102,10 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
 
 def _of(samples: Samples, change: Transformation) -> Misfit:
     moved = samples.moved(change.motion, change.offset) if change.moves else samples
-    return misfit(balances(moved), change.torque)
+    try:
+        return misfit(balances(moved), change.torque)
+    except StructureError:  # a loop that does not close there
+        return Misfit(float("inf"))
 
 
 def _every(samples: Samples, step: int) -> Samples:

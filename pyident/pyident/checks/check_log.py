@@ -18,6 +18,7 @@ from pyident.checks.timing import timing
 from pyident.checks.twists import bends, twists
 from pyident.checks.whole_log import whole_log
 from pyident.estimation.lock_unlogged import locked
+from pyident.kinematics.structure import StructureError
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log, LogError
 
@@ -75,10 +76,13 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
 def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     """What a quick fit of the balances says of the channels."""
     signals = samples(robot, log)
-    if signals is None or not np.isfinite(signals.tau).any():
-        return []
+    if signals is None or not np.isfinite(signals.tau).all():
+        return []  # without torques, or with some: then the regression asks for the others
     try:
         of = balances(signals)
+    except StructureError as error:
+        sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
+        return [Defect("gross", "unit", "", sentence)]
     except ValueError:  # a law that needs a signal of its own
         return []
     source = log.source

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
@@ -39,6 +38,8 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     high = _EDGE + np.flatnonzero(fourth[_EDGE:-_EDGE] > bound)
     if not len(high):
         return
+    from scipy.ndimage import median_filter  # here and below: much memory, for few logs
+
     increment = np.diff(x)
     odd = increment - median_filter(increment, 7, mode="nearest")
     places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
@@ -63,6 +64,8 @@ def _turn(log: Log, name: str, at: int) -> Defect:
 
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Single samples of a torque far off those beside them, beyond its noise and its own steps."""
+    from scipy.ndimage import median_filter
+
     yield from _dropouts(log, name, x)
     odd = np.abs(x - median_filter(x, 5, mode="nearest"))
     odd[x == 0] = 0

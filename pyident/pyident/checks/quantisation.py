@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
@@ -19,6 +18,8 @@ def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]
     step = step_of(x)
     if step == 0 or noise_of(x) > step or np.ptp(x) < _STANDING * step:
         return
+    from scipy.signal import butter, sosfiltfilt  # here: much memory, for few logs
+
     plan, T = robot.processing, log.period
     nyquist = 0.5 / T
     top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)

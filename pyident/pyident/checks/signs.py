@@ -20,7 +20,7 @@ _ESTIMABLE = 1e-3  # of a combination of parameters that the samples may leave o
 def signs(of: Balances, source: str) -> Iterator[Defect]:
     """One defect per joint whose torque acts against its motion."""
     for k in of.joints:
-        if (reason := _against(of, k)) is not None:
+        if (reason := against(of, k)) is not None:
             yield Defect(
                 "gross",
                 "sign",
@@ -30,7 +30,8 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
             )
 
 
-def _against(of: Balances, k: int) -> str | None:
+def against(of: Balances, k: int) -> str | None:
+    """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
     b, yy = of.right(k, of.torque[:, k : k + 1])
     p, inverse = solved(of.normal[k], b)
     used = of.samples.use[:, k] > 0

@@ -1,6 +1,7 @@
 """Torques that belong to another instant than the motion beside them, or come from a clock that drifts."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +18,7 @@ _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may ga
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
     """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
-    late = [delay for k in of.joints if (delay := _delay(of, k, source)) is not None]
+    late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
     if len(late) < len(of.joints) or not late:
         yield from late or _drift(of, source)
         return
@@ -31,9 +32,18 @@ def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
     return of.left(k, torques) / max(of.variance(k), 1e-300)
 
 
-def _delay(of: Balances, k: int, source: str) -> Defect | None:
-    T = of.samples.period
-    most = min(_MOST, max(4, round(_LONGEST / T)))
+@dataclass(frozen=True)
+class Delay:
+    """Samples by which a torque is late (early: below 0); shares of its variance left so and as it is."""
+
+    shift: float
+    left: float
+    now: float
+
+
+def delay(of: Balances, k: int) -> Delay | None:
+    """Of joint k (from 0); None where moving its torque does not explain it far better."""
+    most = min(_MOST, max(4, round(_LONGEST / of.samples.period)))
     shifts = np.unique(np.concatenate([np.arange(-_FINE, _FINE + 1) / 2, np.arange(-most, most + 1)]))
     left = energies(of, k, shifts)
     best, now = int(np.argmin(left)), float(left[shifts == 0][0])
@@ -42,15 +52,24 @@ def _delay(of: Balances, k: int, source: str) -> Defect | None:
     material = now - left[best] > LOG_CHECKS.delay_material**2
     if not inside or abs(shift) < LOG_CHECKS.delay or not material or left[best] > LOG_CHECKS.better * now:
         return None
-    gross = abs(shift) * T >= LOG_CHECKS.delay_gross and left[best] < LOG_CHECKS.far_better * now
-    way = "late" if shift > 0 else "early"
+    return Delay(shift, float(left[best]), now)
+
+
+def _late(of: Balances, k: int, source: str) -> Defect | None:
+    found = delay(of, k)
+    if found is None:
+        return None
+    time, share = abs(found.shift) * of.samples.period, found.left / found.now
+    way = "late" if found.shift > 0 else "early"
     return Defect(
-        "gross" if gross else "doubtful",
+        "gross" if time >= LOG_CHECKS.delay_gross and share < LOG_CHECKS.far_better else "doubtful",
         "delay",
         torque_of(k + 1),
-        f"{source}: {torque_of(k + 1)} is {abs(shift):g} samples ({1e3 * abs(shift) * T:.3g} ms) {way}: "
-        f"moved back it leaves {100 * left[best] / now:.0f} % of the residual; give its column a delay in "
-        f"the mapping, or look for a slow current loop (effect torque_delay)",
+        f"{source}: {torque_of(k + 1)} is {abs(found.shift):g} samples ({1e3 * time:.3g} ms) {way}: moved "
+        "back it "
+        f"leaves {100 * share:.0f} % of the residual; give its column a delay in the mapping, or look for a "
+        "slow "
+        f"current loop (effect torque_delay)",
     )
 
 

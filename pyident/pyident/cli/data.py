@@ -5,8 +5,16 @@ from rich.table import Table
 
 from flexmodels.files.robot_file import load_robot
 from pyident.checks.encoder_delay import encoder_skews, without_skew
-from pyident.cli.outputs import LOG
-from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
+from pyident.cli.common.outputs import LOG
+from pyident.cli.common.shared import (
+    console,
+    effects_option,
+    json_option,
+    output_option,
+    reported,
+    write_json,
+)
+from pyident.cli.inspect import inspect_command
 from pyident.logs.datasets import DATA_SETS, fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import write_log
@@ -52,6 +60,9 @@ def import_command(
         click.echo(f"note: {note}")
     click.echo(f"wrote {output}: {len(read)} samples at {1 / read.period:g} Hz")
     write_json(json_file, {"log": output, "samples": len(read), "notes": notes})
+
+
+log.add_command(inspect_command)
 
 
 @click.group()

@@ -1,35 +1,62 @@
 """`pyident effects`: the laws that a robot file may name."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import click
 from rich.table import Table
 
-from flexmodels.effects import CATALOGUE
-from flexmodels.effects.effect import sheet
+from flexmodels.effects import CATALOGUE, effects_of
+from flexmodels.effects.effect import Effect, EffectError, sheet
 from flexmodels.robot import RobotError
-from pyident.cli.shared import console, json_option, reported, write_json
+from pyident.cli.common.shared import console, json_option, reported, show, write_json
 
 
 @click.command()
 @click.argument("name", required=False)
+@click.option("--file", "file", metavar="FILE.py", help="Run this file, check its laws and show them.")
 @json_option
 @reported
-def effects(name: str | None, json_file: str | None) -> None:
+def effects(name: str | None, file: str | None, json_file: str | None) -> None:
     """List the laws that a robot file may name, or show what is known of one.
 
+    With --file, laws of your own are checked before a robot uses them.
+
+    \b
     Example: pyident effects stribeck
+             pyident effects --file my_friction.py
     """
-    if name is not None and name not in CATALOGUE:
-        raise RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(CATALOGUE))}")
-    chosen = CATALOGUE if name is None else {name: CATALOGUE[name]}
-    if name is None:
-        table = Table("effect", "law", "parameters", "source")
-        for effect in CATALOGUE.values():
-            parameters = ", ".join(p.name for p in effect.parameters)
-            table.add_row(effect.name, effect.title, parameters, effect.citation)
-    else:
-        table = Table(name, show_lines=True)
-        table.add_column(CATALOGUE[name].title)
-        for key, text in sheet(CATALOGUE[name]).items():
-            table.add_row(key, text)
-    console.print(table)
+    laws = CATALOGUE if file is None else _own(file)
+    if name is not None and name not in laws:
+        raise RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(laws))}")
+    chosen = {name: laws[name]} if name else laws
+    if name is None and file is None:
+        console.print(_listed(chosen))
+    for effect in chosen.values() if name or file else ():
+        console.print(_sheet(effect))
+    if file is not None:
+        show(f"{file}: {', '.join(laws)} may be named by a robot file that stands beside it")
     write_json(json_file, {n: {"title": e.title} | sheet(e) for n, e in chosen.items()})
+
+
+def _own(file: str) -> Mapping[str, Effect]:
+    """The laws of a user's file. Raises EffectError."""
+    if not Path(file).is_file():
+        raise EffectError(f"there is no file {file}; check the path")
+    return effects_of([str(Path(file).resolve())])
+
+
+def _listed(laws: Mapping[str, Effect]) -> Table:
+    table = Table("effect", "law", "parameters", "source")
+    for effect in laws.values():
+        parameters = ", ".join(p.name for p in effect.parameters)
+        table.add_row(effect.name, effect.title, parameters, effect.citation)
+    return table
+
+
+def _sheet(effect: Effect) -> Table:
+    table = Table(effect.name, show_lines=True)
+    table.add_column(effect.title)
+    for key, text in sheet(effect).items():
+        table.add_row(key, text)
+    return table

@@ -9,9 +9,10 @@ import pyident as pi
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import shipped
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import DRAFT, PAGE, ROBOT, Output
-from pyident.cli.shared import (
+from pyident.cli.common.outputs import DRAFT, PAGE, ROBOT, Output
+from pyident.cli.common.shared import (
     effects_option,
+    force_option,
     json_option,
     mapping_option,
     output_option,
@@ -34,6 +35,7 @@ _holdout = click.option(
 @output_option(PAGE, required=False)
 @effects_option
 @mapping_option
+@force_option
 @set_option
 @json_option
 @reported
@@ -41,6 +43,7 @@ def compare_command(
     models_and_logs: tuple[str, ...],
     output: str | None,
     mapping: str | None,
+    force: bool,
     parameters: dict[str, float],
     json_file: str | None,
 ) -> None:
@@ -57,13 +60,17 @@ def compare_command(
     found = []
     for model in models:
         with progress_bar(f"{model} and its replicas") as progress:
-            found.append(pi.compare(model, paths, mapping=mapping, parameters=parameters, progress=progress))
+            found.append(
+                pi.compare(
+                    model, paths, mapping=mapping, force=force, parameters=parameters, progress=progress
+                )
+            )
     show_notes(found[-1].notes)
     show(side_by_side(models, found))
     if output:
         from pyident.report.comparison import write_comparison
 
-        write_comparison(Path(output), models, [c.comparison for c in found])
+        write_comparison(Path(output), models, [c.comparison for c in found], found[-1].notes)
         show(f"wrote {output}")
     contents = [c.to_dict() for c in found]
     write_json(json_file, contents[0] if len(found) == 1 else contents[1] | {"old": contents[0]})
@@ -82,6 +89,7 @@ def compare_command(
 @output_option(PAGE, required=False)
 @effects_option
 @mapping_option
+@force_option
 @json_option
 @reported
 def diagnose_command(
@@ -91,6 +99,7 @@ def diagnose_command(
     draft: str | None,
     output: str | None,
     mapping: str | None,
+    force: bool,
     json_file: str | None,
 ) -> None:
     """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or
@@ -103,7 +112,13 @@ def diagnose_command(
     """
     with progress_bar("fitting, replicas, search") as progress:
         found = pi.diagnose(
-            model, logs, heldout=holdout, mapping=mapping, draft=draft is not None, progress=progress
+            model,
+            logs,
+            heldout=holdout,
+            mapping=mapping,
+            force=force,
+            draft=draft is not None,
+            progress=progress,
         )
     show_notes(found.notes)
     show(found.summary())
@@ -128,6 +143,7 @@ def diagnose_command(
 @output_option(ROBOT)
 @effects_option
 @mapping_option
+@force_option
 @json_option
 @reported
 def add_command(
@@ -138,6 +154,7 @@ def add_command(
     holdout: tuple[str, ...],
     output: str,
     mapping: str | None,
+    force: bool,
     json_file: str | None,
 ) -> None:
     """Add EFFECT to MODEL, fit it to logs, and write it if held-out data are met better.
@@ -148,7 +165,9 @@ def add_command(
     Example: pyident add identified.toml stribeck --joint 2 a.parquet b.parquet -o extended.toml
     """
     with progress_bar(f"{effect} at joint {joint}") as progress:
-        found = pi.add_effect(model, effect, joint, logs, heldout=holdout, mapping=mapping, progress=progress)
+        found = pi.add_effect(
+            model, effect, joint, logs, heldout=holdout, mapping=mapping, force=force, progress=progress
+        )
     show_notes(found.notes)
     show(found.summary())
     write_json(json_file, found.to_dict())

@@ -2,7 +2,7 @@
 
 import click
 
-from pyident.cli.lazy import Entry, lazy_group
+from pyident.cli.common.lazy import Entry, lazy_group
 
 COMMANDS = {
     "add": Entry("pyident.cli.judge", "add_command", "Add EFFECT to MODEL and judge it on held-out data."),

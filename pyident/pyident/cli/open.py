@@ -2,7 +2,7 @@
 
 import click
 
-from pyident.cli.shared import reported
+from pyident.cli.common.shared import reported
 
 
 @click.command(name="open")

@@ -4,10 +4,17 @@ import click
 from rich.table import Table
 
 from flexmodels.files.formats import exported, imported
-from flexmodels.files.robot_file import load_robot, save_robot, shipped
+from flexmodels.files.robot_file import check_readable, load_robot, save_robot, shipped
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import MODEL, ROBOT
-from pyident.cli.shared import console, effects_option, json_option, output_option, reported, write_json
+from pyident.cli.common.outputs import JSON, MODEL, ROBOT
+from pyident.cli.common.shared import (
+    console,
+    effects_option,
+    json_option,
+    output_option,
+    reported,
+    write_json,
+)
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
@@ -48,6 +55,7 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
     Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
     robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"))
+    check_readable(robot)
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
     click.echo(f"wrote {output}: joints {names}")
@@ -55,6 +63,22 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
         click.echo(f"note: {note}")
     content = {"robot": output, "joints": [joint.name for joint in robot.joints], "notes": list(notes)}
     write_json(json_file, content)
+
+
+@robots.command(name="schema")
+@output_option(JSON)
+@reported
+def schema_command(output: str) -> None:
+    """Write the JSON Schema of robot files, with which editors complete and explain their keys.
+
+    A robot file names it in its first line: `#:schema robot.schema.json`.
+
+    Example: pyident robots schema -o robot.schema.json
+    """
+    from flexmodels.files.schema import schema
+
+    write_json(output, schema())
+    click.echo(f"wrote {output}")
 
 
 @robots.command(name="export")

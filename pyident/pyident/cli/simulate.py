@@ -5,8 +5,8 @@ from typing import Literal
 import click
 
 import pyident as pi
-from pyident.cli.outputs import FMU, LOG
-from pyident.cli.shared import (
+from pyident.cli.common.outputs import FMU, LOG
+from pyident.cli.common.shared import (
     console,
     effects_option,
     json_option,
@@ -76,6 +76,7 @@ def export(
 @output_option(LOG)
 @effects_option
 @set_option
+@click.option("--time-limit", type=float, default=60.0, show_default=True, help="Silence of an FMU [s].")
 @json_option
 @reported
 def simulate(
@@ -84,6 +85,7 @@ def simulate(
     mapping: str | None,
     output: str,
     parameters: dict[str, float],
+    time_limit: float,
     json_file: str | None,
 ) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
@@ -94,7 +96,14 @@ def simulate(
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """
     with progress_bar(f"simulating {model}") as progress:
-        log = pi.simulate(model, experiment, parameters=parameters, mapping=mapping, progress=progress)
+        log = pi.simulate(
+            model,
+            experiment,
+            parameters=parameters,
+            mapping=mapping,
+            time_limit=time_limit,
+            progress=progress,
+        )
     pi.write_log(log, output)
     duration = log.period * (len(log) - 1)
     show(f"wrote {output}: {len(log)} samples, {duration:g} s")

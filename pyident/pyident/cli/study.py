@@ -8,8 +8,9 @@ from rich.table import Table
 
 import pyident as pi
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import OutputFolder
-from pyident.cli.shared import (
+from pyident.cli.common.long_study import ask_first
+from pyident.cli.common.outputs import OutputFolder
+from pyident.cli.common.shared import (
     console,
     effects_option,
     json_option,
@@ -68,6 +69,7 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
 @scheduler_option
 @click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
 @set_option
+@click.option("--yes", is_flag=True, help="Do not ask before a very long study.")
 @json_option
 @reported
 def sweep(
@@ -76,6 +78,7 @@ def sweep(
     scheduler: str | None,
     workers: int | None,
     parameters: dict[str, float],
+    yes: bool,
     json_file: str | None,
 ) -> None:
     """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
@@ -84,6 +87,7 @@ def sweep(
 
     Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
     """
+    ask_first(plan, workers, yes)
     read = load_study_plan(plan, parameters)
     with progress_bar(f"{len(read.design)} runs") as progress:
         found = pi.parameter_study(

@@ -3,7 +3,7 @@
 import click
 
 from flexmodels.effects.trust import trust
-from pyident.cli.shared import json_option, reported, show, write_json
+from pyident.cli.common.shared import json_option, reported, show, write_json
 
 
 @click.command(name="trust")

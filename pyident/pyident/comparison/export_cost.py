@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.effects import CATALOGUE
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
@@ -47,7 +46,7 @@ def cost_of_export(robot: Robot, log: Log, kept: frozenset[str]) -> ExportCost:
         for k, joint in robot.numbered
         for law in lost
         if law in joint.values
-        for p in CATALOGUE[law].parameters
+        for p in joint.catalogue[law].parameters
     }
     p = np.array(list(values.values()))
     fewer = np.array([0.0 if name in gone else v for name, v in values.items()])

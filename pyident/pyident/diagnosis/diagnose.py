@@ -14,7 +14,6 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.check_log import check_log
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
@@ -52,18 +51,17 @@ def diagnose(
     rules          every threshold
     Raises LogError.
     """
-    notes = tuple(defect.sentence for log in (*logs, *heldout) for defect in check_log(robot, log))
     search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share), rules)
     found = concluded(search, open_workers, heldout)
     if found.verdict == "unexplained":
         found = with_dependences(search, found, open_workers, draft)
     if not search.examination.setting.simulates:
         progress(1.0)
-        return replace(found, notes=(*notes, _ALONG, *found.notes))
+        return replace(found, notes=(_ALONG, *found.notes))
     found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.1 * share))
     found = with_revealing(search, found, open_workers, lambda share: progress(0.95 + 0.05 * share))
     progress(1.0)
-    return replace(found, notes=(*notes, *found.notes))
+    return found
 
 
 def searched(

@@ -1,7 +1,7 @@
 """Robot + logs -> identified robot: conditioning, regression, physical consistency."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,8 @@ class Identified:
     """The outcome: the robot with its new parameters and how well the data support them.
 
     relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]
+    estimator        by which the values were found
+    notes            what its user must know, a sentence each
     """
 
     robot: Robot
@@ -31,6 +33,8 @@ class Identified:
     support: dict[str, Support]
     base: list[BaseParameter]
     relative_error: dict[str, float]
+    estimator: str = "weighted least squares"
+    notes: tuple[str, ...] = ()
 
     @property
     def model_error(self) -> dict[str, float] | None:
@@ -47,6 +51,7 @@ class Identified:
         """The contract of `identify --json`."""
         units, values = self.robot.units, self.robot.parameters
         return {
+            "estimator": self.estimator,
             "parameters": {
                 name: {
                     "value": values[name],
@@ -90,6 +95,13 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
         base=base_parameters(reduced, solution),
         relative_error=relative_error(reduced, solution.p, len(robot.joints)),
     )
+
+
+def without_intervals(found: Identified) -> Identified:
+    """The same values of which nothing is said about how far they may be off."""
+    solution = replace(found.solution, covariance=np.full_like(found.solution.covariance, np.nan))
+    base = [replace(parameter, std=float("nan")) for parameter in found.base]
+    return replace(found, solution=solution, base=base)
 
 
 def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, float]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexmodels.effects import CATALOGUE
 from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
@@ -69,7 +68,7 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
         parameter_name(k, effect, parameter.name): parameter.lower
         for k, joint in robot.numbered
         for effect, values in joint.values.items()
-        for parameter in CATALOGUE[effect].linear
+        for parameter in joint.catalogue[effect].linear
         if parameter.name in values and np.isfinite(parameter.lower)
     }
 

@@ -1,23 +1,21 @@
 """Other people's recordings -> Log: columns found, joined, mapped, on one clock, referred to the joints."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
-from scipy.io import loadmat
 
 from flexmodels.coordinate import deformation_of, motor_of, of_joint, torque_of
 from flexmodels.robot import Robot
+from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
+from pyident.logs.formats.read import read_recording
+from pyident.logs.formats.recording import Recording
 from pyident.logs.log import Log, LogError, check, read_log
 from pyident.logs.mapping import Mapping
-from pyident.logs.rosbag import read_bag
 
-_BAGS = (".mcap", ".bag", ".db3")
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 
 
@@ -28,21 +26,19 @@ def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | Non
     Raises LogError.
     """
     source = ", ".join(str(file) for file in files)
-    raw = _joined([(Path(file), _columns(Path(file), mapping.header)) for file in files])
-    return _mapped(raw, mapping, source, robot)
+    read = [(Path(f), read_recording(Path(f), mapping.header, mapping.episode)) for f in files]
+    return map_columns(_joined(read), mapping, source, robot)
 
 
 def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot | None = None) -> Log:
     """The same from the columns of a data frame. Raises LogError."""
-    return _mapped({str(n): c.to_numpy() for n, c in frame.items()}, mapping, source, robot)
+    return map_columns({str(n): c.to_numpy() for n, c in frame.items()}, mapping, source, robot)
 
 
-def _mapped(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
-    frame = pd.DataFrame({name: _signal(raw, s.column, source) * s.gain + s.offset
-                          for name, s in mapping.signals.items()})  # fmt: skip
-    if mapping.rate is not None:
-        frame.insert(0, "time", np.arange(len(frame)) / mapping.rate)
-    frame, notes = _even(frame, source)
+def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
+    frame, notes = on_one_clock(raw, mapping, source)
+    frame, resampled = _even(frame, source)
+    notes += resampled
     delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
     frame = delayed(frame, delays)
     notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]
@@ -118,61 +114,14 @@ def _all(frame: pd.DataFrame, signal: str, n: int, source: str) -> np.ndarray | 
     return frame[names].to_numpy(float)
 
 
-def _columns(path: Path, header: bool) -> dict[str, np.ndarray]:
-    """Every numeric column of a file by name."""
-    if not path.is_file():
-        raise LogError(f"there is no log {path}; check the path")
-    try:
-        if path.suffix == ".csv":
-            frame = pd.read_csv(path, header="infer" if header else None)
-            names = frame.columns if header else [str(i + 1) for i in range(frame.shape[1])]
-            return {str(name): frame.iloc[:, i].to_numpy() for i, name in enumerate(names)}
-        if path.suffix == ".parquet":
-            return {str(n): c.to_numpy() for n, c in pd.read_parquet(path).items()}
-        if path.suffix == ".mat":
-            content = loadmat(path, squeeze_me=True)
-            return {name: rows for key in content if not key.startswith("__")
-                    for name, rows in _leaves(key, content[key])}  # fmt: skip
-        if path.suffix in _BAGS:
-            return read_bag(path)
-    except LogError:
-        raise
-    except Exception as error:
-        raise LogError(f"{path} cannot be read as {path.suffix[1:]} ({str(error).splitlines()[0]})") from None
-    raise LogError(f"{path}: a log must end in .csv, .parquet, .mat, {', '.join(_BAGS)}")
-
-
-def _leaves(name: str, value: Any) -> list[tuple[str, np.ndarray]]:
-    """Vectors of a MAT variable: `a`, `a.b` of a struct, `a[2]` of a matrix, whose long side is time."""
-    if isinstance(value, np.ndarray) and value.dtype.names and value.ndim == 0:
-        return [
-            leaf for field in value.dtype.names for leaf in _leaves(f"{name}.{field}", value[field].item())
-        ]
-    if isinstance(value, np.ndarray) and value.dtype.kind in "fiu":
-        if value.ndim == 1:
-            return [(name, value)]
-        if value.ndim == 2:
-            rows = value if value.shape[0] < value.shape[1] else value.T
-            return [(f"{name}[{i + 1}]", row) for i, row in enumerate(rows)]
-    return []
-
-
-def _joined(files: list[tuple[Path, dict[str, np.ndarray]]]) -> dict[str, np.ndarray]:
+def _joined(files: list[tuple[Path, Recording]]) -> dict[str, np.ndarray]:
     """Columns under their names, and under `file:name`."""
     raw: dict[str, np.ndarray] = {}
-    for path, columns in files:
-        for name, values in columns.items():
+    for path, recording in files:
+        for name, values in recording.columns.items():
             raw.setdefault(name, values)
             raw[f"{path.stem}:{name}"] = values
     return raw
-
-
-def _signal(raw: dict[str, np.ndarray], column: str, source: str) -> pd.Series:
-    if column not in raw:
-        stem = re.split(r"[\[:.]", column)[0]
-        near = [name for name in raw if stem in name][:5] or list(raw)[:5]
-        raise LogError(f"{source}: there is no column {column}; there are {', '.join(near)} ...")
-    return pd.Series(np.asarray(raw[column], dtype=float))
 
 
 def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray) -> np.ndarray:

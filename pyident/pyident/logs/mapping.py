@@ -6,8 +6,9 @@ from pathlib import Path
 
 from flexmodels.files.toml_table import Table, number
 from flexmodels.robot import RobotError
+from pyident.logs.indices import at_joint, indexed
 from pyident.logs.log import LogError
-from pyident.logs.units import factor
+from pyident.logs.units import factor, known_unit
 
 
 @dataclass(frozen=True)
@@ -16,34 +17,31 @@ class Source:
 
     column   name in their file (`file:name` where two files share it; `rec.x[2]` for a row of a MAT struct)
     gain, offset   to SI
+    clock    column of its own time stamps, in the unit of the mapping's time; None: the mapping's time
     """
 
     column: str
     gain: float = 1.0
     offset: float = 0.0
     delay: float = 0.0
+    clock: str | None = None
 
 
 @dataclass(frozen=True)
 class Mapping:
-    """signals: our name -> Source; header False: columns are 1, 2, ...; rate [Hz] if no time is logged."""
+    """signals: our name -> Source; header False: columns are 1, 2, ...; rate [Hz] if no time is logged.
+
+    episode   of a LeRobot data set, from 0
+    """
 
     signals: dict[str, Source]
     header: bool = True
     rate: float | None = None
+    episode: int | None = None
 
 
 def read_mapping(path: str | Path) -> Mapping:
-    """Read a mapping file (TOML). Raises LogError.
-
-    joints = 6                  what {k} stands for in names: 1 to 6
-    rate = 250.0                or time = { source = "t", unit = "ms" }
-    header = false              CSV without a line of names: columns are "1", "2", ...
-    [signals."joint{k}.e"]      or motor{k}.q, .tau, .current; joint{k}.link, .tau, .r ...
-    source = "rec.act_pos_mot_deg[{k}]"
-    unit = "deg"; sign = -1; gain = 2.0; offset = [0, -90, 90]; delay = 0.003; joints = [1, 2, 3]
-    sign, gain, offset (in `unit`) and delay are one number, or one per joint.
-    """
+    """Read a mapping file (TOML); its grammar: docs/mapping.md. Raises LogError."""
     path = Path(path)
     if not path.is_file():
         raise LogError(f"there is no mapping file {path}; check the path")
@@ -57,7 +55,7 @@ def read_mapping(path: str | Path) -> Mapping:
 
 
 def _mapping(table: Table) -> Mapping:
-    joints = list(range(1, int(table.number("joints", 1, lower=1)) + 1))
+    joints = list(range(1, table.whole(table.get("joints", 1), "joints", 1, 1_000) + 1))
     listed = table.table("signals")
     signals: dict[str, Source] = {}
     for name in listed.data:
@@ -68,26 +66,53 @@ def _mapping(table: Table) -> Mapping:
     if (rate is None) == ("time" not in table):
         raise LogError("give either rate [Hz] or time, the column that holds it")
     header = table.get("header", True)
+    episode = table.whole(table.get("episode"), "episode", 0, 10**6) if "episode" in table else None
     table.done()
-    return Mapping(signals, bool(header), rate)
+    _plausible(signals)
+    return Mapping(signals, bool(header), rate, episode)
+
+
+def _plausible(signals: dict[str, Source]) -> None:
+    """Raises LogError where one column is mapped twice, or that of time as something else."""
+    owners: dict[str, str] = {}
+    for name, source in signals.items():
+        other = owners.setdefault(source.column, name)
+        if other != name:
+            what = " is the column of time and" if "time" in (name, other) else ""
+            raise LogError(
+                f"column {source.column}{what} is mapped twice, to {other} and to {name}; mend one"
+            )
 
 
 def _signals(table: Table, name: str, joints: list[int]) -> dict[str, Source]:
-    if "{k}" not in name:
-        return {name: _source(table, 0, 1)}
+    if not indexed(name):
+        return {name: _source(table, 0, 1, motor=_is_effort(name))}
     if "joints" in table:
         joints = [table.whole(k, "joints", 1, 99) for k in table.get("joints")]
-    found = {name.replace("{k}", str(k)): _source(table, i, len(joints), k) for i, k in enumerate(joints)}
-    return found
+    effort = _is_effort(name)
+    return {at_joint(name, k): _source(table, i, len(joints), k, effort) for i, k in enumerate(joints)}
 
 
-def _source(table: Table, i: int, count: int, k: int = 0) -> Source:
-    unit = factor(str(table.get("unit", "1")), table.place("unit"))
-    sign, gain, offset, delay = (
+def _is_effort(name: str) -> bool:
+    return name.rpartition(".")[2] in ("tau", "tau_ff", "current")
+
+
+def _source(table: Table, i: int, count: int, k: int = 0, motor: bool = False) -> Source:
+    """Of joint k, the i-th of `count`; motor: a torque, which a gear multiplies where it divides an angle."""
+    unit = factor(known_unit(text := str(table.get("unit", "1"))) or text, table.place("unit"))
+    sign, gain, offset, delay, drive, gear = (
         _of_joint(table, key, i, count, default)
-        for key, default in (("sign", 1.0), ("gain", 1.0), ("offset", 0.0), ("delay", 0.0))
-    )
-    source = Source(str(table.get("source")).replace("{k}", str(k)), sign * gain * unit, offset * unit, delay)
+        for key, default in (("sign", 1.0), ("gain", 1.0), ("offset", 0.0), ("delay", 0.0), ("drive", 1.0),
+                             ("gear", 1.0))
+    )  # fmt: skip
+    if gear == 0 or (drive != 1 and not motor):
+        raise LogError(f"{table.place('gear' if gear == 0 else 'drive')}: a gear is not 0, and only a "
+                       "torque has "
+                       f"a drive (N m per A, or per unit of the column)")  # fmt: skip
+    side = gear if motor else 1 / gear
+    clock = at_joint(str(table.get("time")), k) if "time" in table else None
+    column = at_joint(str(table.get("source")), k)
+    source = Source(column, sign * gain * drive * side * unit, offset * unit, delay, clock)
     table.done()
     return source
 

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from flexmodels.coordinate import motor_of
-from flexmodels.effects import CATALOGUE
+from flexmodels.coordinate import joint_number, motor_of
 from flexmodels.experiment import Experiment
 from flexmodels.joint import parameter_name
 from flexmodels.named_values import settable, with_settings
@@ -61,10 +60,14 @@ def fit_closed_loop(
     free: Sequence[str],
     simulate: Simulate,
     rounds: int = _ROUNDS,
+    groups: Sequence[Sequence[str]] | None = None,
 ) -> ClosedLoopFit:
     """Change the `free` parameters until the simulation follows the logs.
 
-    robot   its values are the start;  simulate   of this robot's FMU. Raises LogError, SimulationError.
+    robot      its values are the start;  simulate   of this robot's FMU
+    groups     names of `free` that are moved at once because each turns its own joint alone (stiff servos):
+               a run per group instead of one per parameter. None: every parameter by itself.
+    Raises LogError, SimulationError.
     """
     from scipy.optimize import least_squares
 
@@ -73,18 +76,14 @@ def fit_closed_loop(
     start = np.array([at[name] for name in free])
     lower = np.array([_lower(robot, name) for name in free])
     scale = np.maximum(np.abs(start), np.array([_least(robot, name) for name in free]))
-
-    def errors(points: np.ndarray) -> list[np.ndarray]:
-        """Per log (points, samples x joints)."""
-        sets = [dict(zip(free, p, strict=True)) for p in points]
-        return [run.errors(simulate, sets) for run in runs]
+    slopes = _Slopes(tuple(free), tuple(map(tuple, groups or [[name] for name in free])), _STEP * scale)
 
     def residual(p: np.ndarray) -> np.ndarray:
-        return np.concatenate([e[0] for e in errors(p[None])])
+        values = dict(zip(free, p, strict=True))
+        return np.concatenate([run.errors(simulate, [values])[0].ravel() for run in runs])
 
     def jacobian(p: np.ndarray) -> np.ndarray:
-        found = errors(np.vstack([p, p + np.diag(_STEP * scale)]))
-        return np.concatenate([((e[1:] - e[0]) / (_STEP * scale)[:, None]).T for e in found])
+        return np.concatenate([slopes.of(run, simulate, p) for run in runs])
 
     begin = np.maximum(start, lower + 1e-9 * scale)
     best = least_squares(
@@ -135,8 +134,31 @@ class _Run:
         return _Run(plan, recording.log.signals(channels), channels, changed)
 
     def errors(self, simulate: Simulate, sets: Sequence[Mapping[str, float]]) -> np.ndarray:
+        """(sets, samples, joints), simulated − measured."""
         frames = simulate(self.plan, [{**self.settings, **p} for p in sets])
-        return np.array([(f[list(self.channels)].to_numpy() - self.measured).ravel() for f in frames])
+        return np.array([f[list(self.channels)].to_numpy() - self.measured for f in frames])
+
+
+@dataclass(frozen=True)
+class _Slopes:
+    """Forward differences of a run's positions, (samples x joints, parameters)."""
+
+    free: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
+    steps: np.ndarray
+
+    def of(self, run: _Run, simulate: Simulate, p: np.ndarray) -> np.ndarray:
+        column = {name: i for i, name in enumerate(self.free)}
+        sets = [dict(zip(self.free, p, strict=True))]
+        for group in self.groups:
+            sets.append(sets[0] | {name: p[column[name]] + self.steps[column[name]] for name in group})
+        base, *moved = run.errors(simulate, sets)
+        slopes = np.zeros((*base.shape, len(self.free)))
+        for group, errors in zip(self.groups, moved, strict=True):
+            for name in group:
+                own = slice(None) if len(group) == 1 else joint_number(name) - 1
+                slopes[:, own, column[name]] = (errors - base)[:, own] / self.steps[column[name]]
+        return slopes.reshape(-1, len(self.free))
 
 
 def _lower(robot: Robot, name: str) -> float:
@@ -147,7 +169,7 @@ def _lower(robot: Robot, name: str) -> float:
         parameter_name(k, effect, p.name): p.lower
         for k, joint in robot.numbered
         for effect in joint.values
-        for p in CATALOGUE[effect].parameters
+        for p in joint.catalogue[effect].parameters
     }
     return bounds.get(name, -np.inf)
 

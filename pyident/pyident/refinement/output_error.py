@@ -1,8 +1,9 @@
 """Output error in closed loop: the parameters whose simulation comes nearest to the log.
 
-No derivative of a measured signal is taken, so sensor noise biases nothing and the covariance is that of
-maximum likelihood under white noise. The simulated outputs are linearised in the parameters along the
-directions that the regression saw (Gauss-Newton); a good start is needed and comes from `indirect`.
+No derivative of a measured signal is taken, so sensor noise biases nothing. An encoder's noise moves the arm
+through the loop; the covariance follows from the spectrum of all that the simulation misses. The simulated
+outputs are linearised in the parameters along the directions that the regression saw (Gauss-Newton); a good
+start is needed and comes from `auxiliary_model`.
 """
 
 from collections.abc import Mapping
@@ -12,11 +13,13 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified, identified
+from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
 from pyident.estimation.least_squares import Reduced, Solution, reduce, solve
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.simulation.replay import Progress, Replay, Simulate, replay_of
 
+NAME = "output error in closed loop"
 _STEP = 1e-6  # of the length of the scaled parameters: finite difference
 _ROUNDS = 12  # every second one renews the slopes
 _SETTLED = 5e-2  # of a standard deviation: change at which the rounds end
@@ -49,8 +52,14 @@ def output_error(
         missed = [r.missed(next(iter(r.run(simulate, [p])))) for r in replays]
         reduced = _linearised(replays[0].channels, p, missed, slopes)
         solution = solve(reduced, _weights(missed, replays))
+        solution = replace(solution, covariance=_coloured(solution, reduced, p, missed, slopes))
         change = np.abs(solution.p - np.array(list(p.values())))[~solution.open]
-        best = replace(identified(robot, reduced, solution), relative_error=start.relative_error)
+        best = replace(
+            identified(robot, reduced, solution),
+            relative_error=start.relative_error,
+            estimator=NAME,
+            notes=start.notes,
+        )
         settled = (change <= _SETTLED * solution.std[~solution.open]).all()
         if settled and (renewed or given is not None):  # old slopes may settle beside the optimum
             break
@@ -101,6 +110,20 @@ def _linearised(
     values = np.array(list(p.values()))
     blocks = ((s, m + s @ values) for m, s in zip(missed, slopes, strict=True))
     return reduce(blocks, channels, tuple(p))
+
+
+def _coloured(
+    solution: Solution,
+    reduced: Reduced,
+    p: Mapping[str, float],
+    missed: list[np.ndarray],
+    slopes: list[np.ndarray],
+) -> np.ndarray:
+    """Covariance under what the noise of the sensors makes of the motion, on its way through the loop."""
+    values = np.array(list(p.values()))
+    rows = [Rows(s, s, m + s @ values, np.ones_like(m)) for m, s in zip(missed, slopes, strict=True)]
+    scatter = spectral(lambda: rows, solution.weights)
+    return solve_instrumental(lambda: rows, reduced, solution.weights, scatter, solution.rank).covariance
 
 
 def _weights(missed: list[np.ndarray], replays: list[Replay]) -> np.ndarray:

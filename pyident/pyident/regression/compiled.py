@@ -6,7 +6,7 @@ import logging
 import platform
 import subprocess
 import sys
-import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from platformdirs import user_cache_path
 
 from flexmodels.atomic import replacing
 from flexmodels.compiler import BuildError, compiler
+from flexmodels.scratch import scratch_folder
 
 # -ffast-math for sines of several samples at once; never given to the linker, where it changes the process.
 _FLAGS = ["-std=c11", "-O3", "-march=native", "-ffast-math"]
@@ -26,9 +27,8 @@ def library(source: str) -> ctypes.CDLL | None:
     """The compiled source; None where it cannot be compiled or loaded, with a note to the log."""
     try:
         command = compiler()
-        path = cache_folder() / f"{_key(source, [*command, *_FLAGS])}{_SUFFIX}"
-        if not path.exists():
-            _compile(source, command, path)
+        key = _key(source, [*command, *_FLAGS])
+        path = _kept(key) or _compile(source, command, key)
         return ctypes.CDLL(str(path))
     except (BuildError, OSError) as error:
         _log.info("nothing is compiled, NumPy does the same more slowly: %s", error)
@@ -40,15 +40,35 @@ def cache_folder() -> Path:
     return user_cache_path("flexident", appauthor=False)
 
 
-def _compile(source: str, command: list[str], path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    with tempfile.TemporaryDirectory() as folder, replacing(path) as binary:
-        file, compiled = (str(Path(folder) / name) for name in ("source.c", "source.o"))
+def _kept(key: str) -> Path | None:
+    """The library of this key whose content is what its name says; damaged ones are removed."""
+    for path in cache_folder().glob(f"{key}-*{_SUFFIX}"):
+        if path.stem.endswith(_digest(path.read_bytes())):
+            return path
+        with suppress(OSError):
+            path.unlink()
+    return None
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _compile(source: str, command: list[str], key: str) -> Path:
+    """Into the cache, under a name with the content's checksum: whole, or not there at all."""
+    cache_folder().mkdir(parents=True, exist_ok=True, mode=0o700)
+    with scratch_folder() as folder:
+        file, compiled, binary = (str(folder / name) for name in ("source.c", "source.o", "library"))
         Path(file).write_text(source, encoding="utf-8")
-        for step in ([*_FLAGS, "-c", file, "-o", compiled], ["-shared", compiled, "-o", str(binary), "-lm"]):
+        for step in ([*_FLAGS, "-c", file, "-o", compiled], ["-shared", compiled, "-o", binary, "-lm"]):
             done = subprocess.run([*command, *step], capture_output=True, text=True)
             if done.returncode:
                 raise BuildError(f"the C compiler failed ({command[0]} ...):\n{done.stderr.strip()}")
+        content = Path(binary).read_bytes()
+        path = cache_folder() / f"{key}-{_digest(content)}{_SUFFIX}"
+        with replacing(path) as temporary:
+            temporary.write_bytes(content)
+    return path
 
 
 def _key(source: str, command: list[str]) -> str:

@@ -8,12 +8,12 @@ import numpy as np
 import plotly.graph_objects as go
 from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
 from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import LogErrors
+from pyident.report.interactive import element, library
 
 _KINDS = {
     "frequency": "Frequency",
@@ -28,7 +28,9 @@ _KINDS = {
 _POINTS = 2000  # of a curve
 
 
-def write_comparison(path: Path, models: Sequence[str], found: Sequence[Comparison]) -> Path:
+def write_comparison(
+    path: Path, models: Sequence[str], found: Sequence[Comparison], notes: Sequence[str] = ()
+) -> Path:
     """Write the page of one model, or of an old and a new one, and return its path."""
     sections = [("Errors beside their floor", [_waterfall(models, found)])]
     for model, c in zip(models, found, strict=True):
@@ -40,7 +42,8 @@ def write_comparison(path: Path, models: Sequence[str], found: Sequence[Comparis
         title=" and ".join(models),
         sentences=[(m, c.sentence) for m, c in zip(models, found, strict=True)],
         tracks=found[0].tracks,
-        plotly=Markup(get_plotlyjs()),
+        notes=notes,
+        plotly=library(),
         sections=[(title, [_html(f) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],
     )
@@ -51,7 +54,7 @@ def write_comparison(path: Path, models: Sequence[str], found: Sequence[Comparis
 
 def _html(figure: go.Figure) -> Markup:
     figure.update_layout(template="plotly_white", margin={"l": 60, "r": 20, "t": 50, "b": 50})
-    return Markup(figure.to_html(full_html=False, include_plotlyjs=False))
+    return element(figure)
 
 
 def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:

@@ -11,6 +11,7 @@ from plotly.colors import sample_colorscale
 
 from flexmodels.coordinate import Coordinate
 from pyident.diagnosis.result import Diagnosis, Named, Row
+from pyident.report.interactive import element
 from pyident.report.wording import MINUS, number, times
 
 EXCESS, EXPLAINED, QUIET = "#b5480d", "#2b6ca3", "#59616b"
@@ -140,10 +141,4 @@ def _embedded(figure: go.Figure, name: str, height: int) -> Markup:
     )  # fmt: skip
     figure.update_xaxes(automargin=True)
     figure.update_yaxes(automargin=True)
-    html = figure.to_html(
-        config={"displayModeBar": False, "responsive": True},
-        include_plotlyjs=False,
-        full_html=False,
-        div_id=name,
-    )
-    return Markup(html)
+    return element(figure, config={"displayModeBar": False, "responsive": True}, div_id=name)

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from flexmodels.atomic import replacing
 from flexmodels.effects import CATALOGUE
@@ -22,6 +20,7 @@ from pyident.report.diagnosis_content import (
     worst_place,
 )
 from pyident.report.diagnosis_figures import band_name, heat_map, row_name, waterfall
+from pyident.report.interactive import library
 from pyident.report.law_sheet import law_sheet
 from pyident.report.next_steps import commands
 
@@ -79,7 +78,7 @@ def _content(d: Diagnosis, model: str) -> dict[str, object]:
         "waterfall": waterfall(d) if len(d.stages) > 1 else "",
         "sheets": [law_sheet(CATALOGUE[name]) for name in names if name in CATALOGUE],
         "known": [name for name in names if name in CATALOGUE],
-        "plotly": Markup(get_plotlyjs()),
+        "plotly": library(),
     }
 
 

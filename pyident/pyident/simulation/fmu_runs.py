@@ -1,6 +1,5 @@
 """Robot -> FMU -> logs. Beside the command line the only place that joins the packages."""
 
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager
@@ -12,10 +11,12 @@ from typing import Concatenate, ParamSpec, TypeVar
 import pandas as pd
 
 from flexfmu.build import export_fmu
+from flexfmu.fmu_file import FmuDescription
 from flexfmu.simulate import LoadedFmu, loaded_fmu
 from flexmodels.experiment import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
+from flexmodels.scratch import scratch_folder
 from pyident.simulation.workers import workers_with
 
 P = ParamSpec("P")
@@ -29,16 +30,15 @@ def simulate_robot(
 
     Raises BuildError, SimulationError.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
+    with scratch_folder() as folder:
+        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             return fmu.simulate(experiment, progress=progress)
 
 
 def fmu_joints(path: str | Path) -> int:
     """Number of an FMU's driven joints. Raises SimulationError."""
-    with LoadedFmu(path) as fmu:
-        return fmu.joints
+    return FmuDescription(path).joints
 
 
 class FmuRuns:
@@ -51,8 +51,8 @@ class FmuRuns:
         self._robot = robot
 
     def __enter__(self) -> "FmuRuns":
-        with tempfile.TemporaryDirectory() as folder:
-            path = export_fmu(equations(self._robot), Path(folder) / "plant.fmu", light=True)
+        with scratch_folder() as folder:
+            path = export_fmu(equations(self._robot), folder / "plant.fmu", light=True)
             content = path.read_bytes()
         self._stack = ExitStack()
         self._workers = self._stack.enter_context(workers_with(partial(loaded_fmu, content)))
@@ -81,8 +81,8 @@ def runs_here(
     robot: Robot,
 ) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
     """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
+    with scratch_folder() as folder:
+        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
 
@@ -97,9 +97,9 @@ class RivalRuns:
         self._robots = tuple(robots)
 
     def __enter__(self) -> "RivalRuns":
-        with tempfile.TemporaryDirectory() as folder:
+        with scratch_folder() as folder:
             paths = [
-                export_fmu(equations(robot), Path(folder) / f"plant{i}.fmu", light=True)
+                export_fmu(equations(robot), folder / f"plant{i}.fmu", light=True)
                 for i, robot in enumerate(self._robots)
             ]
             contents = tuple(path.read_bytes() for path in paths)

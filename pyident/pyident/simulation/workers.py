@@ -11,11 +11,14 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from logging import CRITICAL
 from multiprocessing import active_children, get_context
 from os import cpu_count
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
+
+from pyident.simulation.process_ends import end_with_parent, interrupts_blocked
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -43,7 +46,8 @@ class Workers(Generic[T]):
         self, work: Callable[Concatenate[T, P], R], *arguments: P.args, **named: P.kwargs
     ) -> "Future[R]":
         """Call `work(tool, *arguments)` in one of the processes. The tool serves one call at a time."""
-        return self.executor.submit(_with_tool, self.token, work, *arguments, **named)
+        with interrupts_blocked():  # the first tasks start the processes
+            return self.executor.submit(_with_tool, self.token, work, *arguments, **named)
 
 
 @contextmanager
@@ -188,7 +192,7 @@ def _local_cluster(module: str | None) -> Any:
     import dask.config
     from distributed import LocalCluster
 
-    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}), interrupts_blocked():
         return LocalCluster(
             n_workers=0,
             threads_per_worker=1,
@@ -243,6 +247,7 @@ _one_at_a_time = threading.RLock()  # a task that runs inline may have begun in 
 
 def _start_process(token: str, make: Make[Any]) -> None:
     _ignore_interrupts()
+    end_with_parent(partial(_remove, token))
     _install(token, make)
 
 

@@ -53,8 +53,8 @@ def evaluate(metrics: Mapping[str, Metric], log: pd.DataFrame, reference: pd.Dat
                 if isinstance(value, Mapping)
                 else {"": float(value)}
             )
-        except Exception as error:
-            raise ValueError(f"metric {name}: {type(error).__name__}: {error}") from error
+        except (Exception, SystemExit) as error:
+            raise ValueError(f"metric {name}: {type(error).__name__}: {error}") from None
         found |= {name + key: number for key, number in parts.items()}
     wild = [name for name, number in found.items() if not np.isfinite(number)]
     if wild:

@@ -12,17 +12,20 @@ metrics = ["tip_error", "my_metrics.py:overshoot"]
 
 import fnmatch
 import importlib.util
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any, get_args
 
 import pandas as pd
 
+from flexmodels.effects.effect import EffectError
+from flexmodels.effects.trust import allowed_file, code_allowed
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot
-from flexmodels.files.toml_table import Table, number
+from flexmodels.files.toml_table import Table, number, read_toml
 from flexmodels.robot import Robot, RobotError
 from pyident.simulation.fmu_runs import fmu_joints
 from pyident.simulation.references import ExperimentError, load_experiment, read_experiment
@@ -31,7 +34,9 @@ from pyident.sweep.sampling import Ranges, grid, latin_hypercube, sobol
 from pyident.sweep.sensitivity import Method, morris_design, sobol_indices_design
 from pyident.sweep.store import StudyError
 
+MOST_RUNS = 10_000_000
 _RUNS = 200
+_LARGEST = 200_000_000  # numbers of a design
 _SAMPLED: dict[str, Callable[[Ranges, int, int], pd.DataFrame]] = {
     "latin_hypercube": latin_hypercube,
     "sobol": sobol,
@@ -59,45 +64,72 @@ class StudyPlan:
 
 
 def load_study_plan(
-    path: str | Path, parameters: Mapping[str, float] | None = None, allow_effects: bool = False
+    path: str | Path,
+    parameters: Mapping[str, float] | None = None,
+    allow_effects: bool = False,
+    most: int = MOST_RUNS,
 ) -> StudyPlan:
     """Read a plan; files that it names are beside it. Raises StudyError, RobotError, ExperimentError.
 
     parameters      values that replace the robot's own, before the plan's shares are taken of them
-    allow_effects   run the Python files of effects that the robot file names
+    allow_effects   run the Python files of effects and metrics that robot file and plan name
+    most            runs that the design is cut to (`planned_runs` says how many the plan asks for)
     """
     path = Path(path)
     try:
-        table = Table(tomllib.loads(path.read_text(encoding="utf-8")), "")
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise StudyError(f"{path}: not a TOML file ({error})") from None
-    try:
-        return _plan(table, path.parent, parameters or {}, allow_effects)
+        with code_allowed() if allow_effects else nullcontext():
+            return _plan(Table(read_toml(path), ""), path.parent, parameters or {}, most)
+    except EffectError as error:
+        raise StudyError(f"{path}: {error}") from None
     except (StudyError, RobotError, ExperimentError) as error:
         raise type(error)(f"{path}: {error}") from None
 
 
-def _plan(table: Table, folder: Path, parameters: Mapping[str, float], allow_effects: bool) -> StudyPlan:
-    model, values = _model(str(table.get("model")), folder, parameters, allow_effects)
-    experiment = _experiment(model, str(table.get("experiment")), folder)
-    design = str(table.get("design", "latin_hypercube"))
+def planned_runs(path: str | Path) -> int:
+    """How many runs a plan asks for, without reading anything else of it. Raises RobotError, StudyError."""
+    data = read_toml(Path(path))
+    if data.get("design") != "grid":
+        return _runs(Table(data, ""))
+    ranges = data.get("parameters")
+    levels = ranges.values() if isinstance(ranges, dict) else ()
+    return prod(len(values) if isinstance(values, list) else 2 for values in levels)
+
+
+def _runs(table: Table) -> int:
+    return table.whole(table.get("runs", _RUNS), "runs", 1, MOST_RUNS)
+
+
+def _plan(table: Table, folder: Path, parameters: Mapping[str, float], most: int) -> StudyPlan:
+    model, values = _model(table.text("model"), folder, parameters)
+    experiment = _experiment(model, table.text("experiment"), folder)
+    design = table.text("design", "latin_hypercube")
     if design not in ("grid", *_SAMPLED):
         raise StudyError(f"design is {design!r}; known are grid, {', '.join(_SAMPLED)}")
-    runs = table.whole(table.get("runs", _RUNS), "runs", 1, 10_000_000)
+    runs = min(_runs(table), most)
     seed = table.whole(table.get("seed", 0), "seed", 0, 2**32 - 1)
     metrics = _metrics(table.get("metrics", list(METRICS)), folder)
     levels = _levels(table.table("parameters"), values)
     table.done()
     if design == "grid":
         ranges = {name: (min(v), max(v)) for name, v in levels.items()}
-        return StudyPlan(model, experiment, ranges, grid(levels), None, metrics)
+        return StudyPlan(model, experiment, ranges, grid(_few(levels, most)), None, metrics)
     ranges = {name: _range(name, v) for name, v in levels.items()}
+    if runs * len(ranges) > _LARGEST:
+        raise StudyError(f"{runs} runs of {len(ranges)} parameters are too many for memory; plan fewer")
     method = next((m for m in get_args(Method) if m == design), None)
     return StudyPlan(model, experiment, ranges, _SAMPLED[design](ranges, runs, seed), method, metrics)
 
 
+def _few(levels: Mapping[str, list[float]], most: int) -> dict[str, list[float]]:
+    """Values of a grid; a single one of each where there would be more combinations than `most`."""
+    count = prod(len(values) for values in levels.values())
+    if count > MOST_RUNS:
+        raise StudyError(f"the grid has {count:.3g} runs, {MOST_RUNS:g} are the most; take fewer values")
+    return {name: values if count <= most else values[:1] for name, values in levels.items()}
+
+
 def _model(
-    name: str, folder: Path, parameters: Mapping[str, float], allow_effects: bool
+    name: str, folder: Path, parameters: Mapping[str, float]
 ) -> tuple[Robot | Path, Mapping[str, float]]:
     """The model and the values of its parameters, which only a robot tells."""
     beside = folder / name
@@ -105,7 +137,7 @@ def _model(
         if parameters:
             raise StudyError("an FMU keeps its own values; name the others in the plan's [parameters]")
         return beside, {}
-    robot = load_robot(beside if beside.is_file() else name, allow_effects)
+    robot = load_robot(beside if beside.is_file() else name)
     robot = robot.with_parameters(parameters, robot.name)
     return robot, robot.parameters
 
@@ -164,13 +196,18 @@ def _metric(name: str, folder: Path) -> tuple[str, Metric]:
     if name in METRICS:
         return name, METRICS[name]
     file, _, function = name.rpartition(":")
-    if not file.endswith(".py") or not (folder / file).is_file():
+    if not file.endswith(".py"):
         raise StudyError(f"unknown metric {name!r}: give FILE.py:FUNCTION, or one of {', '.join(METRICS)}")
-    spec = importlib.util.spec_from_file_location(Path(file).stem, folder / file)
+    path = allowed_file(file, folder, "--allow-effects")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        raise StudyError(f"metric {name}: {path} cannot be read ({words})") from None
     if not callable(getattr(module, function, None)):
-        raise StudyError(f"{folder / file} has no function {function}")
+        raise StudyError(f"{path} has no function {function}")
     return function, getattr(module, function)

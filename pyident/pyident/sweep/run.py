@@ -4,10 +4,10 @@ Finished batches go to disk at once, so that a study that was stopped goes on wh
 """
 
 import hashlib
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from flexmodels.atomic import replacing
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
+from flexmodels.scratch import scratch_folder
 from pyident.simulation.workers import Workers, configured_scheduler, dask_cluster
 from pyident.sweep.metrics import METRICS, Metric, evaluate
 from pyident.sweep.plan import StudyPlan
@@ -70,13 +71,21 @@ def parameter_study(
             seconds = time.perf_counter() - begin
             reference = nominal if reference is None else reference
             of = _fingerprint(design, fmu.description.guid or "", experiment, reference, metrics)
-        evaluate(metrics, nominal, reference)
-        store = ResultsStore(folder, of)
-        left = _left(design, store)
-        if left:
-            with cluster.holding(partial(bench, content, experiment, reference, metrics)) as pool:
-                _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
-    return store.finish(design)
+        _check_metrics(metrics, nominal, reference)
+        with closing(ResultsStore(folder, of)) as store:
+            left = _left(design, store)
+            if left:
+                with cluster.holding(partial(bench, content, experiment, reference, metrics)) as pool:
+                    _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
+            return store.finish(design)
+
+
+def one_run(plan: StudyPlan) -> float:
+    """Seconds that one run of the plan's model takes. Raises SimulationError, BuildError."""
+    with loaded_fmu(_content(plan.model)) as fmu:
+        begin = time.perf_counter()
+        fmu.simulate(plan.experiment)
+        return time.perf_counter() - begin
 
 
 def run_plan(
@@ -146,11 +155,20 @@ class _Study:
             future.cancel()
 
 
+def _check_metrics(metrics: Mapping[str, Metric], nominal: pd.DataFrame, reference: pd.DataFrame) -> None:
+    try:
+        evaluate(metrics, nominal, reference)
+    except ValueError as error:
+        raise StudyError(f"{error}, on the model's own run; correct the metric") from None
+
+
 def _content(model: Robot | str | Path) -> bytes:
     if not isinstance(model, Robot):
+        if not Path(model).is_file():
+            raise StudyError(f"there is no FMU {model}; check the path")
         return Path(model).read_bytes()
-    with tempfile.TemporaryDirectory() as folder:
-        return export_fmu(equations(model), Path(folder) / "plant.fmu", light=True).read_bytes()
+    with scratch_folder() as folder:
+        return export_fmu(equations(model), folder / "plant.fmu", light=True).read_bytes()
 
 
 def _check(design: pd.DataFrame, fmu: LoadedFmu) -> None:

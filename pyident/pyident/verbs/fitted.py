@@ -68,13 +68,10 @@ class Fit(Result):
         from pyident.estimation.base_parameters import weakest_directions
 
         found, units = self.identified, self.robot.units
-        rows = [
-            (f"{b.value:.6g}", f"{_CONFIDENCE * b.std:.2g}", units[b.terms[0][1]], b.expression)
-            for b in found.base
-        ]
+        rows = [(f"{b.value:.6g}", _interval(b.std), units[b.terms[0][1]], b.expression) for b in found.base]
         heads = ("value", "± 95 %", "unit", "base parameter")
         weak = weakest_directions(found.reduced, found.solution)
-        lines = [f"{len(found.reduced.columns)} parameters, rank {found.solution.rank}"]
+        lines = [f"{found.estimator}: {len(found.reduced.columns)} parameters, rank {found.solution.rank}"]
         lines += [wrapped(f"  {sentence}", "    ") for sentence in weak]
         return Text("\n".join([table(heads, rows, numbers=(0, 1)), *lines, *self._errors()]))
 
@@ -85,6 +82,10 @@ class Fit(Result):
         if written:
             lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
         return [wrapped(line, "  ") for line in lines]
+
+
+def _interval(std: float) -> str:
+    return f"{_CONFIDENCE * std:.2g}" if std == std else "-"  # not a number: nothing is claimed
 
 
 def _percentages(errors: dict[str, float]) -> str:

@@ -10,6 +10,7 @@ import pandas as pd
 from flexmodels.files.robot_file import load_robot
 from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
+from pyident.checks.check_log import checked
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
@@ -76,30 +77,37 @@ def simulable(robot: Robot) -> Robot:
     return robot
 
 
-def given(robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = ()) -> Given:
-    """Read logs into memory and lock the hinges that they say nothing of. Raises LogError."""
+def given(
+    robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = (), force: bool = False
+) -> Given:
+    """Read logs into memory, check them and lock the hinges that they say nothing of.
+
+    force   take logs that are grossly wrong
+    Raises LogError.
+    """
     columns = mapping_of(mapping)
     fitted = [_in_memory(log, robot, columns) for log in _listed(logs)]
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
         raise LogError("there is no log; give one or more")
-    robot, notes = _reduced(robot, [*fitted, *unseen])
+    robot, notes = _reduced(robot, [*fitted, *unseen], force)
     return Given(robot, tuple(fitted), tuple(unseen), notes)
 
 
-def opened(robot: Robot, logs: Logs, mapping: Columns | None = None) -> Opened:
-    """Open logs and lock the hinges that they say nothing of; long ones stay on disk. Raises LogError."""
+def opened(robot: Robot, logs: Logs, mapping: Columns | None = None, force: bool = False) -> Opened:
+    """The same, but long logs stay on disk. Raises LogError."""
     columns = mapping_of(mapping)
     read = [_on_disk(log, robot, columns) for log in _listed(logs)]
     if not read:
         raise LogError("there is no log; give one or more")
-    robot, notes = _reduced(robot, read)
+    robot, notes = _reduced(robot, read, force)
     return Opened(robot, tuple(read), notes)
 
 
-def _reduced(robot: Robot, logs: Sequence[Log | LogFile]) -> tuple[Robot, tuple[str, ...]]:
+def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[Robot, tuple[str, ...]]:
+    warnings = checked(robot, logs, force).warnings
     robot, notes = locked(robot, logs)
-    return robot, (*(note for log in logs for note in log.notes), *notes)
+    return robot, (*(note for log in logs for note in log.notes), *notes, *warnings)
 
 
 def mapping_of(mapping: Columns | None) -> Mapping | None:

@@ -1,6 +1,7 @@
 """Models against logs: where they fail, which effect is missing, whether an added one is borne out."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
@@ -20,6 +21,7 @@ def compare(
     mapping: Columns | None = None,
     parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Compared:
     """Where an identified model fails on logs, beside the floor that the method leaves on replicas of it.
@@ -28,7 +30,7 @@ def compare(
     parameters             values that replace the model's own, by name, in SI units
     Raises RobotError, LogError, SimulationError, BuildError.
     """
-    read = given(robot_of(model, parameters, allow_effects), logs, mapping)
+    read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
     return Compared(compared(read.robot, read.logs, FmuRuns, progress or _silent), read.notes)
 
 
@@ -40,6 +42,7 @@ def diagnose(
     mapping: Columns | None = None,
     draft: bool = False,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Diagnosed:
     """Which effect a model lacks in its logs; its own dynamic parameters are never used.
@@ -49,10 +52,11 @@ def diagnose(
     draft     look for a formula where no law explains the residual (needs flexident[symbolic])
     Raises RobotError, LogError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout)
+    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
     found = diagnosed(read.robot, parts.fitted, FmuRuns, RivalRuns, parts.unseen, progress or _silent, draft)
-    return Diagnosed(found, (*read.notes, *found.notes))
+    notes = (*read.notes, *found.notes)
+    return Diagnosed(replace(found, notes=notes), notes)
 
 
 def add_effect(
@@ -64,6 +68,7 @@ def add_effect(
     heldout: Logs = (),
     mapping: Columns | None = None,
     allow_effects: bool = False,
+    force: bool = False,
     progress: Progress | None = None,
 ) -> Added:
     """The model with one more effect at `joint` (from 1), fitted, and judged on data that were held out.
@@ -71,7 +76,7 @@ def add_effect(
     heldout   as in `diagnose`; the others as in `identify`
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout)
+    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
     return Added(found, read.notes)
 

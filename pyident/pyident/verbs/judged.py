@@ -61,7 +61,7 @@ class Compared(Result):
         """Write the page (HTML)."""
         from pyident.report.comparison import write_comparison
 
-        return write_comparison(Path(path), [model or self.comparison.robot], [self.comparison])
+        return write_comparison(Path(path), [model or self.comparison.robot], [self.comparison], self.notes)
 
 
 @dataclass(frozen=True, repr=False)

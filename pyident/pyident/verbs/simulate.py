@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from flexfmu.build import BuildError
 from flexfmu.build import export_fmu as build
-from flexfmu.simulate import LoadedFmu
+from flexfmu.foreign.parent import SILENCE, ForeignFmu
 from flexmodels.files.robot_file import robot_text
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
@@ -29,6 +29,7 @@ def simulate(
     parameters: Mapping[str, float] | None = None,
     mapping: Columns | None = None,
     allow_effects: bool = False,
+    time_limit: float = SILENCE,
     progress: Progress | None = None,
 ) -> Log:
     """Simulate a robot as an FMU, or an FMU of any tool, and return its log.
@@ -38,6 +39,7 @@ def simulate(
                  as an Experiment
     parameters   values that replace the model's own, by name, in SI units
     mapping      of the experiment's columns: a log of other names is replayed under its own commands
+    time_limit   seconds without progress after which an FMU, which runs in a process of its own, is stopped
     Raises RobotError, ExperimentError, LogError, SimulationError, BuildError.
     """
     if not isinstance(model, str | Path) or Path(model).suffix != ".fmu":
@@ -51,11 +53,9 @@ def simulate(
         return Log(frame.assign(time=frame["time"] + plan.began), f"simulation of {robot.name}")
     if mapping is not None:
         raise RobotError(f"{model}: a mapping needs a robot file; import the log first (pyident log import)")
-    with LoadedFmu(model) as fmu:
-        plan = (
-            experiment if isinstance(experiment, Experiment) else read_experiment(str(experiment), fmu.joints)
-        )
-        return Log(fmu.simulate(plan, dict(parameters or {}), progress=progress), f"simulation of {model}")
+    fmu = ForeignFmu(model, time_limit)
+    plan = experiment if isinstance(experiment, Experiment) else read_experiment(str(experiment), fmu.joints)
+    return Log(fmu.simulate(plan, dict(parameters or {}), progress=progress), f"simulation of {model}")
 
 
 def export_fmu(

@@ -1,6 +1,7 @@
 """The page: places on the left, the verdict and the versions always in sight, the chosen place below."""
 
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import ui
 
@@ -52,10 +53,14 @@ class Page:
 
     def go(self, **changes: object) -> None:
         """Look at something else; the URL follows."""
-        self.view = self.view.at(**changes)
-        ui.navigate.history.replace(f"/?{self.view.query}")
+        self.look(**changes)
         self._places.refresh()
         self._content.refresh()
+
+    def look(self, **changes: object) -> None:
+        """Remember what is looked at, in the URL too; nothing is drawn anew."""
+        self.view = self.view.at(**changes)
+        ui.navigate.history.replace(f"/?{self.view.query}")
 
     def act(self, action: Callable[[], None]) -> None:
         """Do what a button says; a failure becomes a sentence on the page."""
@@ -107,7 +112,7 @@ class Page:
                 ui.linear_progress(job.progress, show_value=False).classes("grow").props(
                     f'aria-label="{job.title}"'
                 )
-                ui.button("Cancel", on_click=lambda w=what: self.act(lambda: self.bench.cancel(w))).props(
+                ui.button("Cancel", on_click=partial(self.act, partial(self.bench.cancel, what))).props(
                     f'data-testid="cancel-{what}" flat dense'
                 )
 
@@ -126,7 +131,7 @@ class Page:
                     ui.label("→")
                 chip = ui.button(
                     version.what if i else version.model,
-                    on_click=lambda n=i: self.act(lambda: self._use(n)),
+                    on_click=partial(self.act, partial(self._use, i)),
                 ).props(
                     f'data-testid="version-{i}" dense no-caps' + (" outline" if i != project.current else "")
                 )

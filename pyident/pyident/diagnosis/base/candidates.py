@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.coordinate import of_joint
-from flexmodels.effects import CATALOGUE, signals
+from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
@@ -50,7 +50,7 @@ def candidates(
     found = []
     motions = [log.part.motion for log in logs]
     for joint, present in robot.numbered:
-        for effect in CATALOGUE.values():
+        for effect in robot.catalogue.values():
             if effect.base or effect.name in present.values:
                 continue
             if effect.excess_over and effect.excess_over not in present.values:
@@ -59,8 +59,9 @@ def candidates(
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
-            if any(p.name == "order" for p in effect.nonlinear):
-                grid = [*grid, *({**grid[0], "order": order} for order in (orders or {}).get(joint, ()))]
+            if effect.order:
+                further = (orders or {}).get(joint, ())
+                grid = [*grid, *({**grid[0], effect.order.name: order} for order in further)]
             scopes = range(len(logs)) if effect.body else (None,)
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
@@ -128,7 +129,7 @@ def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
     law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
     of the whole model where no controller says which torque was commanded.
     """
-    motion, read = log.part.motion, CATALOGUE[candidate.effect].symbols
+    motion, read = log.part.motion, robot.catalogue[candidate.effect].symbols
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")

@@ -62,7 +62,7 @@ def _range(
         reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
         below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
         above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
-        if parameter.name == "order":
+        if parameter.periodic:
             below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
         start.append(value)
         low.append(max(below, parameter.lower))

@@ -142,7 +142,7 @@ def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
     out = list(steps)
     for i, step in enumerate(steps):
         law, joint = law_of(search.robot, step.best.candidate), step.best.candidate.joint
-        if step.orders or not any(p.name == "order" for p in law.nonlinear):
+        if step.orders or law.order is None:
             continue
         others = _candidates([s for s in out if s is not out[i]])
         orders = [step.best.candidate]

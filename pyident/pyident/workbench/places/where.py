@@ -1,5 +1,6 @@
 """Place 3: where model and logs disagree: a map, traces, the residual in its ribbon, its dependences."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,17 +27,65 @@ def show(page: "Page") -> None:
         return
     ui.label(comparison.sentence).classes("text-base").props('data-testid="where-sentence"')
     _map(page, comparison)
-    listed = [t for t in comparison.traces if not page.view.log or t.log == page.view.log]
-    worst = comparison.where.coordinate if comparison.where else listed[0].coordinate
-    coordinate = page.view.coordinate or worst
-    chosen = next((t for t in listed if t.coordinate == coordinate), listed[0])
-    _choice(page, comparison, chosen)
-    with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
-        with ui.column().classes("grow min-w-0"):
-            _traces(page, chosen)
-        with ui.column().classes("w-64 shrink-0"):
-            _bumps(page, comparison, chosen)
-    _against_states(page, chosen)
+    _Equation(page, comparison).show()
+
+
+class _Equation:
+    """One equation on one log: traces, bumps and states, which all show the same span of time."""
+
+    def __init__(self, page: "Page", comparison: Any):
+        self.page, self.comparison = page, comparison
+        listed = [t for t in comparison.traces if not page.view.log or t.log == page.view.log]
+        listed = listed or list(comparison.traces)
+        worst = comparison.where.coordinate if comparison.where else listed[0].coordinate
+        coordinate = page.view.coordinate or worst
+        self.trace = next((t for t in listed if t.coordinate == coordinate), listed[0])
+
+    def show(self) -> None:
+        """Draw all of it."""
+        _choice(self.page, self.comparison, self.trace)
+        with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
+            with ui.column().classes("grow min-w-0"):
+                self.traces = ui.plotly(_traces(self.trace, self.page.view.span)).classes("w-full")
+                self.traces.props('data-testid="traces" aria-label="traces of the equation"')
+                self.traces.on("plotly_relayout", self._zoomed)
+            with ui.column().classes("w-64 shrink-0"):
+                self._bumps()
+        self.states = ui.plotly(_states(self.trace, self.page.view.span)).classes("w-full")
+        self.states.props('data-testid="states" aria-label="residual against the state of the joint"')
+
+    def look_at(self, span: tuple[float, float] | None) -> None:
+        """Show another span of time; the rest of the page stays."""
+        self.page.look(span=span)
+        self.traces.update_figure(_traces(self.trace, span))
+        self.states.update_figure(_states(self.trace, span))
+        self.whole.set_visibility(span is not None)
+
+    def _zoomed(self, event: events.GenericEventArguments) -> None:
+        left, right = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")
+        if left is not None and right is not None:
+            self.look_at((float(left), float(right)))
+
+    def _bumps(self) -> None:
+        ui.label("Where it leaves the ribbon").classes("font-bold")
+        listed = self.comparison.bumps(self.trace)
+        if not listed:
+            ui.label("Nowhere.").props('data-testid="no-bumps"')
+        for i, bump in enumerate(listed):
+            share = f"{bump.over_floor:.2g} × · {100 * bump.share:.0f} %"
+            words = f"{i + 1}: {bump.start:.2f} to {bump.stop:.2f} s · {share}"
+            span = (bump.start - 0.5, bump.stop + 0.5)
+            ui.button(words, on_click=partial(self.look_at, span)).props(
+                f'data-testid="bump-{i + 1}" flat dense no-caps align=left'
+            )
+        self.whole = ui.button("whole log", on_click=lambda: self.look_at(None)).props(
+            'data-testid="whole" flat no-caps'
+        )
+        self.whole.set_visibility(self.page.view.span is not None)
+        if listed:
+            ui.button("Which law would explain this?", on_click=lambda: self.page.go(place="why")).props(
+                'data-testid="to-why" no-caps'
+            )
 
 
 def _map(page: "Page", comparison: Any) -> None:
@@ -99,15 +148,12 @@ def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
                 label="equation" if key == "coordinate" else "log",
                 on_change=lambda e, k=key: page.go(**{k: e.value, "span": None}),
             ).props(f'data-testid="{key}"')
-        if page.view.span:
-            ui.button("whole log", on_click=lambda: page.go(span=None)).props(
-                'data-testid="whole" flat no-caps'
-            )
         ui.label(f"residual shown below {chosen.cutoff:.3g} Hz").classes("text-sm")
 
 
-def _traces(page: "Page", trace: Any) -> None:
-    at = window(trace.time, page.view.span)
+def _traces(trace: Any, span: tuple[float, float] | None) -> dict[str, Any]:
+    """Position, speed, torque measured and modelled, and the residual in its ribbon."""
+    at = window(trace.time, span)
     time = trace.time[at]
     data = [
         _line(time, trace.position[at], "position", "y4", "#59616b"),
@@ -131,7 +177,7 @@ def _traces(page: "Page", trace: Any) -> None:
     titles = {"yaxis": "residual", "yaxis2": "torque", "yaxis3": "speed", "yaxis4": "position"}
     domains = {"yaxis": [0, 0.34], "yaxis2": [0.38, 0.66], "yaxis3": [0.7, 0.83], "yaxis4": [0.87, 1]}
     axes = {key: {"title": {"text": titles[key]}, "domain": domains[key]} for key in titles}
-    figure = {
+    return {
         "data": data,
         "layout": {
             "height": 560,
@@ -143,38 +189,11 @@ def _traces(page: "Page", trace: Any) -> None:
         },
         "config": {"displaylogo": False, "responsive": True},
     }
-    plot = (
-        ui.plotly(figure).classes("w-full").props('data-testid="traces" aria-label="traces of the equation"')
-    )
-
-    def zoomed(event: events.GenericEventArguments) -> None:
-        left, right = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")
-        if left is not None and right is not None:
-            page.go(span=(float(left), float(right)))
-
-    plot.on("plotly_relayout", zoomed)
 
 
-def _bumps(page: "Page", comparison: Any, trace: Any) -> None:
-    ui.label("Where it leaves the ribbon").classes("font-bold")
-    listed = comparison.bumps(trace)
-    if not listed:
-        ui.label("Nowhere.").props('data-testid="no-bumps"')
-    for i, bump in enumerate(listed):
-        share = f"{bump.over_floor:.2g} × · {100 * bump.share:.0f} %"
-        words = f"{i + 1}: {bump.start:.2f} to {bump.stop:.2f} s · {share}"
-        span = (bump.start - 0.5, bump.stop + 0.5)
-        ui.button(words, on_click=lambda s=span: page.go(span=s)).props(
-            f'data-testid="bump-{i + 1}" flat dense no-caps align=left'
-        )
-    if listed:
-        ui.button("Which law would explain this?", on_click=lambda: page.go(place="why")).props(
-            'data-testid="to-why" no-caps'
-        )
-
-
-def _against_states(page: "Page", trace: Any) -> None:
-    at = window(trace.time, page.view.span)
+def _states(trace: Any, span: tuple[float, float] | None) -> dict[str, Any]:
+    """The residual against speed, position, torque and time."""
+    at = window(trace.time, span)
     used = np.flatnonzero(trace.used[at]) + at.start
     step = max(1, len(used) // _SCATTER)
     rows = used[::step]
@@ -196,10 +215,7 @@ def _against_states(page: "Page", trace: Any) -> None:
         )
         layout[f"xaxis{axis}"] = {"title": {"text": name}, "domain": [(i - 1) / 4 + 0.01, i / 4 - 0.02]}
     layout["yaxis"] = {"title": {"text": "residual"}}
-    figure = {"data": data, "layout": layout, "config": {"displaylogo": False, "responsive": True}}
-    ui.plotly(figure).classes("w-full").props(
-        'data-testid="states" aria-label="residual against the joint\'s state"'
-    )
+    return {"data": data, "layout": layout, "config": {"displaylogo": False, "responsive": True}}
 
 
 def _line(time: np.ndarray, values: np.ndarray, name: str, axis: str, colour: str) -> dict[str, Any]:

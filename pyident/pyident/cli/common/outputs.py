@@ -79,6 +79,8 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
         )
     if path.exists() and not path.is_file():
         raise OutputError(f"{path} is a device or a pipe, no file; write to a file")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path.parent}: there is no such folder; make it first")
     if path.suffix not in kind.endings:
         raise OutputError(f"{path}: a {kind.what} must end in {', '.join(kind.endings)}")
     for other in inputs:
@@ -135,6 +137,13 @@ def _is_log(path: Path) -> bool:
     return _head(path).startswith(b"PAR1" if path.suffix == ".parquet" else (b"MATLAB 5.0", b"MATLAB 7"))
 
 
+def _is_mapping(path: Path) -> bool:
+    try:
+        return "signals" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return False
+
+
 def _is_robot(path: Path) -> bool:
     return "joint" in tomllib.loads(path.read_text(encoding="utf-8"))
 
@@ -150,6 +159,7 @@ def _is_json(path: Path) -> bool:
 
 
 ROBOT = Kind("robot file", (".toml",), _is_robot)
+MAPPING = Kind("mapping", (".toml",), _is_mapping)
 LOG = Kind("log", (".csv", ".parquet", ".mat"), _is_log)
 FMU = Kind("FMU or SSP", (".fmu", ".ssp"), _starts(b"PK"))
 MODEL = Kind("model for other simulators", (".urdf", ".xml", ".json"), _is_model)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
-from flexmodels.files.mjcf_drives import controller_of, couplings_of, left_out
+from flexmodels.files.mjcf.drives import controller_of, couplings_of, left_out
 from flexmodels.joint import Joint, Limits
 from flexmodels.linkage import PassiveJoint
 from flexmodels.robot import Robot, RobotError

@@ -23,8 +23,8 @@ from flexmodels.effects.effect import EffectError
 from flexmodels.effects.trust import code_allowed
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
-from pyident.cli.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
-from pyident.cli.progress import lines
+from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
+from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
 from pyident.simulation.workers import WorkersError
@@ -141,6 +141,13 @@ def effects_option(command: Command) -> Command:
         callback=lambda context, _, value: value and context.with_resource(code_allowed()),
         help="Run the Python files that the files given here name.",
     )(command)
+
+
+def force_option(command: Command) -> Command:
+    """`--force`, wherever a log is believed."""
+    return click.option("--force", is_flag=True, help="Take logs that the checks refuse as grossly wrong.")(
+        command
+    )
 
 
 def mapping_option(command: Command) -> Command:

@@ -1,0 +1,45 @@
+"""What an FMU file says of itself, by FMPy; nothing of it is run."""
+
+import re
+import zipfile
+from pathlib import Path
+
+from fmpy import read_model_description
+from fmpy.model_description import ModelDescription
+
+from flexmodels.inputs import SimulationError
+
+_LARGEST = 4e9  # bytes of an FMU unpacked
+
+
+class FmuDescription:
+    """What an FMU file says of itself. Raises SimulationError for a file that is none."""
+
+    def __init__(self, path: str | Path):
+        self.description = _described(Path(path))
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+
+    @property
+    def joints(self) -> int:
+        """Number of driven joints: those with a reference among the inputs."""
+        return sum(1 for name in self.references if re.fullmatch(r"joint\d+\.r", name))
+
+
+def _described(path: Path) -> ModelDescription:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > _LARGEST:
+            raise SimulationError(f"{path} holds {size / 1e9:.3g} GB unpacked, which no FMU of ours needs")
+        return read_model_description(str(path))
+    except FileNotFoundError:
+        raise SimulationError(f"there is no FMU {path}; check the path") from None
+    except SimulationError:
+        raise
+    except Exception as error:
+        raise SimulationError(f"{path} is not an FMU that can be read ({first_line(error)})") from None
+
+
+def first_line(error: Exception) -> str:
+    """Of what an error says."""
+    return (str(error).strip() or type(error).__name__).splitlines()[0]

@@ -1,0 +1,54 @@
+"""`pyident log inspect`: the mapping of a recording is found, not written."""
+
+import click
+
+from pyident.cli.common.outputs import MAPPING
+from pyident.cli.common.shared import json_option, output_option, reported, show, write_json
+
+
+@click.command(name="inspect")
+@click.argument("files", nargs=-1, required=True)
+@click.option("--robot", "model", metavar="MODEL", help="Robot whose joints and equations are witnesses.")
+@click.option(
+    "--rate", type=click.FloatRange(0, min_open=True), help="Samples a second, if no time is logged."
+)
+@output_option(MAPPING, required=False)
+@json_option
+@reported
+def inspect_command(
+    files: tuple[str, ...], model: str | None, rate: float | None, output: str | None, json_file: str | None
+) -> None:
+    """Show what FILES of one recording hold, guess a mapping and ask what cannot be guessed.
+
+    With -o the mapping is written; `log import` and every --mapping take it. The exit code is 1 while
+    questions are open.
+
+    Example: pyident log inspect raw.csv --robot tx40 -o mapping.toml
+    """
+    import sys
+
+    from flexmodels.atomic import replacing
+    from flexmodels.files.robot_file import load_robot
+    from pyident.inspection.inspect_log import inspect_log
+
+    found = inspect_log(files, load_robot(model) if model else None, rate)
+    width = max(len(c.column) for c in found.channels)
+    for c in found.channels:
+        what = "?" if c.signal == "unknown" else c.name or c.signal
+        mark = "" if c.name is None else "" if c.sure else "  ?"
+        at = "" if c.rate != c.rate else f"{c.rate:.4g} Hz  "
+        turned = "sign -1 " if c.sign < 0 else ""
+        show(
+            f"{c.column:<{width}}  {at}{c.low:>11.4g} … {c.high:<11.4g}  {what} {c.unit or ''} {turned}{mark}"
+        )
+    for note in found.notes:
+        show(f"note: {note}")
+    for question in found.questions:
+        show(f"? {question}")
+    if output:
+        with replacing(output) as file:
+            file.write_text(found.toml(), encoding="utf-8")
+        show(f"wrote {output}")
+    write_json(json_file, found.json())
+    if found.questions:
+        sys.exit(1)

@@ -1,0 +1,155 @@
+"""From names and ranges to first guesses: which column is which signal of which joint, in which unit."""
+
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.inspection.channel import Channel
+from pyident.inspection.words import Meaning, meaning
+from pyident.logs.formats.recording import Recording
+from pyident.logs.units import FACTORS, KINDS, known_unit
+
+MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
+_EVEN = 0.2  # of the median step: a clock's steps
+_TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
+_KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
+         "torque": ("effort",), "feedforward": ("effort",), "current": ("electric", "none"),
+         "voltage": ("electric", "none"), "time": ("time",)}  # fmt: skip
+_NATURAL = {"position": ("rad", "m"), "reference": ("rad", "m"), "velocity": ("rad/s", "m/s"),
+            "torque": ("N.m", "N"), "feedforward": ("N.m", "N"), "current": ("A", "A"), "voltage": ("V", "V"),
+            "time": ("s", "s")}  # fmt: skip
+
+
+def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
+    """Every column by its name, its own unit and its range."""
+    joints = tuple(joint.name for joint in robot.joints) if robot else ()
+    said = {name: meaning(name, joints) for name in recording.columns}
+    clock = _time_column(recording, said)
+    numbers = _numbers(said, robot)
+    times = set(recording.clocks.values()) | ({clock} if clock else set())
+    found = []
+    for name, values in recording.columns.items():
+        m = said[name]
+        signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
+        unit = known_unit(recording.units.get(name, "")) or m.unit
+        kinds = _KIND.get(signal, ())
+        if unit is not None and kinds and KINDS[unit] not in kinds:
+            unit = None
+        why = [f"its name {name!r}"] if signal not in ("unknown",) and recording.header else []
+        if unit:
+            why.append(f"the unit {unit} that the file gives")
+        side, doubt = m.side, ""
+        if side == "motor" and robot is not None and robot.transmission is None:
+            side, doubt = "joint", f"{name}{MOTOR_SIDE}"
+        found.append(
+            Channel(
+                column=name,
+                values=np.asarray(values, float),
+                rate=_rate(recording, name, clock),
+                signal=signal,
+                joint=None if signal == "time" else numbers.get(name),
+                side=side,
+                unit=unit,
+                clock=None if recording.clocks.get(name) == clock else recording.clocks.get(name),
+                why=tuple(why),
+                doubt=doubt if signal in ("position", "torque", "velocity") else "",
+            )
+        )
+    return [_time_unit(c) if c.signal == "time" else c for c in found]
+
+
+def natural_unit(signal: str, kind: str) -> str:
+    """The unit of a log's signal at a revolute or prismatic joint."""
+    return _NATURAL[signal][0 if kind == "revolute" else 1]
+
+
+def si(channel: Channel) -> np.ndarray:
+    """The column in SI with sign and offset, the unit as guessed."""
+    factor = FACTORS[channel.unit or "1"]
+    return channel.sign * factor * channel.values + channel.offset * factor
+
+
+def grows_evenly(x: np.ndarray) -> bool:
+    """Whether a column could be a clock."""
+    steps = np.diff(x)
+    if len(steps) < 3 or not np.isfinite(steps).all() or (steps <= 0).any():
+        return False
+    middle = float(np.median(steps))
+    return bool(np.mean(np.abs(steps - middle) < max(_EVEN * middle, 1e-12)) > 0.8)
+
+
+def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
+    own = set(recording.clocks.values())
+    able = [
+        name for name, x in recording.columns.items() if grows_evenly(x) and len(x) == _longest(recording)
+    ]
+    named = [name for name in able if said[name].signal == "time"]
+    if named:
+        return next((name for name in named if name not in own or len(named) == 1), named[0])
+    counts = [n for n in able if said[n].signal == "other"]
+    rest = [n for n in able if n not in counts]
+    return rest[0] if rest and (not recording.header or said[rest[0]].signal == "unknown") else None
+
+
+def _longest(recording: Recording) -> int:
+    return max(len(x) for x in recording.columns.values())
+
+
+def _rate(recording: Recording, name: str, clock: str | None) -> float:
+    own = recording.clocks.get(name, clock)
+    if own is None:
+        return float("nan")
+    time = np.asarray(recording.columns[own], float)
+    return (
+        (len(time) - 1) / float(time[-1] - time[0]) if len(time) > 1 and time[-1] > time[0] else float("nan")
+    )
+
+
+def _time_unit(channel: Channel) -> Channel:
+    """s, ms, µs or ns by its steps; steps of one may be numbers of samples."""
+    step = float(np.median(np.diff(channel.values)))
+    if channel.unit is not None:
+        return replace(channel, sure=True)
+    unit = next((unit for unit, (low, high) in _TIMES.items() if low <= step < high), None)
+    counted = step == 1 and bool((channel.values == np.round(channel.values)).all())
+    if unit is None or counted:
+        ask = "it counts samples or milliseconds" if counted else f"its steps are {step:.3g}"
+        return replace(channel, unit=unit, doubt=f"what is the unit of time? {ask}")
+    seconds = step * FACTORS[unit]
+    return replace(channel, unit=unit, sure=True, why=(*channel.why, f"steps of {1e3 * seconds:.4g} ms"))
+
+
+def _numbers(said: dict[str, Meaning], robot: Robot | None) -> dict[str, int]:
+    """Joint (from 1) of every column that names one; numbers from 0 are shifted, words are ordered."""
+    out: dict[str, int] = {}
+    groups: dict[tuple[str, str, str], list[str]] = defaultdict(list)
+    for name, m in said.items():
+        stem = re.sub(r"\d+", "#", name) if isinstance(m.joint, int) else ""
+        groups[(m.signal, m.side, stem if isinstance(m.joint, int) else "word")].append(name)
+    for (signal, _, _), names in groups.items():
+        numbers = [said[n].joint for n in names]
+        whole = [j for j in numbers if isinstance(j, int)]
+        if signal in ("time", "other", "unknown") and not whole:
+            continue
+        shift = 1 if whole and min(whole) == 0 and len(whole) == len(names) else 0
+        words: list[str] = []
+        for n in names:
+            j = said[n].joint
+            if isinstance(j, int):
+                out[n] = j + shift
+            elif isinstance(j, str) and j:
+                words.append(n)
+        for place, n in enumerate(words, start=1):
+            out[n] = place
+        if len(names) == 1 and said[names[0]].joint is None and (robot is None or len(robot.joints) == 1):
+            out[names[0]] = 1
+    return out
+
+
+def of_signal(channels: Sequence[Channel], signal: str) -> dict[int, Channel]:
+    """Channels of one signal by joint."""
+    return {c.joint: c for c in channels if c.signal == signal and c.joint is not None}

@@ -1,0 +1,131 @@
+"""Files of one recording -> the mapping that they want, and the questions that only their owner answers."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.inspection.channel import Channel
+from pyident.inspection.guesses import first_guesses
+from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
+from pyident.inspection.physics import with_physics
+from pyident.inspection.proposal import Proposal
+from pyident.logs.formats.read import read_recording
+from pyident.logs.formats.recording import Recording
+from pyident.logs.log import LogError
+from pyident.logs.units import FACTORS
+
+_SIGNALS = ("position", "torque", "current")
+
+
+def inspect_log(
+    files: Sequence[str | Path], robot: Robot | None = None, rate: float | None = None
+) -> Proposal:
+    """Guess signals, joints, units, signs, offsets and delays of every column.
+
+    robot   whose joints' names, limits and equations are witnesses
+    rate    [Hz], for files without a column of time
+    Raises LogError.
+    """
+    if not files:
+        raise LogError("there is no file; give one or more of one recording")
+    recording = _joined([(Path(file), read_recording(Path(file))) for file in files])
+    channels = first_guesses(recording, robot)
+    time = next((c for c in channels if c.signal == "time"), None)
+    period = _period(time) if time is not None else 1 / rate if rate else None
+    channels = nameless(channels, robot, period)
+    channels = with_velocities_found(with_motion_units(channels, robot, period), period)
+    notes: list[str] = []
+    if robot is not None and (time is not None or rate):
+        channels, notes = with_physics(channels, recording.columns, robot, rate)
+    channels = _judged(channels, robot)
+    joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
+    questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
+    return Proposal(
+        files=tuple(str(file) for file in files),
+        channels=tuple(channels),
+        rate=None if time else rate,
+        header=recording.header,
+        joints=joints,
+        notes=tuple(notes),
+        questions=questions,
+    )
+
+
+def _joined(read: list[tuple[Path, Recording]]) -> Recording:
+    if len(read) == 1:
+        return read[0][1]
+    count = Counter(name for _, recording in read for name in recording.columns)
+    columns, units, clocks = {}, {}, {}
+    for path, recording in read:
+        own = {n: n if count[n] == 1 else f"{path.stem}:{n}" for n in recording.columns}
+        columns |= {own[n]: x for n, x in recording.columns.items()}
+        units |= {own[n]: unit for n, unit in recording.units.items()}
+        clocks |= {own[n]: own[clock] for n, clock in recording.clocks.items()}
+    return Recording(columns, units, clocks, all(recording.header for _, recording in read))
+
+
+def _period(time: Channel) -> float:
+    return float(np.median(np.diff(time.values))) * FACTORS[time.unit or "s"]
+
+
+def _judged(channels: list[Channel], robot: Robot | None) -> list[Channel]:
+    """One column per signal, and a question wherever the guess has no witness."""
+    owners: dict[str, str] = {}
+    out = []
+    for c in channels:
+        if robot is not None and c.joint is not None and c.joint > len(robot.joints):
+            c = replace(c, signal="other", joint=None)
+        if c.name is None:
+            out.append(replace(c, doubt="" if c.signal in ("other", "velocity", "acceleration") else c.doubt))
+            continue
+        if (other := owners.setdefault(c.name, c.column)) != c.column:
+            out.append(replace(c, signal="other", sure=False, doubt=f"{c.column} and {other} both look like "
+                               f"{c.name}: {other} is taken; is that right?"))  # fmt: skip
+            continue
+        out.append(_asked(c))
+    return out
+
+
+def _asked(c: Channel) -> Channel:
+    if c.signal == "current":
+        return replace(c, sure=False, doubt=f"how many N m (or N) does one {c.unit or 'A'} of {c.column} "
+                                            "give, and "
+                       "at the motor or at the joint? (drive, gear)")  # fmt: skip
+    if c.signal == "voltage":
+        return replace(c, sure=False, doubt=f"{c.column} is a voltage or duty: is its drive a source of "
+                                            "current, "
+                       "with how many N m per unit? (drive)")  # fmt: skip
+    if c.doubt or c.sure:
+        return c
+    if c.signal in ("torque", "feedforward") and c.unit is not None:
+        return replace(c, sure=True)
+    if c.signal in ("torque", "feedforward"):
+        return replace(
+            c, doubt=f"what is the unit of {c.column} (N m?), and is it of the joint or of the motor?"
+        )
+    return replace(c, doubt=f"is {c.column} really {c.name} in {c.unit or 'SI'}?")
+
+
+def _missing(
+    channels: list[Channel], robot: Robot | None, joints: int, time: Channel | None, rate: float | None
+) -> list[str]:
+    asked = []
+    if time is None and not rate:
+        asked.append("no column looks like time: how many samples a second were recorded? (rate)")
+    places = {c.joint for c in channels if c.signal == "position" and c.name}
+    efforts = {c.joint for c in channels if c.signal in ("torque", "current", "voltage") and c.name}
+    for k in range(1, joints + 1):
+        if k not in places:
+            asked.append(f"no column looks like the position of joint {k}: which is it?")
+    lacking = [k for k in range(1, joints + 1) if k not in efforts]
+    if lacking and (robot is None or len(lacking) < joints):
+        asked.append(f"no column looks like the torque of joint {lacking[0]}: which is it?")
+    elif lacking:
+        asked.append(
+            "no column looks like a torque: which is it, or does the robot file describe the drives?"
+        )
+    return asked

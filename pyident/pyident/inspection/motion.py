@@ -1,0 +1,166 @@
+"""Positions and velocities must agree: that tells their units, signs and, without names, which is which."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.inspection.channel import Channel
+from pyident.logs.units import FACTORS, KINDS
+
+_AGREES = 0.9  # correlation of a velocity with the derivative of its position
+_CLOSE = 0.15  # relative error of a ratio of units
+_DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
+
+
+def with_motion_units(channels: list[Channel], robot: Robot | None, period: float | None) -> list[Channel]:
+    """Units of positions, references and velocities, by their ranges and by each other."""
+    out = list(channels)
+    speeds = {(c.joint, c.side): c for c in out if c.signal == "velocity"}
+    for i, c in enumerate(out):
+        if c.signal not in ("position", "reference") or c.joint is None:
+            continue
+        prismatic = robot is not None and c.joint <= len(robot.joints) and (
+            robot.joints[c.joint - 1].kind == "prismatic"
+        )  # fmt: skip
+        speed = speeds.get((c.joint, c.side)) if c.signal == "position" else None
+        out[i] = _position(c, speed, prismatic, period, robot is not None)
+    units = {c.unit for c in out if c.signal == "position" and c.sure and c.unit}
+    for i, c in enumerate(out):
+        if c.signal in ("position", "reference") and not c.sure and len(units) == 1 and c.joint is not None:
+            other = next(iter(units))
+            if c.unit in (None, other) or KINDS[other] == KINDS[c.unit or "rad"]:
+                out[i] = replace(
+                    c, unit=other, sure=True, doubt="", why=(*c.why, "the unit of the other positions")
+                )
+    return out
+
+
+def _position(
+    c: Channel, speed: Channel | None, prismatic: bool, period: float | None, known: bool
+) -> Channel:
+    """Unit of a position: as the file says, by its velocity, or by its range."""
+    if c.unit is not None:
+        return replace(c, sure=not c.doubt)
+    if speed is not None and period and len(speed.values) == len(c.values) and speed.unit is not None:
+        ratio, agreement = _slope(c.values, speed.values * FACTORS[speed.unit], period)
+        for unit in ("rad", "deg", "rev", "mrad") if not prismatic else ("m", "mm"):
+            if abs(agreement) > _AGREES and abs(abs(ratio) / FACTORS[unit] - 1) < _CLOSE:
+                return replace(c, unit=unit, sure=ratio > 0, why=(*c.why, "the derivative that its velocity "
+                                                                          "is"),
+                               doubt="" if ratio > 0 else f"{c.column} has the sign opposite to "
+                                                          f"{speed.column}: "
+                               "which of them is right?")  # fmt: skip
+    reach = max(abs(c.low), abs(c.high))
+    whole = bool((c.values == np.round(c.values)).all()) and reach > 50
+    if whole:
+        return replace(c, unit=None, doubt=f"{c.column} holds whole numbers up to {reach:g}: how many "
+                                           "counts make a "
+                       "turn (gain, in rad per count)?")  # fmt: skip
+    if prismatic:
+        unit = "mm" if reach > 5 else "m"
+        return replace(
+            c, unit=unit, sure=known and not 2 < reach < 20, why=(*c.why, f"its range up to {reach:.3g}")
+        )
+    unit = "rad" if reach < _DEGREES else "deg"
+    sure = (reach < np.pi + 0.5 and np.ptp(c.values) > 0.02) or _DEGREES * 2 < reach < 400
+    doubt = "" if sure else f"is {c.column} in radians or degrees? it reaches {reach:.3g}"
+    return replace(c, unit=unit, sure=sure, doubt=doubt, why=(*c.why, f"its range up to {reach:.3g}"))
+
+
+def with_velocities_found(channels: list[Channel], period: float | None) -> list[Channel]:
+    """Velocities without a unit: by their positions'."""
+    places = {(c.joint, c.side): c for c in channels if c.signal == "position" and c.unit}
+    out = []
+    for c in channels:
+        place = places.get((c.joint, c.side)) if c.signal == "velocity" else None
+        if place is not None and c.unit is None and period and len(place.values) == len(c.values):
+            ratio, agreement = _slope(place.values * FACTORS[place.unit or "1"], c.values, period)
+            units = (
+                ("rad/s", "deg/s", "rpm", "rev/s")
+                if KINDS[place.unit or "rad"] == "angle"
+                else ("m/s", "mm/s")
+            )
+            best = min(units, key=lambda unit: abs(abs(ratio) * FACTORS[unit] - 1))
+            if abs(agreement) > _AGREES and abs(abs(ratio) * FACTORS[best] - 1) < _CLOSE:
+                c = replace(c, unit=best, sure=True, sign=1 if ratio > 0 else -1,
+                            why=(*c.why, f"the derivative of {place.column}"))  # fmt: skip
+        out.append(c)
+    return out
+
+
+def nameless(channels: list[Channel], robot: Robot | None, period: float | None) -> list[Channel]:
+    """Columns without names, as blocks of one column per joint: positions, then their velocities and torques.
+
+    A velocity is the derivative of the column a block before; of what is left, the roughest block is torque.
+    """
+    free = [i for i, c in enumerate(channels) if c.signal == "unknown"]
+    n = len(robot.joints) if robot else _block(channels, free, period)
+    if not free or not n or len(free) < n or period is None:
+        return channels
+    blocks = [free[i : i + n] for i in range(0, len(free) - n + 1, n)]
+    kind: dict[int, str] = {}
+    for a, first in enumerate(blocks):
+        for b, second in enumerate(blocks):
+            fits = [
+                abs(_slope(channels[i].values, channels[j].values, period)[1])
+                for i, j in zip(first, second, strict=True)
+            ]
+            if a != b and np.median(fits) > _AGREES and b not in kind:
+                kind.setdefault(a, "position")
+                kind[b] = "velocity" if kind[a] == "position" else "acceleration"
+    rest = [b for b in range(len(blocks)) if b not in kind]
+    rough = {b: np.median([_roughness(channels[i].values) for i in blocks[b]]) for b in rest}
+    smooth = sorted(rest, key=lambda b: rough[b])
+    if "position" not in kind.values() and smooth:
+        kind[smooth.pop(0)] = "position"
+    for b in list(smooth):
+        position = next(k for k, v in kind.items() if v == "position")
+        alike = [
+            np.corrcoef(channels[i].values, channels[j].values)[0, 1]
+            for i, j in zip(blocks[position], blocks[b], strict=True)
+        ]
+        if np.nanmedian(alike) > 0.98:
+            kind[b] = "reference"
+            smooth.remove(b)
+    if smooth:
+        kind[smooth[-1]] = "torque"
+    out = list(channels)
+    for b, signal in kind.items():
+        for k, i in enumerate(blocks[b], start=1):
+            out[i] = replace(
+                out[i], signal=signal, joint=k, why=("its place among the columns", f"how it moves: {signal}")
+            )  # pyright: ignore
+    return out
+
+
+def _block(channels: Sequence[Channel], free: list[int], period: float | None) -> int:
+    """Columns of a block where the robot is not known: the lag at which columns are derivatives."""
+    if period is None:
+        return 0
+    for n in range(1, len(free) // 2 + 1):
+        fits = [
+            abs(_slope(channels[free[i]].values, channels[free[i + n]].values, period)[1])
+            for i in range(min(n, len(free) - n))
+        ]
+        if fits and np.median(fits) > _AGREES:
+            return n
+    return 0
+
+
+def _slope(q: np.ndarray, v: np.ndarray, period: float) -> tuple[float, float]:
+    """v per dq/dt, and their correlation, both smoothed a little."""
+    if len(q) != len(v) or np.ptp(q) == 0 or np.ptp(v) == 0:
+        return 0.0, 0.0
+    box = np.ones(5) / 5
+    rate = np.convolve(np.gradient(q, period), box, "valid")
+    smooth = np.convolve(v, box, "valid")
+    if np.ptp(rate) == 0:
+        return 0.0, 0.0
+    agreement = float(np.corrcoef(rate, smooth)[0, 1])
+    return float(np.sum(rate * smooth) / np.sum(rate**2)), agreement if np.isfinite(agreement) else 0.0
+
+
+def _roughness(x: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.diff(x, 2) ** 2)) / max(float(np.std(x)), 1e-300))

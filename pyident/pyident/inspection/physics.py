@@ -1,0 +1,170 @@
+"""What the robot's equations say of guessed channels: signs, units, zeros, order and delays."""
+
+from collections.abc import Mapping as Named
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.checks.balances import Balances, balances, samples
+from pyident.checks.better_channels import best_change, misfit
+from pyident.checks.scale import file_factor
+from pyident.checks.signs import against
+from pyident.checks.timing import delay
+from pyident.checks.transformations import Transformation
+from pyident.estimation.lock_unlogged import locked
+from pyident.inspection.channel import Channel
+from pyident.inspection.guesses import MOTOR_SIDE, natural_unit
+from pyident.logs.foreign import map_columns
+from pyident.logs.log import LogError
+from pyident.logs.mapping import Mapping, Source
+from pyident.logs.units import FACTORS
+
+_EFFORTS = ("N.m", "mN.m", "kN.m", "N.cm", "kgf.cm")
+_FORCES = ("N", "kN")
+_CLOSE = 2.2  # times that the masses may be off the robot file's where a unit is told from them
+_WITNESS = 0.25  # of the torques' variance: with more left, the equations are no witness
+_ROUNDS = 3
+
+
+def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
+    """Every channel that is a signal of a log, as it is guessed."""
+    signals = {}
+    for c in channels:
+        if c.name is not None:
+            factor = FACTORS[c.unit or "1"]
+            signals[c.name] = Source(c.column, c.sign * factor, c.offset * factor, c.delay, c.clock)
+    return Mapping(signals, rate=None if "time" in signals else rate)
+
+
+def with_physics(
+    channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
+) -> tuple[list[Channel], list[str]]:
+    """The channels as the equations of motion want them, and what was found, if they can say."""
+    said: list[str] = []
+    for _ in range(_ROUNDS):
+        of = _balances(channels, raw, robot, rate)
+        if of is None:
+            return channels, said
+        best = best_change(of)
+        if best is None or best.change.kind == "sum":
+            break
+        changed = _applied(channels, best.change, robot)
+        said.append(f"{best.change.mend} (by the robot's equations: {100 * np.sqrt(best.left):.2g} % of the "
+                    "torques "
+                    f"are left instead of {100 * np.sqrt(best.now):.2g} %)")  # fmt: skip
+        channels = changed
+    of = _balances(channels, raw, robot, rate)
+    if of is None:
+        return channels, said
+    channels, flips = _signs(channels, of)
+    of = _balances(channels, raw, robot, rate) or of
+    channels, late = _delays(channels, of)
+    return _efforts(channels, of, robot), said + flips + late
+
+
+def _balances(
+    channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
+) -> Balances | None:
+    try:
+        log = map_columns(dict(raw), mapping_of(channels, rate), "the recording", robot)
+        reduced, _ = locked(robot, [log])
+        signals = samples(reduced, log)
+        of = balances(signals) if signals is not None else None
+    except (LogError, KeyError, ValueError):
+        return None
+    return of if of is not None and of.joints else None
+
+
+def _applied(channels: list[Channel], change: Transformation, robot: Robot) -> list[Channel]:
+    """The guesses after a change of coordinates and torques."""
+    n = len(robot.joints)
+    motion, offset, out = change.motion[:n, :n], change.offset[:n], []
+    for c in channels:
+        k = (c.joint or 0) - 1
+        position = c.signal in ("position", "reference")
+        effort = c.signal in ("torque", "current", "feedforward", "voltage")
+        if not 0 <= k < n or not (position or effort):
+            out.append(c)
+            continue
+        matrix = motion if position else change.torque
+        to = int(np.argmax(np.abs(matrix[:, k])))  # our joint that takes this column
+        factor = float(matrix[to, k])
+        c = replace(c, joint=to + 1, sign=c.sign * (1 if factor > 0 else -1))
+        if abs(abs(factor) - 1) > 1e-6:
+            c = replace(c, unit=_unit_of(FACTORS[c.unit or "1"] * abs(factor)) or c.unit)
+        if position and offset[to]:
+            c = replace(c, offset=c.offset + offset[to] / FACTORS[c.unit or "rad"])
+        out.append(replace(c, why=(*c.why, change.mend)))
+    return out
+
+
+def _unit_of(factor: float) -> str | None:
+    units = ("rad", "deg", "m", "mm")
+    return next((unit for unit in units if abs(FACTORS[unit] / factor - 1) < 1e-6), None)
+
+
+def _signs(channels: list[Channel], of: Balances) -> tuple[list[Channel], list[str]]:
+    """Torques against their motion are turned; the question stays where the position may be what is wrong."""
+    wrong = {k + 1: reason for k in of.joints if (reason := against(of, k)) is not None}
+    if not wrong:
+        return channels, []
+    out = []
+    for c in channels:
+        if c.signal in ("torque", "current", "voltage") and c.joint in wrong:
+            c = replace(c, sign=-c.sign, sure=False, why=(*c.why, wrong[c.joint]),
+                        doubt=f"the sign of {c.column} was turned, as otherwise {wrong[c.joint]}; or is it "
+                              "the "
+                        f"position of joint {c.joint} that has the wrong sign?")  # fmt: skip
+        out.append(c)
+    return out, [
+        f"joint {k}: torque and position have opposite signs: {reason}" for k, reason in wrong.items()
+    ]
+
+
+def _delays(channels: list[Channel], of: Balances) -> tuple[list[Channel], list[str]]:
+    late = {k + 1: found.shift * of.samples.period for k in of.joints if (found := delay(of, k)) is not None}
+    out = [
+        replace(c, delay=round(late[c.joint], 6), why=(*c.why, f"late by {1e3 * late[c.joint]:.3g} ms"))
+        if c.joint in late and c.signal in ("torque", "current", "voltage")
+        else c
+        for c in channels
+    ]
+    return out, [
+        f"the torque of joint {k} is {1e3 * d:.3g} ms late; corrected in the mapping" for k, d in late.items()
+    ]
+
+
+def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channel]:
+    """Units of torques, by the order of magnitude of the robot file's masses."""
+    explained = misfit(of).share < _WITNESS
+    out = []
+    for c in channels:
+        joint = robot.joints[c.joint - 1] if c.joint and c.joint <= len(robot.joints) else None
+        if c.signal != "torque" or joint is None:
+            if explained and c.doubt == f"{c.column}{MOTOR_SIDE}":
+                c = replace(c, doubt="", sure=True, why=(*c.why, "the robot's equations"))
+            out.append(c)
+            continue
+        factor = file_factor(of) if explained else None
+        unit, doubt = c.unit, c.doubt.removesuffix(f"{c.column}{MOTOR_SIDE}")
+        doubt = c.doubt if factor is None else doubt
+        if factor is not None:
+            usual = _EFFORTS if joint.kind == "revolute" else _FORCES
+            natural = c.unit or natural_unit("torque", joint.kind)
+            near = min(usual, key=lambda u: abs(np.log(FACTORS[u] * factor / FACTORS[natural])))
+            off = max(r := FACTORS[near] * factor / FACTORS[natural], 1 / r)
+            if off > _CLOSE:
+                doubt = (f"in {natural}, {c.column} makes the masses {factor:.3g} times the robot file's: "
+                         "what is "
+                         f"its unit, or is a gear ratio missing?")  # fmt: skip
+            elif c.unit is not None and near != natural:
+                doubt = (
+                    f"the file says {c.unit} of {c.column}, the robot's masses say {near}: which is right?"
+                )
+            else:
+                unit = near
+        sure = unit is not None and not doubt and (factor is not None or c.unit is not None)
+        why = (*c.why, f"the robot's masses times {factor:.2g}") if factor is not None else c.why
+        out.append(replace(c, unit=unit, sure=sure, doubt=doubt, why=why))
+    return out

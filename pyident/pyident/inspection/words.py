@@ -1,0 +1,148 @@
+"""What a column's name says: signal, joint, side and unit, in the words that loggers use."""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from pyident.logs.units import known_unit
+
+Signal = Literal["time", "position", "reference", "velocity", "acceleration", "torque", "feedforward",
+                 "current", "voltage", "other", "unknown"]  # fmt: skip
+Side = Literal["joint", "motor", "link"]
+
+_WORDS: dict[str, str] = {
+    "time": "t time timestamp timestamps stamp zeit clock tsec secs elapsed",
+    "position": "q pos position positions angle angles theta e qm phi encoder enc winkel lage state x "
+    "istwert",
+    "velocity": "dq qd vel velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w rate "
+    "dqm",
+    "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot",
+    "torque": "tau trq torque torques effort efforts moment drehmoment force kraft load mot_torque m taum",
+    "current": "i cur curr current currents iq strom amp amps",
+    "voltage": "pwm duty volt voltage vir u spannung",
+}
+_BARE = {word: signal for signal, words in _WORDS.items() for word in words.split()}
+_WANTED = frozenset(
+    [
+        "ref",
+        "reference",
+        "cmd",
+        "command",
+        "commanded",
+        "des",
+        "desired",
+        "goal",
+        "target",
+        "set",
+        "setpoint",
+        "soll",
+        "sollwert",
+        "r",
+        "action",
+        "qg",
+        "qref",
+        "planned",
+        "demand",
+    ]
+)
+_AHEAD = set(["ff", "feedforward", "feed_forward", "tauff", "vorsteuerung"])
+_MOTOR = set(["motor", "mot", "drive", "antrieb", "rotor"])
+_LINK = set(["link", "se", "secondary", "output", "abtrieb", "load_side"])
+_OTHER = frozenset(
+    [
+        "temp",
+        "temperature",
+        "status",
+        "error",
+        "err",
+        "flag",
+        "id",
+        "frame",
+        "episode",
+        "index",
+        "task",
+        "done",
+        "reward",
+        "volts",
+        "input",
+        "mode",
+        "enable",
+        "enabled",
+        "torque_enable",
+        "seq",
+        "count",
+        "following",
+        "stiffness",
+        "tip",
+        "tcp",
+    ]
+)
+_SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a name says. joint: a number, a word, or None; unit: ours, or None."""
+
+    signal: Signal
+    joint: int | str | None
+    side: Side
+    unit: str | None
+
+
+def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
+    """Of a column's name; joints: names of the robot's joints, which may be part of it."""
+    joint, rest = _joint(name, joints)
+    words = [word.lower() for part in _SPLIT.split(rest) for word in _CAMEL.split(part) if word]
+    numbers = [int(word) for word in words if word.isdigit()]
+    words = [word for word in words if not word.isdigit()]
+    unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None)
+    if unit and len(words) > 1:
+        words = words[:-1]
+    side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
+    if joint is None and numbers:
+        joint = numbers[-1]
+    left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK]
+    if joint is None and len(left) and "observation" not in left:
+        joint = "_".join(w for w in left if w not in ("act", "actual", "meas", "measured", "ist", "present"))
+    return Meaning(_signal(words), joint or joint if joint != "" else None, side, unit)
+
+
+def _signal(words: list[str]) -> Signal:
+    if set(words) & _OTHER:
+        return "other"
+    found = [_BARE[word] for word in words if word in _BARE]
+    wanted = bool(set(words) & _WANTED)
+    if "torque" in found and (set(words) & _AHEAD or wanted):
+        return "feedforward"
+    if set(words) & _AHEAD:
+        return "feedforward" if not found or found[-1] == "torque" else "other"
+    if words and _BARE.get(words[-1]) == "time":
+        return "time"
+    plain = [signal for signal in found if signal != "time"] or found
+    if wanted:
+        return "reference" if not plain or plain[-1] == "position" else "other"
+    order = ("acceleration", "velocity", "torque", "current", "voltage", "position", "time")
+    best = next((signal for signal in order if signal in plain), None)
+    return best or "unknown"  # pyright: ignore[reportReturnType]
+
+
+def _unit(words: list[str]) -> str | None:
+    text = "_".join(words)
+    for tried in (text, text.replace("_", "/"), text.replace("_", ".")):
+        if len(tried) > 1 and (unit := known_unit(tried)) and tried not in ("min", "rev"):
+            return unit
+    return {"rads": "rad/s", "degs": "deg/s"}.get(text)
+
+
+def _joint(name: str, joints: tuple[str, ...]) -> tuple[int | None, str]:
+    """The number of the robot's joint that the name holds, and the name without it."""
+    low = name.lower()
+    for k, joint in sorted(enumerate(joints, start=1), key=lambda pair: -len(pair[1])):
+        if len(joint) > 1 and joint.lower() in low:
+            at = low.index(joint.lower())
+            after = low[at + len(joint) : at + len(joint) + 1]
+            if not after.isdigit():
+                return k, name[:at] + " " + name[at + len(joint) :]
+    return None, name

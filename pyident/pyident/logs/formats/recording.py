@@ -1,0 +1,37 @@
+"""What a file holds, whatever its format: numeric columns by name, their units and their clocks."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Recording:
+    """columns: name -> numbers, of one length or of several; units: as the file itself gives them.
+
+    clocks   column -> the column that holds its time stamps, where columns have clocks of their own
+    header   whether the columns have names of their own; without, they are called "1", "2", ...
+    """
+
+    columns: Mapping[str, np.ndarray]
+    units: Mapping[str, str] = field(default_factory=dict)
+    clocks: Mapping[str, str] = field(default_factory=dict)
+    header: bool = True
+
+
+def leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray]]:
+    """Vectors of a structured value: `a`, `a.b` of a struct, `a[2]` of a matrix, whose long side is time."""
+    if isinstance(value, np.ndarray) and value.dtype.names and value.ndim == 0:
+        for part in value.dtype.names:
+            yield from leaves(f"{name}.{part}", value[part].item())
+    elif isinstance(value, np.ndarray) and value.dtype.kind in "fiub":
+        if value.ndim == 1:
+            yield name, value
+        elif value.ndim == 2:
+            rows = value if value.shape[0] < value.shape[1] else value.T
+            if len(rows) == 1:
+                yield name, rows[0]
+            else:
+                yield from ((f"{name}[{i + 1}]", row) for i, row in enumerate(rows))

@@ -1,0 +1,45 @@
+"""Interactive figures in a page that needs nothing else.
+
+Plotly's library is five megabytes of text. A page carries it compressed, a third of that, and the browser
+unpacks it (DecompressionStream, in all browsers since 2023); figures are drawn when it is there.
+"""
+
+import gzip
+import re
+from base64 import b64encode
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+_UNPACKED = """
+const plotlyReady = (async () => {
+  const packed = atob(document.getElementById("plotly-gzip").textContent)
+  const bytes = Uint8Array.from(packed, letter => letter.charCodeAt(0))
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))
+  const script = document.createElement("script")
+  script.textContent = await new Response(stream).text()
+  document.head.append(script)
+})()
+plotlyReady.catch(() => document.body.insertAdjacentText("afterbegin",
+  "The figures of this page need a browser of 2023 or newer."))
+"""
+_CALL = re.compile(r"<script[^>]*>(.*?)</script>", re.S)
+
+
+@cache
+def library() -> Markup:
+    """The elements of a page's head that `element` relies on."""
+    from plotly.offline import get_plotlyjs
+
+    packed = b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
+    return Markup(f'<script type="text/plain" id="plotly-gzip">{packed}</script><script>{_UNPACKED}</script>')
+
+
+def element(figure: "go.Figure", **options: Any) -> Markup:
+    """A figure's place in the page and its call; options as of plotly's `to_html`."""
+    html = figure.to_html(full_html=False, include_plotlyjs=False, **options)
+    return Markup(_CALL.sub(lambda found: f"<script>plotlyReady.then(() => {{{found[1]}}})</script>", html))

@@ -1,0 +1,103 @@
+"""A mapping is found for a dozen styles of files; what cannot be known is asked, never asserted."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from inspection.styles import STYLES, arm, plain_csv, shuffled_parquet, sound
+
+from flexmodels.files.robot_file import save_robot
+from pyident.cli.main import main
+from pyident.inspection.inspect_log import inspect_log
+from pyident.inspection.words import meaning
+from pyident.logs.foreign import import_log
+from pyident.logs.mapping import read_mapping
+
+pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes the recording")
+SHARE = 0.9  # of the columns that must be right
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return sound()
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return arm()
+
+
+@pytest.mark.parametrize("style", STYLES, ids=lambda style: style.__name__)
+def test_a_mapping_is_proposed_and_nothing_wrong_asserted(style, recording, robot, tmp_path):
+    pytest.importorskip("h5py" if "mat_7" in style.__name__ or "hdf5" in style.__name__ else "numpy")
+    pytest.importorskip("rosbags" if style.__name__ == "mcap" else "numpy")
+    made = style(recording, tmp_path)
+    found = inspect_log([made.path], robot)
+    guesses = {c.column: c for c in found.channels}
+    assert set(made.truth) <= set(guesses)
+    right, asserted = 0, []
+    for column, truth in made.truth.items():
+        c = guesses[column]
+        said = None if c.name is None else (c.name, c.unit or "1", c.sign, round(c.offset, 3))
+        right += said == truth
+        if said != truth and not c.doubt:
+            asserted.append((column, said, truth))
+    assert not asserted
+    assert right >= SHARE * len(made.truth)
+    assert all(guesses[column].doubt for column in made.asked)
+    assert len(found.questions) == sum(bool(c.doubt) for c in found.channels)
+
+
+def test_what_is_written_is_what_import_reads(recording, robot, tmp_path):
+    made = shuffled_parquet(recording, tmp_path)
+    save_robot(robot, tmp_path / "arm.toml")
+    words = ["log", "inspect", made.path, "--robot", tmp_path / "arm.toml", "-o", tmp_path / "mapping.toml"]
+    done = CliRunner().invoke(main, [str(w) for w in [*words, "--json", tmp_path / "found.json"]])
+    assert done.exit_code == 0, done.output
+    assert "ActualTorque3" in done.output
+    told = json.loads((tmp_path / "found.json").read_text())
+    assert told["questions"] == []
+    log = import_log([made.path], read_mapping(tmp_path / "mapping.toml"), robot)
+    for k in range(1, 7):
+        np.testing.assert_allclose(log.frame[f"joint{k}.tau"], recording[f"tau{k}"], rtol=1e-9)
+        np.testing.assert_allclose(log.frame[f"joint{k}.e"], recording[f"q{k}"], rtol=1e-12)
+
+
+def test_without_a_robot_units_of_torques_are_asked(recording, tmp_path):
+    found = inspect_log([plain_csv(recording, tmp_path).path])
+    guesses = {c.column: c for c in found.channels}
+    assert guesses["q_3"].name == "joint3.e"
+    assert guesses["q_3"].sure
+    assert not guesses["tau_3"].sure
+    assert any("unit of tau_3" in q for q in found.questions)
+    assert "# ? " in found.toml()
+
+
+def test_a_file_without_time_or_torque_is_questioned(recording, robot, tmp_path):
+    recording[[f"q{k}" for k in range(1, 7)]].to_csv(tmp_path / "bare.csv", index=False)
+    done = CliRunner().invoke(main, ["log", "inspect", str(tmp_path / "bare.csv")])
+    assert done.exit_code == 1
+    assert "how many samples a second" in done.output
+    assert "no column looks like a torque" in done.output
+
+
+@pytest.mark.parametrize(
+    ("name", "signal", "joint", "unit"),
+    [
+        ("actual_q_0", "position", 0, None),
+        ("joint_3.position", "position", 3, None),
+        ("target_q_5", "reference", 5, None),
+        ("Soll_A2_deg", "reference", 2, "deg"),
+        ("tau_ff_1", "feedforward", 1, None),
+        ("i_q_4", "current", 4, None),
+        ("motor2_temperature", "other", 2, None),
+        ("qdd3", "acceleration", 3, None),
+        ("dq2", "velocity", 2, None),
+        ("time_ms", "time", None, "ms"),
+    ],
+)
+def test_names_are_understood(name, signal, joint, unit):
+    found = meaning(name)
+    assert (found.signal, found.unit) == (signal, unit)
+    assert found.joint in (joint, None) if joint is None else found.joint == joint

@@ -1,0 +1,148 @@
+"""Instrumental variables: against statsmodels, against drawn noise, and on a noisy log of a simulated arm."""
+
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from statsmodels.sandbox.regression.gmm import IV2SLS
+from two_link_logs import inline, loaded, two_link
+
+from flexmodels.experiment import Experiment
+from flexmodels.inputs import SimulationError
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.identify import identify
+from pyident.estimation.instrumental_variables import Rows, fading, solve_instrumental, spectral
+from pyident.estimation.least_squares import reduce
+from pyident.logs.log import Log
+from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
+from pyident.refinement.estimators import ESTIMATORS
+from pyident.refinement.noise_scatter import noise_scatter
+from pyident.regression.regressor import regressor
+from pyident.simulation.replica import with_noise
+
+NOISE = 2e-5  # rad: stiffnesses come out far too small by least squares
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("instruments")
+
+
+@pytest.fixture(scope="module")
+def logs(folder) -> list[Log]:
+    """Six seconds without noise, and with encoder noise in the loop."""
+    robot, time = two_link(), np.arange(1500) / 250
+    lines, rng = np.linspace(0.5, 40, 60), np.random.default_rng(7)
+    swing = [0.6 * (1 - np.cos(2 * np.pi * time / period)) for period in (2.7, 3.4)]
+    phases = rng.uniform(0, 2 * np.pi, (2, 60))
+    waves = [np.cos(2 * np.pi * np.outer(time, lines) + p).sum(axis=1) for p in phases]
+    plan = Experiment(time, np.column_stack(swing), np.column_stack(waves) * (4.0, 1.5))
+    noise = {
+        name: (NOISE if name.endswith(".e") else NOISE / 2) * rng.standard_normal(len(time))
+        for name in robot.coordinates
+    }
+    with loaded(robot, folder) as fmu:
+        return [
+            Log(fmu.simulate(plan), "quiet"),
+            Log(with_noise(lambda made: fmu.simulate(made), plan, noise), "noisy"),
+        ]
+
+
+@pytest.fixture(scope="module")
+def found(folder, logs):
+    return identify_by_instruments(two_link(), [logs[1]], inline(folder))
+
+
+def errors(robot: Robot, p: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
+    true = robot.linear_parameters
+    return np.array([abs(v / true[n] - 1) for n, v in zip(true, p, strict=True) if n.split(".")[1] in kinds])
+
+
+def test_the_algebra_is_that_of_statsmodels():
+    rng = np.random.default_rng(0)
+    signal = rng.normal(size=(400, 2, 3))
+    A, Z = signal + 0.5 * rng.normal(size=signal.shape), signal + 0.5 * rng.normal(size=signal.shape)
+    y = signal @ [1.0, -2.0, 3.0] + 0.1 * rng.normal(size=(400, 2))
+    weights = np.array([1.0, 3.0])
+    reduced = reduce([(A, y)], ("a", "b"), ("u", "v", "w"))
+
+    def rows():
+        return [Rows(A, Z, y, np.ones_like(y))]
+
+    ours = solve_instrumental(rows, reduced, weights, spectral(rows, weights))
+    weighted = [(x * weights[:, None]).reshape(-1, 3) for x in (A, Z)]
+    theirs = IV2SLS((y * weights).ravel(), weighted[0], weighted[1]).fit()
+    np.testing.assert_allclose(ours.p, theirs.params, rtol=1e-9)
+    np.testing.assert_allclose(ours.std, theirs.bse, rtol=0.35)  # theirs: residuals of one size
+
+
+def test_the_mask_fades_before_it_closes():
+    use = np.ones((100, 1))
+    use[40:50] = 0
+    share = fading(use, 5)[:, 0]
+    assert (share[40:50] == 0).all()
+    assert share[0] < 0.05
+    assert share[20] == pytest.approx(1)
+    assert np.abs(np.diff(share)).max() < 0.3
+
+
+def test_intervals_carry_the_noise_as_drawn_noise_does(logs):
+    """400 draws of noise on a quiet log: the spread of the sums against instruments."""
+    robot, log = two_link(), logs[0]
+    part, p = condition(log, robot), np.array(list(two_link().linear_parameters.values()))
+    Z = regressor(robot, part.motion).matrix
+    rows = Rows(Z, Z, part.target, fading(part.use))
+    weights = 1 / np.maximum(np.abs(part.target).max(axis=0), 1.0)
+    turn = np.diag(1 / np.maximum(np.linalg.norm(Z, axis=(0, 1)), 1e-12))
+    noise = {"joint1.e": 2e-6, "joint2.e": 1e-6, "joint1.eps[1]": 3e-6}
+    ours = noise_scatter(robot, part, rows, p, weights, turn, noise, log.period)
+    rng, sums = np.random.default_rng(1), []
+    for _ in range(400):
+        frame = log.frame.copy()
+        for name, sigma in noise.items():
+            frame[name] += sigma * rng.standard_normal(len(frame))
+        drawn = condition(Log(frame, "drawn"), robot)
+        change = (regressor(robot, drawn.motion).matrix - Z) @ p
+        sums.append(np.einsum("ncp,nc->p", Z, change * rows.share * weights**2) @ turn)
+    spread = np.std(sums, axis=0)
+    strong = spread > 1e-6 * spread.max()
+    assert strong.sum() > 15
+    np.testing.assert_allclose(np.sqrt(np.diag(ours))[strong], spread[strong], rtol=0.15)
+
+
+def test_noise_that_ruins_least_squares_leaves_the_instruments_alone(found, logs):
+    robot = two_link()
+    plain = identify(robot, [logs[1]])
+    ours, theirs = (errors(robot, p, ("k[1]", "J_m")) for p in (found.solution.p, plain.solution.p))
+    assert theirs.max() > 0.1
+    assert ours.max() < theirs.max() / 10
+    alone = ~found.solution.open
+    true = np.array(list(robot.linear_parameters.values()))
+    z = (found.solution.p - true)[alone] / found.solution.std[alone]
+    assert np.mean(np.abs(z) < 1.96) > 0.8
+    assert np.sqrt(np.mean(z**2)) > 0.3  # nor are the intervals vast
+    assert found.estimator == NAME
+
+
+def test_what_cannot_be_simulated_gets_no_intervals_and_says_so(logs):
+    @contextmanager
+    def broken(robot: Robot):
+        raise SimulationError("it rings")
+        yield
+
+    result = identify_by_instruments(two_link(), [logs[1]], broken)
+    assert result.estimator == START
+    assert "cannot be simulated (it rings)" in result.notes[-1]
+    assert "no intervals" in result.notes[-1]
+    assert all(b.std != b.std for b in result.base)
+    assert all(entry["std"] is None for entry in result.json()["parameters"].values())
+
+
+@pytest.mark.parametrize("name", ["ols", "wls", "irls", "tls"])
+def test_every_estimator_finds_a_quiet_log_and_says_its_name(name, logs, folder):
+    robot = two_link()
+    result = ESTIMATORS[name](robot, [logs[0]], inline(folder))
+    assert errors(robot, result.solution.p, ("coulomb", "J_m")).max() < 0.02
+    assert "least squares" in result.estimator
+    assert result.json()["estimator"] == result.estimator

@@ -1,0 +1,51 @@
+"""Figures whose library travels compressed: what is unpacked is plotly, and a browser draws them."""
+
+import gzip
+import os
+import re
+import shutil
+from base64 import b64decode
+
+import plotly.graph_objects as go
+import pytest
+from plotly.offline import get_plotlyjs
+
+from pyident.report.interactive import element, library
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+@pytest.fixture
+def page(tmp_path):
+    figure = go.Figure(go.Bar(x=["</script><b>", "b"], y=[1.0, 2.0]))
+    file = tmp_path / "page.html"
+    head, body = f"<meta charset='utf-8'>{library()}", element(figure, div_id="bars")
+    file.write_text(f"<!doctype html><head>{head}</head><body>{body}", encoding="utf-8")
+    return file
+
+
+def test_the_library_is_whole_and_a_third_of_its_size(page):
+    text = page.read_text("utf-8")
+    (packed,) = re.findall(r'id="plotly-gzip">([A-Za-z0-9+/=]+)<', text)
+    assert gzip.decompress(b64decode(packed)).decode() == get_plotlyjs()
+    assert len(text) < 0.5 * len(get_plotlyjs())
+
+
+def test_nothing_is_drawn_before_the_library_is_there(page):
+    text = page.read_text("utf-8")
+    assert text.count("Plotly.newPlot") == text.count("plotlyReady.then(() => {") == 1
+    assert "</script><b>" not in text
+
+
+@pytest.mark.browser
+def test_a_browser_draws_it(page):
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("there is no Chromium: set CHROMIUM to its path")
+    with playwright.sync_playwright() as running:
+        browser = running.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        shown = browser.new_page()
+        shown.goto(page.as_uri())
+        shown.wait_for_selector("#bars .barlayer .point", timeout=120_000, state="attached")
+        assert shown.locator("#bars .barlayer .point").count() == 2
+        browser.close()

@@ -1,0 +1,47 @@
+"""A part of the test bench of the checks: every other kind of wrong log, each on one robot in turn."""
+
+import pytest
+
+pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes the logs")
+
+from pyident.sweep.studies.log_checks import study
+from pyident.sweep.studies.log_checks.good_logs import HONEST, scara
+from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
+from pyident.sweep.studies.log_checks.wrong_logs import KINDS
+
+from pyident.checks.check_log import check_log
+from pyident.logs.log import Log
+
+SHARE = 0.95
+FEWEST = 60  # kinds
+
+
+def test_there_are_enough_kinds():
+    assert len(KINDS) >= FEWEST
+
+
+def test_grossly_wrong_logs_are_flagged(data):
+    """The whole bench: pyident study log_checks."""
+    bases = [(robot, log) for robot, log in study.sound_bases()]
+    assert len(bases) == 3
+    flagged = []
+    for i, (name, change) in enumerate(list(KINDS.items())[::2]):
+        robot, log = bases[i % 3]
+        frame = change(robot, log.frame.copy())
+        if frame is not None:
+            flagged.append((study.outcome(robot, frame, "log.csv")[0] != "missed", name))
+    missed = [name for found, name in flagged if not found]
+    assert len(missed) <= (1 - SHARE) * len(flagged), missed
+
+
+@pytest.mark.parametrize("name", [*list(HONEST)[::3], "as it is", "two axes at rest", "50 Hz"])
+def test_honest_logs_are_not_flagged(data, name):
+    motions = {"two axes at rest": Motion(standing=(2, 4)), "smooth start": Motion(rest=3.0, duration=15.0),
+               "50 Hz": Motion(period=0.02, duration=30.0)}  # fmt: skip
+    motion = motions.get(name, Motion(speed=0.5))
+    for robot in (six_axes(), scara()):
+        assert robot is not None
+        if motion.period == 0.02 and robot.controller:
+            continue
+        frame = HONEST.get(name, lambda f: f)(recorded(robot, motion, 70))
+        assert check_log(robot, Log(frame, "log.csv")) == (), name
