@@ -89,7 +89,7 @@ def measured(runs: int, rounds: int, numbers: list[int]) -> pd.DataFrame:
     robot = load_robot("four_link")
     experiment, sets = identification(robot, duration=SECONDS), design(robot, runs)
     with tempfile.TemporaryDirectory() as folder:
-        content = export_fmu(equations(robot), Path(folder) / "arm.fmu", derivatives=False).read_bytes()
+        content = export_fmu(equations(robot), Path(folder) / "arm.fmu", light=True).read_bytes()
     rows = []
     for number in range(rounds):
         for workers in numbers:

@@ -51,7 +51,7 @@ def made_log(fmu: LoadedFmu, robot: Robot, seed: int, seconds: float = 10.0) -> 
 @contextmanager
 def loaded(robot: Robot, folder: Path) -> Iterator[LoadedFmu]:
     path = folder / f"{robot.name}_{len(robot.parameters)}.fmu"
-    with LoadedFmu(export_fmu(equations(robot), path, derivatives=False)) as fmu:
+    with LoadedFmu(export_fmu(equations(robot), path, light=True)) as fmu:
         yield fmu
 
 

@@ -4,16 +4,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from flexfmu.documentation import controller_page, plant_page
-from flexfmu.icon import icons
+from flexfmu.code.compilation import ALL_LANES, host_lanes
+from flexfmu.code.source import controller_sources, model_sources
+from flexfmu.files.documentation import controller_page, plant_page
+from flexfmu.files.icon import icons
 from flexfmu.interface import controller_interface, plant_interface
-from flexfmu.package import Package, Platforms, Version, write_fmu
-from flexfmu.source import controller_sources, model_sources
+from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
 from flexfmu.variables import states
 from flexmodels.compiler import BuildError
-from flexmodels.coordinate import of_joint, reference_of
+from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 
+_PLANT = ("plant", "integration", "equilibrium", "scalar", "batch", "lanes", "lanes_loop")
 __all__ = ["BuildError", "export_controller", "export_fmu"]
 
 
@@ -22,25 +24,32 @@ def export_fmu(
     path: str | Path,
     fmi: Version = 2,
     platforms: Platforms = "host",
-    derivatives: bool = True,
+    light: bool = False,
+    model: bytes | None = None,
 ) -> Path:
-    """Write an FMU for model exchange and co-simulation, with its C sources. Raises BuildError.
+    """Write an FMU for model exchange and co-simulation. Raises BuildError.
 
     equations    with its controller inside, or with controller None: its inputs are then the torques
     fmi          version of the standard
     platforms    this machine's, or Linux, Windows and macOS in one file (needs the package ziglang)
-    derivatives  whether the binary provides directional (and, in FMI 3, adjoint) derivatives
+    light        to be simulated and thrown away: no directional (and, in FMI 3, adjoint) derivatives,
+                 sources, pictures, documentation and recorded run
+    model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)
-    derivatives = derivatives and equations.servo is None  # a servo's dead band and limits have none
+    inside = [*_loop(equations), *([] if light else ["sensitivities"])]
+    lanes = host_lanes() if light else ALL_LANES
+    derivatives = not light and equations.servo is None  # a servo's dead band and limits have none
+    papers = None
+    if not light:
+        page = plant_page(equations, interface, model)
+        papers = Papers(page, icons(equations), _push(equations), model)
     package = Package(
         interface=interface,
-        runtime=("plant", "equilibrium", *_loop(equations)),
-        sources=model_sources(equations, derivatives),
+        runtime=(*_PLANT, *(f"lanes_{name}" for name in lanes), *inside),
+        sources=model_sources(equations, derivatives, lanes),
         derivatives=derivatives,
-        page=plant_page(equations, interface),
-        icons=icons(equations),
-        push=_push(equations),
+        papers=papers,
     )
     return write_fmu(package, path, fmi, platforms)
 
@@ -50,17 +59,16 @@ def export_controller(
 ) -> Path:
     """Write the digital controller alone as an FMU 2.0 for co-simulation. Raises BuildError.
 
-    integral     start of every `joint{k}.I_0`: the torque that holds the plant at its start [N m or N]
+    integral     start of every `joint{k}.I_0`: the torque that holds the plant at its own start [N m or N]
     """
     interface = controller_interface(equations, integral)
+    push = {f"joint{k}.r": 0.01 for k in range(1, equations.joints + 1)}
     package = Package(
         interface=interface,
         runtime=("controller", "pid"),
         sources=controller_sources(interface),
         derivatives=False,
-        page=controller_page(equations, interface),
-        icons=icons(equations),
-        push={reference_of(k): 0.01 for k in range(1, equations.joints + 1)},
+        papers=Papers(controller_page(equations, interface), icons(equations), push),
     )
     return write_fmu(package, path, 2, platforms)
 

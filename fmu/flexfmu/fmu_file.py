@@ -17,12 +17,12 @@ class FmuDescription:
 
     def __init__(self, path: str | Path):
         self.description = _described(Path(path))
-        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
 
     @property
     def joints(self) -> int:
         """Number of driven joints: those with a reference among the inputs."""
-        return sum(1 for name in self._references if re.fullmatch(r"joint\d+\.r", name))
+        return sum(1 for name in self.references if re.fullmatch(r"joint\d+\.r", name))
 
 
 def _described(path: Path) -> ModelDescription:

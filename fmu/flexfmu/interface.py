@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from flexfmu.dependencies import Dependencies, controller_dependencies, plant_dependencies
 from flexfmu.names import c_identifier
-from flexfmu.variables import Variable, controller_variables, states, variables
+from flexfmu.variable import Variable
+from flexfmu.variables import controller_variables, states, variables
 from flexmodels.mechanics.plant import Equations
 
 _STEP_WITHOUT_CONTROLLER = 1e-3  # [s]
@@ -27,6 +29,7 @@ class Interface:
     indicators: int
     step: float
     sampled: bool
+    dependencies: Dependencies
 
     @property
     def identifier(self) -> str:
@@ -40,18 +43,15 @@ class Interface:
         return outputs + [v for v in self.listed if v.derivative_of]
 
     @property
-    def initial_unknowns(self) -> list[int]:
-        """Value references of what initialisation computes."""
+    def initial_unknowns(self) -> list[Variable]:
+        """What initialisation computes, by value reference."""
         names = {v.name for v in self.unknowns} | set(self.states)
         names |= {v.name for v in self.listed if v.causality == "calculatedParameter"}
-        return [i for i, v in enumerate(self.listed) if v.name in names]
+        return [v for v in self.listed if v.name in names]
 
-    def dependencies(self, unknown: Variable) -> tuple[str, ...]:
-        """Names that an output or a rate depends on: a held torque is none, a torque that is an input is."""
-        if unknown.depends_on is not None:
-            return unknown.depends_on
-        inputs = () if self.sampled else tuple(v.name for v in self.listed if v.causality == "input")
-        return (*self.states, *inputs)
+    def references(self, names: frozenset[str]) -> list[int]:
+        """Value references of variables, ascending."""
+        return [i for i, v in enumerate(self.listed) if v.name in names]
 
 
 def plant_interface(equations: Equations) -> Interface:
@@ -67,6 +67,7 @@ def plant_interface(equations: Equations) -> Interface:
         indicators=equations.joints,
         step=c.period if c else _STEP_WITHOUT_CONTROLLER,
         sampled=c is not None,
+        dependencies=plant_dependencies(equations),
     )
 
 
@@ -82,4 +83,5 @@ def controller_interface(equations: Equations, integral: Mapping[str, float]) ->
         indicators=0,
         step=equations.controller.period,
         sampled=True,
+        dependencies=controller_dependencies(equations.joints),
     )

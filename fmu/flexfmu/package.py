@@ -2,7 +2,6 @@
 
 import shutil
 import warnings
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,11 +9,12 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from flexfmu import fmi2_description, fmi3_description
-from flexfmu.compilation import HOST, PLATFORMS, compile_for
+from flexfmu.code.compilation import HOST, PLATFORMS, compile_for
+from flexfmu.code.source import LICENSES, RUNTIME, token_of
+from flexfmu.files import fmi2_description, fmi3_description
+from flexfmu.files.provenance import zip_folder
 from flexfmu.interface import Interface
 from flexfmu.simulate import constant_run
-from flexfmu.source import RUNTIME, token_of
 from flexmodels.atomic import replacing
 from flexmodels.inputs import SimulationError
 from flexmodels.scratch import scratch_folder
@@ -41,52 +41,59 @@ class Package:
 
     runtime    names of the runtime's C files, beside the face and the instance
     sources    generated C files: name -> text
-    page       documentation/index.html
-    icons      name -> content, `icon.png` and `icon.svg`
-    push       constant inputs of the recorded run
+    papers     what is there for people; None leaves it out, with the recorded run
     """
 
     interface: Interface
     runtime: tuple[str, ...]
     sources: dict[str, str]
     derivatives: bool
+    papers: "Papers | None"
+
+
+@dataclass(frozen=True)
+class Papers:
+    """For people who open the file.
+
+    page       documentation/index.html
+    icons      name -> content, `icon.png` and `icon.svg`
+    push       constant inputs of the recorded run
+    model      the robot file, as it was read; None where there was none
+    """
+
     page: str
     icons: dict[str, bytes]
     push: dict[str, float]
+    model: bytes | None = None
 
 
 def write_fmu(package: Package, path: str | Path, fmi: Version, platforms: Platforms) -> Path:
     """Compile, describe, record, zip. Raises BuildError."""
     path, identifier = Path(path), package.interface.identifier
-    with scratch_folder() as folder:
-        root = folder
-        names = _write_sources(root / "sources", package, f"fmi{fmi}")
+    with scratch_folder() as root:
+        names = _write_sources(root / "sources", package, fmi)
         for platform in PLATFORMS if platforms == "all" else [HOST]:
             binary = root / "binaries" / platform.folder(fmi) / f"{identifier}{platform.suffix}"
             binary.parent.mkdir(parents=True)
             compile_for(platform, root / "sources", names, binary, native=platforms == "host")
         _describe(root, package, names, fmi)
-        _document(root / "documentation", package)
-        _record(root, package)
+        if package.papers:
+            _document(root, package, package.papers, fmi)
+            _record(root, package, package.papers)
+        else:
+            shutil.rmtree(root / "sources")
         with replacing(path) as file:
             zip_folder(root, file)
     return path
 
 
-def zip_folder(folder: Path, path: Path) -> None:
-    """Every file of the folder, by name."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for member in sorted(folder.rglob("*")):
-            if member.is_file():
-                archive.write(member, member.relative_to(folder).as_posix())
-
-
-def _write_sources(folder: Path, package: Package, face: str) -> list[str]:
+def _write_sources(folder: Path, package: Package, fmi: Version) -> list[str]:
     """The generated files and those of the runtime that belong to them; names of the C files."""
     folder.mkdir()
-    wanted = (*package.runtime, "instance")
-    for file in sorted(RUNTIME.iterdir()):
-        if file.suffix in (".c", ".h") and (file.name.startswith(face) or file.stem in wanted):
+    wanted = (*package.runtime, "instance", "symbols", f"face{fmi}")
+    for file in sorted((*RUNTIME.iterdir(), *(RUNTIME / "fmi").iterdir())):
+        ours = file.name.startswith(f"fmi{fmi}") or file.stem in wanted
+        if file.suffix in (".c", ".h") and ours:
             shutil.copy(file, folder)
     for name, text in package.sources.items():
         (folder / name).write_text(text)
@@ -95,9 +102,9 @@ def _write_sources(folder: Path, package: Package, face: str) -> list[str]:
 
 def _describe(root: Path, package: Package, names: list[str], fmi: Version) -> None:
     interface, token = package.interface, token_of(package.sources)
+    listed = names if package.papers else []
     if fmi == 2:
-        xml = fmi2_description.model_description(interface, token, names, package.derivatives)
-        (root / "model.png").write_bytes(package.icons["icon.png"])
+        xml = fmi2_description.model_description(interface, token, listed, package.derivatives)
     else:
         xml = fmi3_description.model_description(interface, token, package.derivatives)
         files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
@@ -106,17 +113,26 @@ def _describe(root: Path, package: Package, names: list[str], fmi: Version) -> N
         folder = root / "terminalsAndIcons"
         folder.mkdir()
         (folder / "terminalsAndIcons.xml").write_bytes(fmi3_description.terminals(interface))
-        for name, content in package.icons.items():
-            (folder / name).write_bytes(content)
     (root / "modelDescription.xml").write_bytes(xml)
 
 
-def _document(folder: Path, package: Package) -> None:
-    folder.mkdir()
-    (folder / "index.html").write_text(package.page, encoding="utf-8")
+def _document(root: Path, package: Package, papers: Papers, fmi: Version) -> None:
+    folder = root / "documentation"
+    licenses = folder / "licenses"
+    licenses.mkdir(parents=True)
+    (folder / "index.html").write_text(papers.page, encoding="utf-8")
+    for file in sorted(LICENSES.iterdir()):
+        shutil.copy(file, licenses)
+    if papers.model is not None:
+        (folder / "robot.toml").write_bytes(papers.model)
+    if fmi == 2:
+        (root / "model.png").write_bytes(papers.icons["icon.png"])
+        return
+    for name, content in papers.icons.items():
+        (root / "terminalsAndIcons" / name).write_bytes(content)
 
 
-def _record(root: Path, package: Package) -> None:
+def _record(root: Path, package: Package, papers: Papers) -> None:
     """Inputs and outputs of a short run of this very FMU, in the files of the FMI cross-check.
 
     There is none where the parameters do not let it run: they can be changed when it is used.
@@ -124,11 +140,11 @@ def _record(root: Path, package: Package) -> None:
     interface = package.interface
     stop = _SAMPLES * interface.step
     try:
-        run = constant_run(root, package.push, interface.step, stop)
+        run = constant_run(root, papers.push, interface.step, stop)
     except SimulationError as error:
         warnings.warn(f"{interface.identifier}.fmu has no recorded run: {error}", stacklevel=2)
         return
-    inputs = pd.DataFrame({"time": [0.0, stop]} | {name: np.full(2, v) for name, v in package.push.items()})
+    inputs = pd.DataFrame({"time": [0.0, stop]} | {name: np.full(2, v) for name, v in papers.push.items()})
     stem = root / "documentation" / interface.identifier
     inputs.to_csv(f"{stem}_in.csv", index=False)
     run.to_csv(f"{stem}_ref.csv", index=False)

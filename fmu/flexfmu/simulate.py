@@ -1,7 +1,8 @@
 """FMU + experiment -> log, for FMUs that follow the log contract; FMPy is imported here and in `fmu_file`."""
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -16,14 +17,17 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
+from flexfmu.code.compilation import HOST
+from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.finite import require_finite
 from flexfmu.fmu_file import FmuDescription, first_line
 from flexfmu.names import fmi_name
-from flexmodels.coordinate import of_joint, start_of, switch_of
+from flexfmu.replicas import run_replicas
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
+_LOGGED = re.compile(r"joint\d+\.(r|tau_ff|on|e|eps\[\d\]|tau)|tip\.[xyz]")
 
 
 class LoadedFmu(FmuDescription):
@@ -63,8 +67,8 @@ class LoadedFmu(FmuDescription):
         progress    called with the fraction done
         Raises SimulationError.
         """
-        parameters = self._starts(experiment) | dict(parameters or {})
-        logged = self._logged() + outputs
+        parameters = start_values(self.references, experiment) | dict(parameters or {})
+        logged = self.logged + outputs
         self._require({*map(fmi_name, parameters), *outputs})
         plain = self.description.fmiVersion == "2.0" and self.description.coSimulation is not None
         run = self._step_by_step if plain else self._by_fmpy
@@ -99,7 +103,7 @@ class LoadedFmu(FmuDescription):
         progress: Progress | None,
     ) -> np.ndarray:
         """FMI 3.0 and model exchange, by FMPy's own loop; inputs are linear between samples."""
-        names, inputs = self._input_names(experiment), self._inputs(experiment)
+        names, inputs = self._input_names(experiment), input_values(self.references, experiment)
         signals = np.zeros(len(inputs), dtype=[(name, float) for name in ("time", *names)])
         signals["time"] = experiment.time
         for name, values in zip(names, inputs.T, strict=True):
@@ -118,7 +122,7 @@ class LoadedFmu(FmuDescription):
                 start_values={fmi_name(name): value for name, value in parameters.items()},
                 input=signals,
                 output=list(logged),
-                relative_tolerance=1e-8,
+                relative_tolerance=None if simulation else 1e-8,
                 use_event_mode=events,
                 early_return_allowed=events,
                 logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),
@@ -132,14 +136,41 @@ class LoadedFmu(FmuDescription):
             rows[:, logged.index(name)] = values
         return rows
 
-    def _logged(self) -> tuple[str, ...]:
-        """Outputs and references, joint by joint as the log has them."""
+    @property
+    def logged(self) -> tuple[str, ...]:
+        """Columns of a log, beside the time."""
         listed = self.description.modelVariables
-        scalar = [v for v in listed if not v.dimensions]
-        return tuple(v.name for v in scalar if v.causality in ("output", "input"))
+        return tuple(v.name for v in listed if _LOGGED.fullmatch(v.name))
+
+    @property
+    def library(self) -> Path | None:
+        """The binary for this machine."""
+        version = 2 if self.description.fmiVersion == "2.0" else 3
+        folder = Path(self._folder) / "binaries" / HOST.folder(version)
+        return next(iter(sorted(folder.glob(f"*{HOST.suffix}"))), None)
+
+    def simulate_batch(
+        self,
+        experiment: Experiment,
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+        progress: Progress | None = None,
+    ) -> list[pd.DataFrame]:
+        """Many runs of one experiment, several side by side in vector registers where the FMU is ours.
+
+        parameters   a set per run, all of the same names, or one for all
+        noise        coordinate -> standard deviation of its sensor's white noise [rad or m]. That of a motor
+                     hinge passes through the loop: the controller measures it; all of it is in the frames
+        noise_seeds  a seed per run (the noise of np.random.default_rng(seed), coordinate by coordinate), or
+                     one for all; None is a run without noise
+        progress     called with the fraction done
+        Returns a frame per run, as from `simulate`. Raises SimulationError.
+        """
+        return run_replicas(self, experiment, parameters, noise or {}, noise_seeds, progress)
 
     def _require(self, names: set[str]) -> None:
-        unknown = sorted(names - set(self._references))
+        unknown = sorted(names - set(self.references))
         if unknown:
             raise SimulationError(f"the FMU has no variable {unknown[0]}")
 
@@ -163,32 +194,33 @@ class LoadedFmu(FmuDescription):
         logged: tuple[str, ...],
         progress: Progress | None,
     ) -> np.ndarray:
-        time, inputs = experiment.time, self._inputs(experiment)
+        time, inputs = experiment.time, input_values(self.references, experiment)
         slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / np.diff(time, append=time[-1] + 1)[:, None]
-        read = _vector(self._references[name] for name in logged)
-        written = _vector(self._references[name] for name in self._input_names(experiment))
+        read = _vector(self.references[name] for name in logged)
+        written = _vector(self.references[name] for name in self._input_names(experiment))
         order = (ctypes.c_int * len(written))(*([1] * len(written)))
         rows = np.empty((len(time), len(logged)))
         fmu.setupExperiment(startTime=time[0])
         if parameters:
-            fmu.setReal([self._references[fmi_name(n)] for n in parameters], list(parameters.values()))
+            fmu.setReal([self.references[fmi_name(n)] for n in parameters], list(parameters.values()))
         fmu.enterInitializationMode()
         fmu.fmi2SetReal(fmu.component, written, len(written), _pointer(inputs[0]))
         fmu.exitInitializationMode()
-        fmu.fmi2GetReal(fmu.component, read, len(read), _pointer(rows[0]))
         interpolates = self.description.coSimulation.canInterpolateInputs  # pyright: ignore
         value, slope, result = (np.empty(n) for n in (len(written), len(written), len(read)))
         to_value, to_slope, to_result = map(_pointer, (value, slope, result))  # made once: they take time
         component, now, steps = fmu.component, time.tolist(), np.diff(time).tolist()
-        for i, step in enumerate(steps):
+        for i, step in enumerate([*steps, None]):
             value[:] = inputs[i]
             fmu.fmi2SetReal(component, written, len(written), to_value)
+            fmu.fmi2GetReal(component, read, len(read), to_result)  # a sample that is due answers at once
+            rows[i] = result
+            if step is None:
+                break
             if interpolates:
                 slope[:] = slopes[i]
                 fmu.fmi2SetRealInputDerivatives(component, written, len(written), order, to_slope)
             fmu.fmi2DoStep(component, now[i], step, 0)
-            fmu.fmi2GetReal(component, read, len(read), to_result)
-            rows[i + 1] = result
             if progress and i % 64 == 0:
                 progress(i / len(time))
         fmu.terminate()
@@ -197,28 +229,9 @@ class LoadedFmu(FmuDescription):
         return rows
 
     def _input_names(self, experiment: Experiment) -> list[str]:
-        joints = range(1, experiment.reference.shape[1] + 1)
-        signals = ("r", "tau_ff", "on") if self._has_servos else ("r", "tau_ff")
-        names = [of_joint(k, signal) for signal in signals for k in joints]
+        names = input_names(self.references, experiment.reference.shape[1])
         self._require(set(names))
         return names
-
-    @property
-    def _has_servos(self) -> bool:
-        return switch_of(1) in self._references
-
-    def _inputs(self, experiment: Experiment) -> np.ndarray:
-        inputs = [experiment.reference, experiment.feedforward]
-        if self._has_servos:
-            inputs.append(np.ones_like(experiment.reference) if experiment.on is None else experiment.on)
-        return np.ascontiguousarray(np.hstack(inputs))
-
-    def _starts(self, experiment: Experiment) -> dict[str, float]:
-        """Positions from which servos set out."""
-        if not self._has_servos:
-            return {}
-        start = experiment.reference[0] if experiment.start is None else experiment.start
-        return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
 
 
 @contextmanager

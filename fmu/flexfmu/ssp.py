@@ -1,32 +1,33 @@
 """Equations -> SSP file: plant and controller as two FMUs, and how they are connected."""
 
-from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from flexfmu.build import export_controller, export_fmu, without_controller
+from flexfmu.files.provenance import sign, zip_folder
+from flexfmu.files.units import base_units
 from flexfmu.interface import Interface, controller_interface, plant_interface
-from flexfmu.package import Platforms, zip_folder
+from flexfmu.package import Platforms
 from flexfmu.simulate import constant_run
-from flexfmu.variables import Variable, base_units
+from flexfmu.variable import Variable
 from flexmodels.atomic import replacing
-from flexmodels.coordinate import motor_of, of_joint, torque_of
+from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 from flexmodels.scratch import scratch_folder
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
-_KINDS = ("input", "output", "parameter", "calculatedParameter")
 
 
 def export_ssp(equations: Equations, path: str | Path, platforms: Platforms = "host") -> Path:
     """Write SystemStructure.ssd, resources/plant.fmu and resources/controller.fmu. Raises BuildError.
 
-    The FMUs are of FMI 2.0, the version that SSP 1.0 names.
+    The FMUs are of FMI 2.0, the version that SSP 1.0 names. Positions and torques are connected; references
+    and feed-forward torques are inputs of the component `controller`. The system has no connectors of its own
+    and connects no parameters: simple masters know neither.
     """
     path, plant = Path(path), without_controller(equations)
-    with scratch_folder() as folder:
-        root = folder
+    with scratch_folder() as root:
         resources = root / "resources"
         resources.mkdir()
         export_fmu(plant, resources / "plant.fmu", 2, platforms)
@@ -57,13 +58,9 @@ def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
         f"{{{_SSD}}}SystemStructureDescription",
         version="1.0",
         name=equations.name,
-        generationTool="flexident",
-        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
     )
-    connections = _connections(parts)
-    outside = _outside(parts, connections)
+    sign(root)
     system = _element(root, "System", name=equations.name, description="The arm and its digital controller")
-    _connectors(system, outside)
     elements = _element(system, "Elements")
     for name, interface in parts.items():
         component = _element(
@@ -72,12 +69,15 @@ def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
             name=name,
             type="application/x-fmu-sharedlibrary",
             source=f"resources/{name}.fmu",
+            implementation="CoSimulation",
         )
-        _connectors(component, _shown(interface))
+        _connectors(component, [v for v in interface.listed if v.causality in ("input", "output")])
     lines = _element(system, "Connections")
-    for start, end in (*connections, *_to_outside(parts, outside)):
-        ends = {"startElement": start[0], "startConnector": start[1], "endElement": end[0]}
-        _element(lines, "Connection", **{k: v for k, v in ends.items() if v}, endConnector=end[1])
+    for k in range(1, equations.joints + 1):
+        for start, end, signal in (("plant", "controller", "e"), ("controller", "plant", "tau")):
+            name = of_joint(k, signal)
+            ends = {"startElement": start, "startConnector": name, "endElement": end, "endConnector": name}
+            _element(lines, "Connection", **ends)
     units = _element(root, "Units")
     for unit in sorted({v.unit for part in parts.values() for v in part.listed}):
         element = ET.SubElement(units, f"{{{_SSC}}}Unit", name=unit)
@@ -86,43 +86,6 @@ def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
     _element(root, "DefaultExperiment", startTime="0", stopTime="10")
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
-
-
-End = tuple[str, str]  # component ("": the system), connector
-
-
-def _connections(parts: dict[str, Interface]) -> list[tuple[End, End]]:
-    """Between the two: positions, torques, and the torques that hold the start."""
-    out: list[tuple[End, End]] = []
-    for k in range(1, parts["plant"].joints + 1):
-        out.append((("plant", motor_of(k)), ("controller", motor_of(k))))
-        out.append((("controller", torque_of(k)), ("plant", torque_of(k))))
-        out.append((("plant", of_joint(k, "tau_0")), ("controller", of_joint(k, "I_0"))))
-    return out
-
-
-def _outside(parts: dict[str, Interface], connections: list[tuple[End, End]]) -> list[Variable]:
-    """Inputs that nothing inside feeds, then every output."""
-    fed = {end for _, end in connections}
-    inputs, outputs = [], []
-    for name, interface in parts.items():
-        inputs += [v for v in interface.listed if v.causality == "input" and (name, v.name) not in fed]
-        outputs += [v for v in interface.listed if v.causality == "output"]
-    return [*inputs, *outputs]
-
-
-def _to_outside(parts: dict[str, Interface], outside: list[Variable]) -> list[tuple[End, End]]:
-    out: list[tuple[End, End]] = []
-    for v in outside:
-        owner = next(name for name, part in parts.items() if v in part.listed)
-        inner, outer = (owner, v.name), ("", v.name)
-        out.append((outer, inner) if v.causality == "input" else (inner, outer))
-    return out
-
-
-def _shown(interface: Interface) -> list[Variable]:
-    """What a component offers for connections: no tunable parameters."""
-    return [v for v in interface.listed if v.causality in _KINDS and v.variability != "tunable"]
 
 
 def _connectors(parent: ET.Element, listed: list[Variable]) -> None:

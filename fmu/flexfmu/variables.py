@@ -1,10 +1,10 @@
 """The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
 
-import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from flexfmu.names import fmi_name
+from flexfmu.variable import Variable
 from flexmodels.coordinate import (
     Coordinate,
     feedforward_of,
@@ -18,71 +18,24 @@ from flexmodels.mechanics.plant import Equations
 from flexmodels.settings.servo import PER_JOINT, SHARED
 
 STEP = 0.5e-3  # default solver step [s]
-_DERIVED = {
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
-    "Ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
-}
-TYPES = {
-    "rad": "Angle",
-    "rad/s": "AngularVelocity",
-    "rad/s2": "AngularAcceleration",
-    "m": "Length",
-    "m/s": "Velocity",
-    "m/s2": "Acceleration",
-    "N": "Force",
-    "N.m": "Torque",
-    "kg": "Mass",
-    "kg.m2": "MomentOfInertia",
-    "N.m/rad": "RotationalSpringConstant",
-    "N.m.s/rad": "RotationalDampingConstant",
-    "s": "Time",
-}
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One variable; its place in `variables` is its value reference.
-
-    derivative_of   name of the variable whose time derivative it is
-    depends_on      names that an output or a derivative depends on, None: on everything
-    """
-
-    name: str
-    causality: str
-    variability: str
-    unit: str
-    description: str
-    start: float | None = None
-    minimum: float | None = None
-    nominal: float | None = None
-    derivative_of: str | None = None
-    depends_on: tuple[str, ...] | None = None
-
-    @property
-    def initial(self) -> str | None:
-        return {"parameter": "exact", "input": None}.get(self.causality, "calculated")
-
-
-@dataclass(frozen=True)
-class Array:
-    """A view of neighbouring variables as one array (FMI 3.0)."""
-
-    name: str
-    first: str
-    size: int
-    description: str
+UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
 def variables(equations: Equations) -> list[Variable]:
     """Every scalar variable of a plant by value reference (runtime/plant.h)."""
     eq = equations
     if eq.servo:
-        begin = [*_references(eq), *_feedforward(eq), *_switches(eq), *_start_positions(eq)]
+        begin = [
+            *_references(eq),
+            *_feedforward(eq),
+            *_switches(eq),
+            *_start_positions(eq),
+            *_start_speeds(eq),
+        ]
     elif eq.controller:
-        begin = [*_references(eq), *_feedforward(eq)]
+        begin = [*_references(eq), *_feedforward(eq), *_start_speeds(eq), *_start_errors(eq)]
     else:
-        begin = [*_start_positions(eq), *_holding(eq)]
+        begin = [*_start_positions(eq), *_holding(eq), *_start_speeds(eq)]
     gains = _servo(eq) if eq.servo else _gains(eq)
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
     return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *gains, step]
@@ -101,17 +54,6 @@ def controller_variables(equations: Equations, integral: Mapping[str, float]) ->
     ]
 
 
-def arrays(joints: int) -> list[Array]:
-    """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3.c; inputs are scalars only."""
-    n = joints
-    return [
-        Array("joint.e", "joint1.e", n, "Positions of all motor hinges"),
-        Array("joint.tau", "joint1.tau", n, "Motor torques of all joints"),
-        Array("joint.friction", "joint1.friction", n, "Friction of all motor hinges"),
-        Array("tip", "tip.x", 3, "Tip position in base axes"),
-    ]
-
-
 def states(equations: Equations) -> tuple[str, ...]:
     """Names of the continuous states: coordinates, then their speeds, then the laws' own states."""
     speeds = (_speed(name) for name in equations.coordinates)
@@ -121,16 +63,6 @@ def states(equations: Equations) -> tuple[str, ...]:
 def nominals(equations: Equations) -> list[float]:
     """Typical sizes of the continuous states."""
     return [v.nominal or 1.0 for v in variables(equations) if v.name in states(equations)]
-
-
-def base_units(unit: str) -> dict[str, int]:
-    """Powers of the SI base units (and rad) in a unit such as `N.m/(rad.s)` or `kg.m2`."""
-    powers: dict[str, int] = {}
-    for side, text in zip((1, -1), unit.replace("(", "").replace(")", "").split("/"), strict=False):
-        for symbol, exponent in re.findall(r"([A-Za-z]+)(\d*)", text):
-            for base, power in _DERIVED.get(symbol, {symbol: 1}).items():
-                powers[base] = powers.get(base, 0) + side * power * int(exponent or 1)
-    return {base: power for base, power in powers.items() if power}
 
 
 def _speed(coordinate: str) -> str:
@@ -191,6 +123,22 @@ def _start_positions(eq: Equations) -> Iterator[Variable]:
         yield Variable(name, "parameter", "fixed", _motion_unit(eq, k), text, 0.0)
 
 
+def _start_speeds(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Speed of motor hinge {k + 1} at the start"
+        name = of_joint(k + 1, "de_0")
+        yield Variable(name, "parameter", "fixed", f"{_motion_unit(eq, k)}/s", text, 0.0)
+
+
+def _start_errors(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = (
+            f"Position of motor hinge {k + 1} at the start, from its first reference, in static equilibrium"
+        )
+        name = of_joint(k + 1, "start_error")
+        yield Variable(name, "parameter", "fixed", _motion_unit(eq, k), text, 0.0)
+
+
 def _holding(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Torque that holds joint {k + 1} at the start: the controller's joint{k + 1}.I_0"
@@ -212,11 +160,12 @@ def _states(eq: Equations) -> Iterator[Variable]:
         kind = "deformation of the flexible hinge" if small else "position of the motor hinge"
         text = f"Joint {q.joint}: {kind}"
         nominal = 1e-4 if small else 1.0
-        yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal, depends_on=(name,))
+        yield Variable(name, "output", "continuous", unit[name], text, nominal=nominal)
     for name, q in listed.items():
         nominal = 1.0 if q.is_motor else 1e-2
         speed = _speed(name)
-        yield Variable(speed, "local", "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
+        kind = "output" if q.is_motor else "local"
+        yield Variable(speed, kind, "continuous", f"{unit[name]}/s", f"Speed of {name}", nominal=nominal)
     for memory in eq.memories:
         yield Variable(memory.name, "local", "continuous", memory.unit, memory.description, nominal=1.0)
     for name in eq.coordinates:
@@ -227,7 +176,6 @@ def _states(eq: Equations) -> Iterator[Variable]:
             f"{unit[name]}/s",
             f"Rate of {name}",
             derivative_of=name,
-            depends_on=(_speed(name),),
         )
     for name in eq.coordinates:
         speed = _speed(name)
@@ -245,14 +193,14 @@ def _torques(eq: Equations) -> Iterator[Variable]:
             yield Variable(name, "input", "continuous", unit, f"Motor torque of joint {k}", 0.0)
             continue
         text = f"Motor torque of joint {k}, held until the next sample"
-        depends = (reference_of(k), feedforward_of(k), motor_of(k))
-        yield Variable(name, "output", "discrete", unit, text, depends_on=depends)
+        yield Variable(name, "output", "discrete", unit, text)
 
 
 def _results(eq: Equations) -> Iterator[Variable]:
     for axis in "xyz":
         text = f"Tip position, base axis {axis}"
-        yield Variable(f"tip.{axis}", "output", "continuous", "m", text, depends_on=eq.coordinates)
+        yield Variable(f"tip.{axis}", "output", "continuous", "m", text)
+    yield from _shown(eq)
     for k in range(eq.joints):
         text = f"Torque that the laws at motor hinge {k + 1} take, the reaction of a stuck hinge included"
         yield Variable(of_joint(k + 1, "friction"), "local", "continuous", _force_unit(eq, k), text)
@@ -268,6 +216,24 @@ def _results(eq: Equations) -> Iterator[Variable]:
             f"Force that the laws take at {name}, motor inertia included, the reaction of a stuck hinge not"
         )
         yield Variable(f"laws.{name}", "local", "continuous", unit, text)
+
+
+def _shown(eq: Equations) -> Iterator[Variable]:
+    """In the order of Equations.shown."""
+    for axis in "xyz":
+        text = f"Velocity of the tip, base axis {axis}"
+        yield Variable(f"tip.velocity.{axis}", "output", "continuous", "m/s", text)
+    for part in "xyzw":
+        text = f"Orientation of the tip in base axes, quaternion component {part}; (0, 0, 0, 1) at e = 0"
+        yield Variable(f"tip.orientation.{part}", "output", "continuous", "1", text)
+    for axis in "xyz":
+        text = f"Angular velocity of the tip, base axis {axis}"
+        yield Variable(f"tip.angular_velocity.{axis}", "output", "continuous", "rad/s", text)
+    for word, per in (("position", ""), ("velocity", "/s")):
+        for k in range(eq.joints):
+            unit = _motion_unit(eq, k) + per
+            text = f"Joint {k + 1}: {word} of the link, behind the flexible hinge (motor side and twist)"
+            yield Variable(of_joint(k + 1, f"link.{word}"), "output", "continuous", unit, text)
 
 
 def _parameters(eq: Equations) -> Iterator[Variable]:
@@ -290,3 +256,9 @@ def _gains(eq: Equations) -> Iterator[Variable]:
             unit = slider if eq.prismatic[k] else hinge
             text = f"{word} gain of the controller at joint {k + 1}"
             yield Variable(of_joint(k + 1, gain), "parameter", "tunable", unit, text, value)
+    for k in range(eq.joints):
+        text = f"Largest torque that the controller commands at joint {k + 1}, either way"
+        name = of_joint(k + 1, "tau_max")
+        yield Variable(name, "parameter", "tunable", _force_unit(eq, k), text, UNLIMITED, 0.0)
+    text = "Time between two samples of the controller"
+    yield Variable("controller.period", "parameter", "fixed", "s", text, eq.controller.period, 0.0)

@@ -108,7 +108,7 @@ class _Here:
 @contextmanager
 def _in_process(robot: Robot) -> Iterator[_Here]:
     with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", derivatives=False)
+        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             yield _Here(fmu)
 

@@ -44,7 +44,7 @@ def arm() -> Robot:
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
-    path = export_fmu(equations(arm()), tmp_path_factory.mktemp("arm") / "arm.fmu", derivatives=False)
+    path = export_fmu(equations(arm()), tmp_path_factory.mktemp("arm") / "arm.fmu", light=True)
     with LoadedFmu(path) as loaded:
         yield loaded
 

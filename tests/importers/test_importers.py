@@ -3,12 +3,9 @@
 Each tool runs 0.5 s of the paper's identification experiment in closed loop and must find the tip where our
 own co-simulation (flexfmu.simulate) finds it.
 
-Sampled inputs. The FMU's controller reads its inputs at its sample, the END of a communication step. Our own
-simulation states the inputs' slopes, so the controller reads the plan as it is. Tools that hold the inputs
-over a co-simulation step (`late` below) hand the controller every value one sample late. They are compared
-with our own simulation of the plan delayed by one sample, u0 u0 u1 u2 ..., which makes both exactly the same
-experiment. In model exchange the sample is a time event, at which every tool sets the inputs of that instant:
-the plan as it is.
+Sampled inputs. A sample of the FMU's controller that is due at a communication point is taken at the
+beginning of the next step, with the inputs that the tool sets there: every tool runs the plan as it is. In
+model exchange the sample is a time event.
 
 Tools that need an environment get one in $FLEXIDENT_TOOL_ENVS (default ~/.cache/flexident-tools).
 """
@@ -50,7 +47,6 @@ class Tool:
     script: str
     requirement: str | None
     interface: str
-    late: bool
     tolerance: float
     versions: tuple[int, ...] = (2, 3)
     event_mode: bool = False
@@ -58,18 +54,16 @@ class Tool:
 
 FMULOADER, PATHSIM = "fmuloader==0.1.2rc0", "pathsim-fmi==0.1.1"
 FMUTOOL = "fmu-manipulation-toolbox==2.0"
-CO_SIMULATION = Tool("run_fmpy.py", None, "CoSimulation", True, EXACT)
+CO_SIMULATION = Tool("run_fmpy.py", None, "CoSimulation", EXACT)
 TOOLS = {
     "fmpy-cs": CO_SIMULATION,
-    "fmpy-cs-event-mode": replace(
-        CO_SIMULATION, late=False, versions=(3,), event_mode=True, tolerance=ROUNDED
-    ),
-    "fmpy-cvode": Tool("run_fmpy.py", None, "ModelExchange", False, SOLVED),
-    "fmuloader-cs": Tool("run_fmuloader.py", FMULOADER, "CoSimulation", True, EXACT),
-    "fmuloader-me": Tool("run_fmuloader.py", FMULOADER, "ModelExchange", False, SOLVED),
-    "pathsim-cs": Tool("run_pathsim.py", PATHSIM, "CoSimulation", True, EXACT),
-    "pathsim-me": Tool("run_pathsim.py", PATHSIM, "ModelExchange", False, SOLVED),
-    "cofmupy-cs": Tool("run_cofmupy.py", "cofmupy==1.0.0", "CoSimulation", True, EXACT),
+    "fmpy-cs-event-mode": replace(CO_SIMULATION, versions=(3,), event_mode=True, tolerance=ROUNDED),
+    "fmpy-cvode": Tool("run_fmpy.py", None, "ModelExchange", SOLVED),
+    "fmuloader-cs": Tool("run_fmuloader.py", FMULOADER, "CoSimulation", EXACT),
+    "fmuloader-me": Tool("run_fmuloader.py", FMULOADER, "ModelExchange", SOLVED),
+    "pathsim-cs": Tool("run_pathsim.py", PATHSIM, "CoSimulation", EXACT),
+    "pathsim-me": Tool("run_pathsim.py", PATHSIM, "ModelExchange", SOLVED),
+    "cofmupy-cs": Tool("run_cofmupy.py", "cofmupy==1.0.0", "CoSimulation", EXACT),
 }
 RUNS = [pytest.param(tool, v, id=f"{name}-fmi{v}") for name, tool in TOOLS.items() for v in tool.versions]
 VERSIONS = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
@@ -82,14 +76,9 @@ def plan(four_link):
 
 @pytest.fixture(scope="module")
 def own(four_link_fmu, plan):
-    """Our own log of the plan (False) and of the plan one sample late (True)."""
-    late = Experiment(plan.time, delayed(plan.reference), delayed(plan.feedforward))
+    """Our own log of the plan."""
     with LoadedFmu(four_link_fmu) as loaded:
-        return {False: loaded.simulate(plan), True: loaded.simulate(late)}
-
-
-def delayed(u: np.ndarray) -> np.ndarray:
-    return np.vstack([u[:1], u[:-1]])
+        return loaded.simulate(plan)
 
 
 def scripts(requirement: str) -> Path:
@@ -134,7 +123,7 @@ def tip(table) -> np.ndarray:
 def test_the_closed_loop_runs_alike(tool, version, fmus, plan, own, tmp_path):
     """Same inputs at the controller's samples (see the top of this file), same tip."""
     answer = ask(tool, tmp_path, fmus[version], plan)
-    expected = tip(own[tool.late])[1:]
+    expected = tip(own)[1:]
     assert np.ptp(expected, axis=0).max() > 0.1  # it moves [m]
     np.testing.assert_allclose(tip(answer), expected, rtol=0, atol=tool.tolerance)
 
@@ -142,10 +131,10 @@ def test_the_closed_loop_runs_alike(tool, version, fmus, plan, own, tmp_path):
 @VERSIONS
 def test_casadi_finds_tip_and_derivatives(version, fmus, four_link, plan, own, tmp_path):
     """CasADi cannot run a sampled controller; it evaluates at the logged states, inputs play no part."""
-    tool = Tool("run_casadi.py", None, "ModelExchange", False, EXACT)
-    states = {name: own[False][name].tolist() for name in four_link.coordinates}
+    tool = Tool("run_casadi.py", None, "ModelExchange", EXACT)
+    states = {name: own[name].tolist() for name in four_link.coordinates}
     answer = ask(tool, tmp_path, fmus[version], plan, states=states)
-    np.testing.assert_allclose(tip(answer), tip(own[False])[1:], rtol=0, atol=tool.tolerance)
+    np.testing.assert_allclose(tip(answer), tip(own)[1:], rtol=0, atol=tool.tolerance)
     size = np.abs(answer["jacobian"]).max()
     np.testing.assert_allclose(answer["jacobian"], answer["differences"], atol=1e-9 * size)
     np.testing.assert_allclose(answer["adjoint"], answer["adjoint expected"], atol=1e-12 * size)
@@ -164,7 +153,7 @@ def test_the_sources_compile_elsewhere(version, fmus, plan, own, tmp_path):
     said = say([sys.executable, "-m", "fmpy", "compile", bare])
     assert "warning" not in said.lower()
     answer = ask(CO_SIMULATION, tmp_path, bare, plan)
-    np.testing.assert_allclose(tip(answer), tip(own[True])[1:], rtol=0, atol=1e-9)  # another optimisation
+    np.testing.assert_allclose(tip(answer), tip(own)[1:], rtol=0, atol=1e-9)  # another optimisation
 
 
 def schema_errors(version, fmu):

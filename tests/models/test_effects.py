@@ -64,7 +64,7 @@ def simulated(robot: Robot, folder: Path, plan: Experiment):
     laws = [f"laws.{name}" for name in robot.coordinates]
     memories = [memory.name for memory in equations(robot).memories]
     outputs = (*speeds, *(f"der({name})" for name in speeds), *laws, *memories)
-    path = export_fmu(equations(robot), folder / "robot.fmu", derivatives=False)
+    path = export_fmu(equations(robot), folder / "robot.fmu", light=True)
     with LoadedFmu(path) as fmu:
         log = fmu.simulate(plan, outputs=outputs)
     q, dq = log[list(robot.coordinates)].to_numpy(), log[speeds].to_numpy()
@@ -142,7 +142,7 @@ def test_a_saved_state_holds_the_laws_memory(tmp_path):
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
 
-    path = export_fmu(equations(robot_with("presliding")), tmp_path / "robot.fmu", derivatives=False)
+    path = export_fmu(equations(robot_with("presliding")), tmp_path / "robot.fmu", light=True)
     description = read_model_description(str(path))
     vr = {v.name: v.valueReference for v in description.modelVariables}
     fmu = FMU2Slave(
@@ -200,7 +200,7 @@ def test_friction_that_is_cancelled_neither_sticks_nor_chatters(tmp_path):
     still = Experiment(np.arange(1001) * 0.004, np.zeros((1001, 2)), np.zeros((1001, 2)))
     still.feedforward[10:, 0] = 6.0
     off = {f"joint1.{gain}": 0.0 for gain in ("Kp", "Kd", "Ki")}
-    path = export_fmu(equations(robot), tmp_path / "robot.fmu", derivatives=False)
+    path = export_fmu(equations(robot), tmp_path / "robot.fmu", light=True)
     with LoadedFmu(path) as fmu:
         log = fmu.simulate(still, off, outputs=("joint1.de", "joint1.presliding.bristle", "laws.joint1.e"))
     yielded = log["joint1.e"].iloc[-1] - log["joint1.e"].iloc[0]

@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment, identification
-from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
 from flexmodels.mechanics.plant import equations
 
@@ -159,8 +158,3 @@ def test_wrong_use_is_explained(four_link, four_link_fmu, tmp_path):
     (tmp_path / "broken.fmu").write_bytes(b"not a zip")
     with pytest.raises(SimulationError, match="is not an FMU that can be read"):
         LoadedFmu(tmp_path / "broken.fmu")
-
-
-def test_a_robot_without_controller_cannot_be_simulated():
-    with pytest.raises(ValueError, match=r"emps has no \[controller\]"):
-        equations(load_robot("emps"))

@@ -10,7 +10,7 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 
 from flexfmu.build import export_fmu
-from flexfmu.compilation import PLATFORMS
+from flexfmu.code.compilation import PLATFORMS
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot

@@ -6,7 +6,7 @@ static void sample(Controller *s, Pid *pid, double late) {
     double input[N_INPUTS];
     int i;
     for (i = 0; i < N_INPUTS; ++i) input[i] = s->value[i] + late * s->input_rate[i];
-    pid_sample(pid, s->value + AT_KP, input + AT_REFERENCE, input + AT_FEEDFORWARD, input + AT_POSITION,
+    pid_sample(pid, s->value + AT_GAIN, input + AT_REFERENCE, input + AT_FEEDFORWARD, input + AT_POSITION,
                s->value + AT_TORQUE);
 }
 
@@ -21,15 +21,19 @@ int controller_initialise(Controller *s) {
     return 0;
 }
 
-void controller_outputs(Controller *s) {
+int controller_group(unsigned reference) { return reference >= AT_TORQUE && reference < AT_INTEGRAL; }
+
+void controller_show(Controller *s, int groups, Answer answer) {
     Pid copy = s->pid;
-    if (pid_due(&copy, s->time)) sample(s, &copy, 0);
+    (void)groups;
+    if (answer != HELD && pid_due(&copy, s->value + AT_GAIN, s->time)) sample(s, &copy, 0);
 }
 
 int controller_advance(Controller *s, double duration) {
+    const double *gain = s->value + AT_GAIN, tolerance = pid_tolerance(gain);
     double start = s->time, end = start + duration, tick;
-    while ((tick = pid_next_sample(&s->pid)) < end - SAMPLE_TOLERANCE)
-        sample(s, &s->pid, tick > start + SAMPLE_TOLERANCE ? tick - start : 0);
+    while ((tick = pid_next_sample(&s->pid, gain)) < end - tolerance)
+        sample(s, &s->pid, tick > start + tolerance ? tick - start : 0);
     s->time = end;
     memset(s->input_rate, 0, sizeof s->input_rate);
     return 0;

@@ -11,10 +11,8 @@ enum {
     AT_POSITION = AT_FEEDFORWARD + N_JOINTS,
     AT_TORQUE = AT_POSITION + N_JOINTS,
     AT_INTEGRAL = AT_TORQUE + N_JOINTS, /* at the start */
-    AT_KP = AT_INTEGRAL + N_JOINTS,
-    AT_KD = AT_KP + N_JOINTS,
-    AT_KI = AT_KD + N_JOINTS,
-    N_VALUES = AT_KI + N_JOINTS
+    AT_GAIN = AT_INTEGRAL + N_JOINTS, /* as in pid.h */
+    N_VALUES = AT_GAIN + N_GAINS
 };
 
 enum { N_INPUTS = 3 * N_JOINTS };
@@ -29,7 +27,9 @@ typedef struct {
 void controller_reset(Controller *controller);
 int controller_initialise(Controller *controller);
 /* The torque that a sample due now would give with the present inputs; the sample is taken by the next step. */
-void controller_outputs(Controller *controller);
+typedef enum { HELD, SAMPLED, SETTLED, STARTING } Answer;
+void controller_show(Controller *controller, int groups, Answer answer);
+int controller_group(unsigned reference);
 /* By `duration` >= 0 seconds with every sample before its end; one that is due at the end waits for its inputs. */
 int controller_advance(Controller *controller, double duration);
 

@@ -12,10 +12,7 @@ static const double STEP = 1e-8; /* of the differences [rad] */
 typedef double Matrix[N_COORDINATES][N_COORDINATES];
 
 static void balance(const double *parameters, const double *x, double *force) {
-    const double *arg[MODEL_SZ_ARG] = {x, parameters};
-    double *res[MODEL_SZ_RES] = {force};
-    double w[MODEL_SZ_W];
-    model_balance(arg, res, 0, w, 0);
+    model_balance(x, parameters, force);
 }
 
 /* Solve A y = b in place of b by elimination with pivots. */
@@ -79,3 +76,22 @@ int equilibrium(const double *parameters, double *x, double *force) {
     }
     return 1;
 }
+
+#ifdef MODEL_DERIVATIVES
+void equilibrium_forward(const double *parameters, const double *x, const double *dp, double *dx, double *dforce) {
+    double right[N_COORDINATES];
+    Matrix A;
+    int i, j;
+    model_balance_forward(x, parameters, dx, dp, dforce);
+    for (j = 0; j < N_DEFORMATIONS; ++j) {
+        double unit[N_STATES] = {0}, none[N_PARAMETERS] = {0}, slope[N_COORDINATES];
+        unit[N_JOINTS + j] = 1;
+        model_balance_forward(x, parameters, unit, none, slope);
+        for (i = 0; i < N_DEFORMATIONS; ++i) A[i][j] = slope[N_JOINTS + i];
+    }
+    for (i = 0; i < N_DEFORMATIONS; ++i) right[i] = dforce[N_JOINTS + i];
+    solve(A, right);
+    for (i = 0; i < N_DEFORMATIONS; ++i) dx[N_JOINTS + i] -= right[i];
+    model_balance_forward(x, parameters, dx, dp, dforce);
+}
+#endif

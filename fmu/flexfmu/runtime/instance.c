@@ -15,36 +15,91 @@ void memory_start(Memory *m, int model_exchange, int own_events) {
 void memory_reset(Memory *m) {
     MODEL(reset)(&m->model);
     m->phase = INSTANTIATED;
-    m->stale = 0;
+    m->shown = 0;
+    m->unplaced = 0;
     m->start = 0;
 }
 
 int memory_initialise(Memory *m, char *text, size_t size) {
+    m->unplaced = 0;
+    m->fed = 1;
     if (MODEL(initialise)(&m->model)) {
         m->phase = BROKEN;
         snprintf(text, size, "No static equilibrium was found at the first reference: check the stiffnesses k, "
                              "the masses and the reference.");
         return 1;
     }
-    m->stale = 1;
+    m->shown = 0;
     return 0;
 }
 
-void memory_refresh(Memory *m) {
-    if (!m->stale) return;
-    if (m->phase == INITIALIZING) MODEL(initialise)(&m->model);
-    MODEL(outputs)(&m->model);
-    m->stale = 0;
+int memory_group(unsigned reference) { return MODEL(group)(reference); }
+
+void memory_changed(Memory *m) {
+    m->fed = 1;
+    m->shown = 0;
+    m->unplaced = m->phase == INITIALIZING;
+#ifdef MODEL_PLANT
+    m->model.unsettled = 1;
+#endif
+}
+
+Answer memory_answer(const Memory *m) {
+    if (m->phase == INITIALIZING) return STARTING;
+    if (m->own_events) return m->fed ? SETTLED : HELD;
+    return m->phase == EVENT ? SAMPLED : HELD;
+}
+
+void memory_show(Memory *m, int groups) {
+    if (m->phase & (INSTANTIATED | BROKEN)) return;
+    if (m->unplaced) MODEL(initialise)(&m->model);
+    m->unplaced = 0;
+    groups &= ~m->shown;
+    if (!groups) return;
+    MODEL(show)(&m->model, groups, memory_answer(m));
+    m->shown |= groups;
 }
 
 int memory_advance(Memory *m, double duration) {
     int failed = MODEL(advance)(&m->model, duration);
-#ifdef MODEL_PLANT
-    m->stale = 1;
-#else
-    m->stale = 0; /* the torque is held until an input is set */
-#endif
+    m->shown = 0;
+    m->fed = 0;
     return failed;
+}
+
+int memory_elsewhere(const Memory *m, double time, char *text, size_t size) {
+    double here = m->start + m->model.time;
+    if (fabs(time - here) <= 1e-6 + 1e-9 * fabs(here)) return 0;
+    snprintf(text, size, "The step begins at %.9g s, but the instance stands at %.9g s.", time, here);
+    return 1;
+}
+
+int memory_slope(Memory *m, unsigned vr, int order, double *slope, char *text, size_t size) {
+#ifdef MODEL_PLANT
+    double *v = m->model.value, shown[N_SHOWN];
+    if (order == 1 && vr < N_VALUES) {
+        memory_show(m, SHOW_RATES | SHOW_MOTION);
+        if (vr >= AT_TORQUE && vr < AT_TIP) return *slope = 0, 0; /* held */
+        if (vr >= AT_STATE && vr < AT_RATE) return *slope = v[vr - AT_STATE + AT_RATE], 0;
+        if (vr >= AT_TIP && vr < AT_SHOWN) return *slope = v[vr - AT_TIP + AT_SHOWN], 0;
+        if (vr >= AT_SHOWN && vr < AT_FRICTION) {
+            model_shown_rate(v + AT_STATE, v + AT_RATE, shown);
+            return *slope = shown[vr - AT_SHOWN], 0;
+        }
+    }
+#else
+    (void)m, (void)order, (void)slope;
+#endif
+    snprintf(text, size, "Only first derivatives of outputs are provided, not number %d of variable %u.", order, vr);
+    return 1;
+}
+
+void memory_tolerate(Memory *m, double tolerance) {
+#ifdef MODEL_PLANT
+    if (tolerance > 0 && tolerance < 1e-6) m->model.refinement = pow(tolerance / 1e-6, 0.25);
+#else
+    (void)m, (void)tolerance;
+#endif
 }
 
 /* ---- what may be set ------------------------------------------------------------------------- */
@@ -61,7 +116,7 @@ int memory_refuses(const Memory *m, unsigned vr, double value, char *text, size_
         snprintf(text, size, "Parameter %s = %g must be at least 0.", name, value);
     else if (model_bounds[vr] == BOUND_POSITIVE && value <= 0)
         snprintf(text, size, "Parameter %s = %g must be above 0.", name, value);
-    else if (kind == KIND_FIXED && m->phase & RUNNING)
+    else if (kind == KIND_FIXED && m->phase & RUNNING && value != m->model.value[vr])
         snprintf(text, size, "Parameter %s is fixed once the simulation runs.", name);
     else return 0;
     return 1;
@@ -101,14 +156,14 @@ const char *memory_deserialise(const char *bytes, size_t size, void **state) {
 #ifdef MODEL_PLANT
 void memory_set_time(Memory *m, double time) {
     m->model.time = time - m->start;
-    m->stale = 1;
+    m->shown = 0;
 }
 
 int memory_handle_events(Memory *m) {
-    int changed;
+    int changed = plant_sample_due(&m->model, m->model.time);
     while (plant_sample_due(&m->model, m->model.time)) plant_sample(&m->model, 0);
-    changed = plant_switch(&m->model);
-    m->stale = 1;
+    changed |= plant_switch(&m->model);
+    m->shown = 0;
     return changed;
 }
 

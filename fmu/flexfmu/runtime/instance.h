@@ -32,7 +32,9 @@ typedef struct {
     Phase phase;
     int model_exchange;
     int own_events; /* co-simulation: the importer does not handle events, doStep does */
-    int stale;      /* values changed since the outputs were computed */
+    int shown;      /* groups of values that are up to date */
+    int fed;        /* inputs were set since the last step: a sample that is due answers to them */
+    int unplaced;   /* in initialisation: values changed since the start was computed */
     double start;   /* start time of the experiment [s] */
 } Memory;
 
@@ -40,8 +42,20 @@ void memory_start(Memory *memory, int model_exchange, int own_events);
 void memory_reset(Memory *memory);
 /* Static equilibrium and first sample. 0 when it was found; else `text` says why not. */
 int memory_initialise(Memory *memory, char *text, size_t size);
-/* Bring outputs up to date, in initialisation too. */
-void memory_refresh(Memory *memory);
+/* Bring groups of values up to date, in initialisation too. */
+void memory_show(Memory *memory, int groups);
+/* After inputs, parameters or states were set, or time went on. */
+void memory_changed(Memory *memory);
+/* How values answer to inputs in the present phase. */
+Answer memory_answer(const Memory *memory);
+/* Groups that a reference belongs to. */
+int memory_group(unsigned reference);
+/* 0 when `time` is where the instance stands; else `text` says where that is. */
+int memory_elsewhere(const Memory *memory, double time, char *text, size_t size);
+/* First derivative of an output by time. 0 when there is one; else `text` says why not. */
+int memory_slope(Memory *memory, unsigned reference, int order, double *slope, char *text, size_t size);
+/* A tolerance below 1e-6 shortens the solver's step, as its fourth root. */
+void memory_tolerate(Memory *memory, double tolerance);
 /* Co-simulation by `duration` >= 0 seconds. 0 when the state stayed finite. */
 int memory_advance(Memory *memory, double duration);
 /* 0 when the variable may take the value; else `text` says why not. */
@@ -55,7 +69,7 @@ const char *memory_deserialise(const char *bytes, size_t size, void **state);
 
 #ifdef MODEL_PLANT
 void memory_set_time(Memory *memory, double time);
-/* Event mode: due samples and crossed modes. 1 when states changed. */
+/* Event mode: due samples and crossed modes. 1 when a state, a mode or a torque changed. */
 int memory_handle_events(Memory *memory);
 double memory_next_event(const Memory *memory);
 #endif

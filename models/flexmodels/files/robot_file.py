@@ -69,6 +69,11 @@ def save_robot(robot: Robot, path: str | Path) -> None:
         file.write_text(tomli_w.dumps(document(robot, beside)), encoding="utf-8")
 
 
+def robot_text(robot: Robot) -> str:
+    """What `save_robot` writes, effect files by their bare names."""
+    return tomli_w.dumps(document(robot, {file: Path(file).name for file in robot.effect_files}))
+
+
 def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
     effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()

@@ -15,6 +15,7 @@ from flexmodels.coordinate import deformation_of, motor_of
 from flexmodels.joint import Joint
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.linkage import PassiveJoint
+from flexmodels.mechanics import quaternions
 from flexmodels.robot import Robot
 
 SX = Any  # casadi.SX; its stubs do not describe operators
@@ -30,6 +31,7 @@ class Hinge:
     r            3, child origin in parent axes
     S            6 x m motion subspace in child axes;  c  6, its rate times the speeds
     inertia      6 x 6 about the child's origin, None for a massless frame
+    turn         quaternion of E (x, y, z, w)
     """
 
     parent: int | None
@@ -39,6 +41,7 @@ class Hinge:
     S: SX
     c: SX
     inertia: SX | None
+    turn: SX
 
 
 @dataclass(frozen=True)
@@ -130,9 +133,9 @@ def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[S
         gain = _inverse(D) * (free[at] if len(at) == 1 else 1)
         reduced.insert(0, (U, gain, u))
         if hinge.parent is not None:
-            Ia = IA - U @ gain @ U.T
+            Ia = _symmetric(IA - U @ gain @ U.T)
             pa = pA + Ia @ c + U @ gain @ u
-            inertia[hinge.parent] = inertia[hinge.parent] + X.T @ Ia @ X
+            inertia[hinge.parent] = _symmetric(inertia[hinge.parent] + X.T @ Ia @ X)
             bias_force[hinge.parent] = bias_force[hinge.parent] + X.T @ pa
     accelerations = []
     qdd, imbalance = ca.SX.zeros(m.q.numel()), ca.SX.zeros(m.q.numel())
@@ -153,6 +156,20 @@ def tip_position(m: Mechanism) -> SX:
         hinge = m.hinges[at]
         position, at = hinge.r + hinge.E @ position, hinge.parent
     return position
+
+
+def tip_motion(m: Mechanism) -> tuple[SX, SX, SX]:
+    """Of the tip in base axes: velocity [m/s], orientation (x, y, z, w), angular velocity [rad/s]."""
+    if m.tip_hinge is None:
+        return ca.SX.zeros(3), quaternions.NONE, ca.SX.zeros(3)
+    _, motion, _ = _motions(m)[m.tip_hinge]
+    spin, at = motion[:3], m.tip_hinge
+    velocity, turn = motion[3:] + ca.cross(spin, ca.SX(m.tip)), quaternions.NONE
+    while at is not None:
+        hinge = m.hinges[at]
+        velocity, spin = hinge.E @ velocity, hinge.E @ spin
+        turn, at = quaternions.product(hinge.turn, turn), hinge.parent
+    return velocity, turn, spin
 
 
 def skeleton(m: Mechanism) -> SX:
@@ -211,19 +228,24 @@ def _inertia(body: SX) -> SX:
 
 
 def _inverse(D: SX) -> SX:
-    return 1 / D if D.numel() == 1 else ca.inv_minor(D)
+    return 1 / D if D.numel() == 1 else _symmetric(ca.inv_minor(D))
+
+
+def _symmetric(A: SX) -> SX:
+    """A symmetric matrix by its upper half alone: the lower half's operations are never generated."""
+    return ca.triu2symm(ca.triu(A))
 
 
 def _turning_hinge(joint: Joint | PassiveJoint, parent: int | None, i: int, e: SX, body: SX | None) -> Hinge:
     x = joint.triad[:, 0]
     r, S = ca.SX(joint.origin), ca.SX(np.r_[x, 0, 0, 0])
-    return Hinge(parent, [i], _rotation(x, e), r, S, ca.SX.zeros(6), body)
+    return Hinge(parent, [i], _rotation(x, e), r, S, ca.SX.zeros(6), body, quaternions.about(x, e))
 
 
 def _slider(joint: Joint, parent: int | None, i: int, e: SX, body: SX | None) -> Hinge:
     x = joint.triad[:, 0]
     r, S = np.array(joint.origin) + x * e, ca.SX(np.r_[0, 0, 0, x])
-    return Hinge(parent, [i], ca.SX.eye(3), r, S, ca.SX.zeros(6), body)
+    return Hinge(parent, [i], ca.SX.eye(3), r, S, ca.SX.zeros(6), body, quaternions.NONE)
 
 
 def _rotation(x: np.ndarray, e: SX) -> SX:
@@ -237,7 +259,8 @@ def _flexible_hinge(joint: Joint, parent: int, at: list[int], eps: SX, deps: SX,
     if len(at) == 1:
         x = triad[:, 0]
         S = ca.SX(np.r_[x, 0, 0, 0])
-        return Hinge(parent, at, _rotation(x, eps), ca.SX.zeros(3), S, ca.SX.zeros(6), body)
+        turn = quaternions.about(x, eps)
+        return Hinge(parent, at, _rotation(x, eps), ca.SX.zeros(3), S, ca.SX.zeros(6), body, turn)
     bend = ca.SX.sym("bend", 2)
     c = ca.sqrt(1 - ca.sumsqr(bend))
     shear = -bend[0] * bend[1] / (1 + c)
@@ -258,7 +281,10 @@ def _flexible_hinge(joint: Joint, parent: int, at: list[int], eps: SX, deps: SX,
     E = triad @ (B @ twist) @ triad.T
     S = ca.vertcat(E.T @ (triad @ S_parent), ca.SX.zeros(3, 3))
     bias = ca.vertcat(E.T @ (triad @ S_dot), ca.SX.zeros(3))
-    return Hinge(parent, at, E, ca.SX.zeros(3), S, bias, body)
+    turn = quaternions.product(
+        quaternions.bent(eps[1], eps[2]), quaternions.about(np.array([1.0, 0, 0]), eps[0])
+    )
+    return Hinge(parent, at, E, ca.SX.zeros(3), S, bias, body, quaternions.seen_from(triad, turn))
 
 
 def _vee(skew: SX) -> SX:

@@ -12,6 +12,7 @@ import casadi as ca
 from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.mechanics import dynamics, projected
+from flexmodels.mechanics.payload import PAYLOAD, carried
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
@@ -29,6 +30,7 @@ class Equations:
     balance(x, p) -> force                    generalised forces at rest that the motors must supply
     start(x, u, p) -> z                       the laws' states at rest
     tip(x) -> position                        [m]
+    shown(x) -> tip velocity, orientation (x, y, z, w), angular velocity; links' positions and velocities
     skeleton(x) -> lines                      3 x 2 lines, from hinge to hinge and to the tip [m]
     Without a controller the torques u are inputs.
     """
@@ -53,19 +55,19 @@ class Equations:
     balance: ca.Function
     start: ca.Function
     tip: ca.Function
+    shown: ca.Function
     skeleton: ca.Function
 
 
 def equations(robot: Robot) -> Equations:
-    """The robot's equations of motion, eq. (8), with its laws and its controller."""
-    if robot.controller is None and robot.servo is None:
-        raise ValueError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
+    """The robot's equations of motion, eq. (8), with its laws and, where it has one, its controller."""
     m = dynamics.mechanism(robot)
     n, joints = m.q.numel(), len(robot.joints)
-    p = ca.SX.sym("p", len(robot.parameters))
+    p = ca.SX.sym("p", len(robot.parameters) + len(PAYLOAD))
     u, mode = ca.SX.sym("u", joints), ca.SX.sym("mode", joints)
-    laws = PlantLaws(robot, m, p, u)
+    laws = PlantLaws(robot, m, p[: -len(PAYLOAD)], u)
     bodies = ca.reshape(p[: m.bodies.numel()], *m.bodies.shape) + laws.bodies
+    bodies[:, robot.last_link - 1] += carried(p[-len(PAYLOAD) :], m.tip)
     x, rest = ca.vertcat(m.q, m.v, laws.z), ca.SX.zeros(n)
 
     free = ca.SX.ones(n)
@@ -94,9 +96,9 @@ def equations(robot: Robot) -> Equations:
         coordinates=robot.coordinates,
         memories=laws.memories,
         joints=joints,
-        parameters=robot.parameters,
-        units=robot.units,
-        nonnegative=laws.nonnegative,
+        parameters=robot.parameters | dict.fromkeys(PAYLOAD, 0.0),
+        units=robot.units | {name: unit for name, (unit, _) in PAYLOAD.items()},
+        nonnegative=laws.nonnegative | {"payload.m"},
         sticking=laws.sticking,
         prismatic=tuple(joint.kind == "prismatic" for joint in robot.joints),
         controller=robot.controller,
@@ -111,8 +113,20 @@ def equations(robot: Robot) -> Equations:
         start=ca.Function("start", [x, u, p], [ca.cse(start)]),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
+        shown=ca.Function("shown", [x], [ca.cse(ca.vertcat(*dynamics.tip_motion(m), *_links(robot, m)))]),
         skeleton=ca.Function("skeleton", [x], [dynamics.skeleton(m)]),
     )
+
+
+def _links(robot: Robot, m: dynamics.Mechanism) -> tuple[dynamics.SX, dynamics.SX]:
+    """Positions and velocities behind the flexible hinges: the motor's and the twist together."""
+    names = robot.coordinates
+    along = ca.DM(len(robot.joints), len(names))
+    for k, _ in robot.numbered:
+        for name in (f"joint{k}.e", f"joint{k}.eps[1]"):
+            if name in names:
+                along[k - 1, names.index(name)] = 1
+    return along @ m.q, along @ m.v
 
 
 def _descriptions(robot: Robot) -> dict[str, str]:
@@ -133,4 +147,4 @@ def _descriptions(robot: Robot) -> dict[str, str]:
         for law in joint.effects
         for p in law.parameters
     }
-    return links | joints
+    return links | joints | {name: text for name, (_, text) in PAYLOAD.items()}

@@ -1,5 +1,7 @@
 """`pyident simulate` and `pyident export`: robots as FMUs."""
 
+from typing import Literal
+
 import click
 
 import pyident as pi
@@ -24,6 +26,13 @@ from pyident.cli.common.shared import (
 @effects_option
 @click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
 @click.option(
+    "--part",
+    type=click.Choice(["arm", "plant"]),
+    default="arm",
+    show_default=True,
+    help="The arm with its controller, or the plant alone: its inputs are the motor torques.",
+)
+@click.option(
     "--platforms",
     type=click.Choice(["host", "all"]),
     default="host",
@@ -34,17 +43,25 @@ from pyident.cli.common.shared import (
 @json_option
 @reported
 def export(
-    model: str, output: str, fmi: str, platforms: str, parameters: dict[str, float], json_file: str | None
+    model: str,
+    output: str,
+    fmi: str,
+    part: Literal["arm", "plant"],
+    platforms: Literal["host", "all"],
+    parameters: dict[str, float],
+    json_file: str | None,
 ) -> None:
     """Write MODEL as an FMU for model exchange and co-simulation.
 
     A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
 
-    Example: pyident export four_link -o arm.fmu --fmi 3
+    Examples: pyident export four_link -o arm.fmu --fmi 3, pyident export emps -o emps.fmu --part plant
     """
     robot = pi.load_robot(model)
     with console.status("generating and compiling"):
-        path = pi.export_fmu(robot, output, int(fmi), platforms=platforms, parameters=parameters)  # pyright: ignore
+        path = pi.export_fmu(
+            robot, output, 2 if fmi == "2" else 3, part=part, platforms=platforms, parameters=parameters
+        )
     show(f"wrote {path}")
     kind = "ssp" if output.endswith(".ssp") else "fmu"
     write_json(json_file, {kind: str(path), "parameters": robot.parameters | parameters})

@@ -31,7 +31,7 @@ def simulate_robot(
     Raises BuildError, SimulationError.
     """
     with scratch_folder() as folder:
-        path = export_fmu(equations(robot), folder / "plant.fmu", derivatives=False)
+        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             return fmu.simulate(experiment, progress=progress)
 
@@ -52,7 +52,7 @@ class FmuRuns:
 
     def __enter__(self) -> "FmuRuns":
         with scratch_folder() as folder:
-            path = export_fmu(equations(self._robot), folder / "plant.fmu", derivatives=False)
+            path = export_fmu(equations(self._robot), folder / "plant.fmu", light=True)
             content = path.read_bytes()
         self._stack = ExitStack()
         self._workers = self._stack.enter_context(workers_with(partial(loaded_fmu, content)))
@@ -82,7 +82,7 @@ def runs_here(
 ) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
     """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
     with scratch_folder() as folder:
-        path = export_fmu(equations(robot), folder / "plant.fmu", derivatives=False)
+        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
 
@@ -99,7 +99,7 @@ class RivalRuns:
     def __enter__(self) -> "RivalRuns":
         with scratch_folder() as folder:
             paths = [
-                export_fmu(equations(robot), folder / f"plant{i}.fmu", derivatives=False)
+                export_fmu(equations(robot), folder / f"plant{i}.fmu", light=True)
                 for i, robot in enumerate(self._robots)
             ]
             contents = tuple(path.read_bytes() for path in paths)

@@ -168,7 +168,7 @@ def _content(model: Robot | str | Path) -> bytes:
             raise StudyError(f"there is no FMU {model}; check the path")
         return Path(model).read_bytes()
     with scratch_folder() as folder:
-        return export_fmu(equations(model), folder / "plant.fmu", derivatives=False).read_bytes()
+        return export_fmu(equations(model), folder / "plant.fmu", light=True).read_bytes()
 
 
 def _check(design: pd.DataFrame, fmu: LoadedFmu) -> None:

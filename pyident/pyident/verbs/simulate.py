@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 from flexfmu.build import BuildError
 from flexfmu.build import export_fmu as build
 from flexfmu.foreign.parent import SILENCE, ForeignFmu
+from flexmodels.files.robot_file import robot_text
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import RobotError
@@ -62,6 +63,7 @@ def export_fmu(
     path: str | Path,
     fmi: Literal[2, 3] = 2,
     *,
+    part: Literal["arm", "plant"] = "arm",
     platforms: Literal["host", "all"] = "host",
     parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
@@ -69,14 +71,22 @@ def export_fmu(
     """Write a robot as an FMU for model exchange and co-simulation; its path.
 
     path        ends in .fmu, or in .ssp for plant and controller as two FMUs (FMI 2) and their connections
+    part        the arm with its controller, or the plant alone, whose inputs are the motor torques: that of a
+                robot without [controller] too
     platforms   this machine's binary, or Linux, Windows and macOS in one file
     Raises RobotError, BuildError.
     """
+    from flexfmu.build import without_controller
     from flexfmu.ssp import export_ssp
 
-    robot = simulable(robot_of(model, parameters, allow_effects))
+    robot = robot_of(model, parameters, allow_effects)
     if Path(path).suffix != ".ssp":
-        return Path(build(equations(robot), path, fmi=fmi, platforms=platforms))
+        plant = without_controller(equations(robot)) if part == "plant" else equations(simulable(robot))
+        text = robot_text(robot).encode()
+        return Path(build(plant, path, fmi=fmi, platforms=platforms, model=text))
+    robot = simulable(robot)
+    if part == "plant":
+        raise BuildError(f"{path}: an SSP holds plant and controller; name it .fmu for the plant alone")
     if fmi != 2:
         raise BuildError(f"{path}: SSP 1.0 holds FMUs of FMI 2.0; leave out --fmi {fmi}")
     return Path(export_ssp(equations(robot), path, platforms=platforms))

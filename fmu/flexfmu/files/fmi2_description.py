@@ -1,10 +1,16 @@
 """modelDescription.xml of FMI 2.0."""
 
-from datetime import UTC, datetime
 from xml.etree import ElementTree as ET
 
+from flexfmu.files.provenance import sign
+from flexfmu.files.units import TYPES, base_units
 from flexfmu.interface import Interface
-from flexfmu.variables import TYPES, Variable, base_units
+from flexfmu.variable import Variable
+
+LOG_CATEGORIES = {
+    "logStatusError": "What was refused, and why; always on",
+    "logEvents": "Joints that stick and slide",
+}
 
 
 def model_description(interface: Interface, token: str, sources: list[str], derivatives: bool) -> bytes:
@@ -15,11 +21,10 @@ def model_description(interface: Interface, token: str, sources: list[str], deri
         modelName=interface.name,
         guid=token,
         description=interface.description,
-        generationTool="flexident",
-        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         variableNamingConvention="structured",
         numberOfEventIndicators=str(interface.indicators),
     )
+    sign(root)
     common = {
         "modelIdentifier": interface.identifier,
         "canGetAndSetFMUstate": "true",
@@ -36,7 +41,7 @@ def model_description(interface: Interface, token: str, sources: list[str], deri
         "maxOutputDerivativeOrder": "1" if interface.states else "0",
     }
     elements.append(ET.SubElement(root, "CoSimulation", simulation))
-    for element in elements:
+    for element in elements if sources else []:
         files = ET.SubElement(element, "SourceFiles")
         for name in sources:
             ET.SubElement(files, "File", name=name)
@@ -48,7 +53,8 @@ def model_description(interface: Interface, token: str, sources: list[str], deri
             simple = ET.SubElement(types, "SimpleType", name=TYPES[unit])
             ET.SubElement(simple, "Real", quantity=TYPES[unit], unit=unit)
     categories = ET.SubElement(root, "LogCategories")
-    ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
+    for name, text in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=text)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(interface.step))
     _model_variables(root, interface.listed)
     _model_structure(root, interface)
@@ -103,6 +109,10 @@ def numbers(v: Variable) -> dict[str, str]:
 def _model_structure(root: ET.Element, interface: Interface) -> None:
     structure = ET.SubElement(root, "ModelStructure")
     index = {v.name: i + 1 for i, v in enumerate(interface.listed)}
+
+    def places(names: frozenset[str]) -> str:
+        return " ".join(str(i + 1) for i in interface.references(names))
+
     sections = {
         "Outputs": [v for v in interface.unknowns if not v.derivative_of],
         "Derivatives": [v for v in interface.unknowns if v.derivative_of],
@@ -112,8 +122,8 @@ def _model_structure(root: ET.Element, interface: Interface) -> None:
         for v in members:
             assert element is not None
             unknown = ET.SubElement(element, "Unknown", index=str(index[v.name]))
-            places = sorted(index[name] for name in interface.dependencies(v))
-            unknown.set("dependencies", " ".join(map(str, places)))
+            unknown.set("dependencies", places(interface.dependencies.running[v.name]))
     initial = ET.SubElement(structure, "InitialUnknowns")
-    for i in interface.initial_unknowns:
-        ET.SubElement(initial, "Unknown", index=str(i + 1))
+    for v in interface.initial_unknowns:
+        depends = places(interface.dependencies.initial[v.name])
+        ET.SubElement(initial, "Unknown", index=str(index[v.name]), dependencies=depends)

@@ -16,12 +16,15 @@ _SIZE = 2.56  # [inch]
 
 def icons(equations: Equations) -> dict[str, bytes]:
     """`icon.png` (256 x 256) and `icon.svg`: the view that shows most of the arm."""
+    from matplotlib import rc_context
+
     figure = _drawing(_flattened(equations))
     out = {}
     for kind in ("png", "svg"):
         content = BytesIO()
-        metadata = {"Date": None} if kind == "svg" else {}
-        figure.savefig(content, format=kind, dpi=100, transparent=True, metadata=metadata)
+        metadata = {"Date": None} if kind == "svg" else {"Software": None}
+        with rc_context({"svg.hashsalt": equations.name}):
+            figure.savefig(content, format=kind, dpi=100, transparent=True, metadata=metadata)
         out[f"icon.{kind}"] = content.getvalue()
     return out
 

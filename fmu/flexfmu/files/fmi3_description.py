@@ -1,11 +1,12 @@
 """modelDescription.xml and terminalsAndIcons.xml of FMI 3.0."""
 
-from datetime import UTC, datetime
 from xml.etree import ElementTree as ET
 
-from flexfmu.fmi2_description import numbers, unit_definitions
+from flexfmu.files.fmi2_description import LOG_CATEGORIES, numbers, unit_definitions
+from flexfmu.files.provenance import sign
+from flexfmu.files.units import TYPES
 from flexfmu.interface import Interface
-from flexfmu.variables import TYPES, Array, Variable, arrays
+from flexfmu.variable import Array, Variable, arrays
 from flexmodels.coordinate import joint_name, of_joint
 
 
@@ -18,10 +19,9 @@ def model_description(interface: Interface, token: str, derivatives: bool) -> by
         modelName=interface.name,
         instantiationToken=token,
         description=interface.description,
-        generationTool="flexident",
-        generationDateAndTime=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         variableNamingConvention="structured",
     )
+    sign(root)
     common = {
         "modelIdentifier": interface.identifier,
         "canGetAndSetFMUState": "true",
@@ -50,9 +50,12 @@ def model_description(interface: Interface, token: str, derivatives: bool) -> by
         if unit in TYPES:
             ET.SubElement(types, "Float64Type", name=TYPES[unit], quantity=TYPES[unit], unit=unit)
     categories = ET.SubElement(root, "LogCategories")
-    ET.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why")
+    for name, text in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=text)
     ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(interface.step))
     _model_variables(root, listed, views)
+    if interface.sampled:
+        _clock(root[-1], len(listed) + 1 + len(views))
     _model_structure(root, interface)
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True)
@@ -126,20 +129,37 @@ def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array
         ET.SubElement(variable, "Dimension", start=str(array.size))
 
 
+def _clock(variables: ET.Element, reference: int) -> None:
+    ET.SubElement(
+        variables,
+        "Clock",
+        name="controller.clock",
+        valueReference=str(reference),
+        description="Ticks when the controller takes a sample",
+        causality="local",
+        variability="discrete",
+        intervalVariability="triggered",
+    )
+
+
 def _model_structure(root: ET.Element, interface: Interface) -> None:
     structure = ET.SubElement(root, "ModelStructure")
     listed = interface.listed
     reference = {v.name: i for i, v in enumerate(listed)}
+
+    def places(names: frozenset[str]) -> str:
+        return " ".join(map(str, interface.references(names)))
+
     for v in interface.unknowns:
         kind = "ContinuousStateDerivative" if v.derivative_of else "Output"
         element = ET.SubElement(structure, kind, valueReference=str(reference[v.name]))
-        depends = (str(reference[name]) for name in interface.dependencies(v))
-        element.set("dependencies", " ".join(depends))
-    at_start = [v.name for v in listed if v.causality in ("input", "parameter") and v.name != "solver.step"]
-    depends = " ".join(str(reference[name]) for name in at_start)
-    for vr in interface.initial_unknowns:
-        ET.SubElement(structure, "InitialUnknown", valueReference=str(vr), dependencies=depends)
+        element.set("dependencies", places(interface.dependencies.running[v.name]))
+    for v in interface.initial_unknowns:
+        depends = places(interface.dependencies.initial[v.name])
+        vr = str(reference[v.name])
+        ET.SubElement(structure, "InitialUnknown", valueReference=vr, dependencies=depends)
     for k in range(1, interface.indicators + 1):
-        ET.SubElement(
-            structure, "EventIndicator", valueReference=str(reference[of_joint(k, "friction_margin")])
-        )
+        name = of_joint(k, "friction_margin")
+        depends = places(interface.dependencies.running[name])
+        vr = str(reference[name])
+        ET.SubElement(structure, "EventIndicator", valueReference=vr, dependencies=depends)

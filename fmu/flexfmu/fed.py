@@ -1,0 +1,34 @@
+"""What an experiment feeds into an FMU that follows the log contract."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from flexmodels.coordinate import of_joint, start_of, switch_of
+from flexmodels.inputs import Experiment
+
+
+def input_names(references: Mapping[str, int], joints: int) -> list[str]:
+    """Names of the columns of `input_values`."""
+    signals = ("r", "tau_ff", "on") if _has_servos(references) else ("r", "tau_ff")
+    return [of_joint(k, signal) for signal in signals for k in range(1, joints + 1)]
+
+
+def input_values(references: Mapping[str, int], experiment: Experiment) -> np.ndarray:
+    """(N, inputs): references, feed-forward torques and, of servos, whether they are on."""
+    inputs = [experiment.reference, experiment.feedforward]
+    if _has_servos(references):
+        inputs.append(np.ones_like(experiment.reference) if experiment.on is None else experiment.on)
+    return np.ascontiguousarray(np.hstack(inputs))
+
+
+def start_values(references: Mapping[str, int], experiment: Experiment) -> dict[str, float]:
+    """Positions from which servos set out."""
+    if not _has_servos(references):
+        return {}
+    start = experiment.reference[0] if experiment.start is None else experiment.start
+    return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
+
+
+def _has_servos(references: Mapping[str, int]) -> bool:
+    return switch_of(1) in references

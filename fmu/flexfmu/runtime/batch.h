@@ -1,0 +1,39 @@
+/* Many runs of one experiment in one call: other parameters, other noise of the sensors. */
+#ifndef BATCH_H
+#define BATCH_H
+
+#include "instance.h"
+
+#define batch_advance_avx2 MODEL_PREFIXED(batch_advance_avx2)
+#define batch_advance_avx512 MODEL_PREFIXED(batch_advance_avx512)
+
+#ifdef MODEL_SAMPLED
+enum { N_FED = N_INPUTS, AT_FED = AT_REFERENCE }; /* references, feed-forward torques, switches of servos */
+#else
+enum { N_FED = N_JOINTS, AT_FED = AT_TORQUE };
+#endif
+
+/* What is asked; flexfmu.batch knows this layout. */
+typedef struct {
+    long long runs, samples, parameters, outputs;
+    const double *time;        /* [samples] [s] */
+    const double *inputs;      /* [samples][N_FED] */
+    const unsigned *parameter; /* [parameters] value references */
+    const double *value;       /* [runs][parameters] */
+    const double *noise;       /* [runs][samples][N_JOINTS] of the controller's sensors, or NULL */
+    const unsigned *output;    /* [outputs] value references */
+    double *row;               /* [runs][samples][outputs] */
+    int *lost;                 /* [runs] 1 where the state left the finite numbers */
+    int (*stop)(double share); /* told how far it is; not 0: end now. May be NULL */
+    char *text;                /* why it was refused */
+    long long text_size;
+    long long scalar;          /* not 0: one run after the other even where vectors of runs are possible */
+} Batch;
+
+/* Forward by `duration` with the torques held, as many plants together as the vector is wide: they agree in time and
+   in the solver's step. */
+typedef void (*Advance)(Plant *const *plants, double duration);
+void batch_advance_avx2(Plant *const *plants, double duration);
+void batch_advance_avx512(Plant *const *plants, double duration);
+
+#endif

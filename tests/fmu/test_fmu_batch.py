@@ -1,0 +1,80 @@
+"""Many runs in one call are the runs one by one."""
+
+import numpy as np
+import pytest
+
+from flexfmu.batch import BatchBinary
+from flexfmu.simulate import LoadedFmu
+from flexmodels.experiment import identification
+from flexmodels.inputs import Experiment, SimulationError
+
+NOISE = {"joint1.e": 2e-6, "joint2.e": 2e-6, "joint3.eps[1]": 1e-6}
+
+
+@pytest.fixture(scope="module")
+def plan(four_link):
+    return identification(four_link, duration=0.4)
+
+
+@pytest.fixture(scope="module")
+def loaded(four_link_fmu):
+    with LoadedFmu(four_link_fmu) as fmu:
+        yield fmu
+
+
+def test_one_run_is_the_run_through_fmpy(loaded, plan):
+    (frame,) = loaded.simulate_batch(plan)
+    alone = loaded.simulate(plan)
+    assert list(frame) == list(alone)
+    np.testing.assert_array_equal(frame, alone)
+
+
+def test_side_by_side_is_one_after_the_other(loaded, plan):
+    """Vectors of runs round otherwise (fused operations); each run has its own friction events."""
+    sets = [{"joint1.coulomb": 2.0 * i, "link3.m": 5.0 + i} for i in range(11)]
+    frames = loaded.simulate_batch(plan, sets, NOISE, range(11))
+    for i in (0, 4, 10):
+        (alone,) = loaded.simulate_batch(plan, [sets[i]], NOISE, [i])
+        difference = np.abs(frames[i] - alone).max()
+        assert difference.filter(regex="tip").max() < 1e-9
+        assert difference.filter(regex=r"\.e").max() < 1e-9
+    assert np.abs(frames[0]["tip.x"] - frames[10]["tip.x"]).max() > 1e-4
+
+
+def test_the_controller_sees_the_noise(loaded, plan):
+    """By hand: a PID of r - (e + noise) is one of (r - noise) - e; at a deformation noise stays outside."""
+    (noisy,) = loaded.simulate_batch(plan, noise=NOISE, noise_seeds=[5])
+    rng = np.random.default_rng(5)
+    added = {name: sigma * rng.standard_normal(len(plan.time)) for name, sigma in NOISE.items()}
+    seen = np.zeros_like(plan.reference)
+    seen[:, 0], seen[:, 1] = added["joint1.e"], added["joint2.e"]
+    start = {f"joint{k}.start_error": seen[0, k - 1] for k in (1, 2)}
+    by_hand = loaded.simulate(Experiment(plan.time, plan.reference - seen, plan.feedforward), start)
+    for name in ("joint1.e", "joint3.eps[1]"):
+        np.testing.assert_allclose(noisy[name], by_hand[name] + added[name], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(noisy["joint1.r"], plan.reference[:, 0])
+    np.testing.assert_allclose(noisy["joint2.tau"], by_hand["joint2.tau"], atol=1e-3)
+
+
+def test_samples_between_rows_are_taken(loaded, plan):
+    """Rows of 20 ms, samples of 4 ms: the inputs between rows are linear, as through FMPy."""
+    coarse = Experiment(plan.time[::5], plan.reference[::5], plan.feedforward[::5])
+    (frame,) = loaded.simulate_batch(coarse)
+    np.testing.assert_allclose(frame["tip.x"], loaded.simulate(coarse)["tip.x"], rtol=0, atol=1e-12)
+
+
+def test_bad_questions_are_answered_with_a_sentence(loaded, plan):
+    with pytest.raises(SimulationError, match=r"joint1\.coulomb = -1 must be at least 0"):
+        loaded.simulate_batch(plan, [{"joint1.coulomb": -1.0}])
+    with pytest.raises(SimulationError, match="no variable joint9"):
+        loaded.simulate_batch(plan, [{"joint9.coulomb": 1.0}])
+    with pytest.raises(SimulationError, match="left the finite numbers"):
+        loaded.simulate_batch(plan, [{"solver.step": 4e-3}])
+    with pytest.raises(SimulationError, match="do not go together"):
+        loaded.simulate_batch(plan, [{}, {}], NOISE, [1, 2, 3])
+
+
+def test_the_binary_tells_what_it_is(loaded):
+    with BatchBinary(loaded.library) as binary:
+        assert (binary.inputs, binary.joints) == (8, 4)
+        assert binary.width in (1, 4, 8)
