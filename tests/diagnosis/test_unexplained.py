@@ -72,7 +72,7 @@ def recorded(fmu, hidden, position_error=lambda e: 0 * e) -> Log:
 def said(fmu, log: Log) -> tuple[Examination, Unexplained]:
     setting = set_up(arm(), [log])
     with_fmu = InPlace(fmu)
-    examination = examine(setting, with_fmu, lambda _: None, count=4)
+    examination = examine(setting, with_fmu, lambda _: None)
     return examination, depends_on(examination, workers=with_fmu)
 
 

@@ -11,7 +11,13 @@ from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_
 
 
 def _finding(*tie):
-    return cast(Any, SimpleNamespace(tie=[SimpleNamespace(effect=e, joint=j) for e, j in tie]))
+    named = [SimpleNamespace(effect=e, joint=j) for e, j in tie]
+    return cast(Any, SimpleNamespace(tie=named, share_percent=97.0, heldout_gain_percent=88.0))
+
+
+def _places(state):
+    place = SimpleNamespace(joint="joint3", balance="link", state=state, over_floor=(9.0, 7.0))
+    return cast(Any, [place])
 
 
 ONE = _finding(("stribeck", "joint2"))
@@ -32,12 +38,16 @@ def test_word(findings, stands_out, word):
 
 
 def test_sentences_name_what_they_mean():
-    place = ("joint2", "motor")
-    assert "stribeck at joint2" in sentence_of("missing_effect", [ONE], 0.97, place)
-    assert "97 %" in sentence_of("missing_effect", [ONE], 0.97, place)
-    assert "the rest is unexplained" in sentence_of("missing_effect", [ONE], 0.6, place)
-    assert "or presliding" in sentence_of("cannot_tell", [RIVALS], 0.97, place)
-    assert "joint2, motor side" in sentence_of("unexplained", [], 0.0, place)
+    place, calm = ("joint2", "motor"), _places("in_order")
+    sentence = sentence_of("missing_effect", [ONE], calm, place)
+    assert "stribeck at joint2 (97 % of what exceeds the floor there, 88 % on held-out data)" in sentence
+    assert "nexplained" not in sentence
+    rest = sentence_of("missing_effect", [ONE], _places("unexplained"), place)
+    assert "Unexplained remains joint3, link side (7 floors)" in rest
+    rivals = sentence_of("cannot_tell", [RIVALS], calm, place)
+    assert "or presliding" in rivals
+    assert "cannot tell which" in rivals
+    assert "joint2, motor side" in sentence_of("unexplained", [], calm, place)
 
 
 def test_place_and_question_of_a_law():
