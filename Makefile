@@ -3,12 +3,17 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: study test importers browser docs bench lint clean
+.PHONY: study test coverage importers browser docs bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
-# Lint, types, tests, and how much of pyident they reach.
+# Lint, types, tests. A process per core runs tests: a BLAS with a thread per core in each would only wait.
+test coverage: export OPENBLAS_NUM_THREADS = 1
 test: lint
+	$(BIN)/pytest -n auto -m "not importers and not browser"
+
+# The same tests, and how much of pyident they reach; twice as slow.
+coverage: .venv/dev
 	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
 
 # The FMU in other people's tools; each gets an environment of its own at first.

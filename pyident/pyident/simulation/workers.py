@@ -18,6 +18,8 @@ from multiprocessing import active_children, get_context
 from os import cpu_count
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from pyident.simulation.process_ends import end_with_parent, interrupts_blocked
 
 P = ParamSpec("P")
@@ -249,6 +251,7 @@ def _start_process(token: str, make: Make[Any]) -> None:
     _ignore_interrupts()
     end_with_parent(partial(_remove, token))
     _install(token, make)
+    threadpool_limits(1)  # a process per core: more threads would only wait for each other
 
 
 def _ignore_interrupts() -> None:
