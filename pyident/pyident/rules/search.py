@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pyident.rules.rule import RulesError, in_range, rule
 
 _TUNING = "tuning seed of studies/hidden_effect"
-_TX40 = "tuning seed of studies/hidden_effect and TX40"
 
 
 @dataclass(frozen=True)
