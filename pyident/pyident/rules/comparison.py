@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_SHIPPED = "four_link with known laws hidden, and EMPS"
+_SHIPPED = "not recorded"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_TUNING = "tuning seed of studies/hidden_effect"
+_TUNING = "not recorded; in use when studies/hidden_effect was scored"
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class ReplicaRules:
         "their mean scatters half as much as one",
         _TUNING,
     )
-    rounds: int = rule(3, "times that the bias is taken away", "a fourth changed no verdict", _TUNING)
+    rounds: int = rule(3, "times that the bias is taken away", "each costs the probes once more", _TUNING)
     step: float = rule(
         1e-4,
         "solver step [s] for a fit that cannot be simulated",
-        "a tenth of the plants' usual step",
+        "small beside the periods of the hinges",
         _TUNING,
     )
     splines: int = rule(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_OUTSIDE = "cases outside the catalogue, tuning seed of studies/hidden_effect"
+_OUTSIDE = "not recorded"
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class ExtensionRules:
         0.05,
         "mean square error on held-out data that a law takes away",
         "less is no reason for a law",
-        "EMPS",
+        "not recorded",
     )
 
     def __post_init__(self) -> None:
