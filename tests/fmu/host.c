@@ -15,7 +15,7 @@ int main(void) {
     for (life = 0; life < 1000; ++life) {
         fmi2Component c = fmi2Instantiate("rail", fmi2CoSimulation, TOKEN, "", &callbacks, fmi2False, fmi2False);
         fmi2FMUstate state = NULL;
-        fmi2ValueReference reference = 0, position = 2, nowhere = 1000000;
+        fmi2ValueReference reference = 0, position = 4, nowhere = 1000000;
         fmi2Real r = 0.1, x = 0;
         if (!c) return 1;
         fmi2SetupExperiment(c, fmi2False, 0, 0, fmi2False, 0);

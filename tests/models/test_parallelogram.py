@@ -94,11 +94,11 @@ def test_Phi_p_is_the_torque_in_the_plant(robot):
     """Forward dynamics of the plant, all laws included; back through finite elements and Phi."""
     q, dq, _ = random_motion(robot, 30)
     eq, n = equations(robot), len(robot.coordinates)
-    p = list(robot.parameters.values())
+    p, known = list(robot.parameters.values()), list(eq.parameters.values())
     u = np.random.default_rng(2).normal(size=(30, eq.joints)) * 100
     mode = np.sign(dq[:, : eq.joints])
     ddq = np.stack(
-        [np.array(eq.rates(np.r_[q[i], dq[i]], u[i], p, mode[i])[0])[n:, 0] for i in range(len(q))]
+        [np.array(eq.rates(np.r_[q[i], dq[i]], u[i], known, mode[i])[0])[n:, 0] for i in range(len(q))]
     )
     force = regressor(robot, Motion(q, dq, ddq)).matrix @ p
     want = np.hstack([u, np.zeros((30, n - eq.joints))])

@@ -22,7 +22,7 @@ class EventExact:
 
     def __init__(self, robot):
         self.eq, self.n = equations(robot), len(robot.coordinates)
-        self.p = np.array(list(robot.parameters.values()))
+        self.p = np.array(list(self.eq.parameters.values()))
         self.controller = robot.controller
 
     def rates(self, x, u, mode):
@@ -97,7 +97,7 @@ def test_it_starts_in_static_equilibrium(four_link, four_link_fmu):
     q = log[list(four_link.coordinates)].to_numpy()
     assert np.abs(q - q[0]).max() < 1e-12
     eq = equations(four_link)
-    force = np.array(eq.balance(np.r_[q[0], np.zeros(16)], list(four_link.parameters.values()))).ravel()
+    force = np.array(eq.balance(np.r_[q[0], np.zeros(16)], list(eq.parameters.values()))).ravel()
     assert np.abs(force[4:]).max() < 1e-6
     np.testing.assert_allclose(
         log.loc[0, [f"joint{k}.tau" for k in range(1, 5)]].to_numpy(float), force[:4], atol=1e-9
