@@ -12,7 +12,8 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 
 from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
-from flexmodels.robot import Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log, robot_log
 from pyident.logs.log import Log, LogError

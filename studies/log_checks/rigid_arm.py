@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.files.robot_file import load_robot
-from flexmodels.robot import Processing, Robot
+from flexmodels.robot import Robot
+from flexmodels.settings.processing import Processing
 
 _FRICTION = (0.06, 0.03)  # of the joint's rms torque: Coulomb, and viscous at its rms speed
 _MOTORS = 0.15  # of the mean of a joint's mass matrix element

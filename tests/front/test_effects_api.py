@@ -9,8 +9,9 @@ from click.testing import CliRunner
 from two_link_logs import TWO_LINK, two_link
 
 from flexmodels.effects import BASE, CATALOGUE
-from flexmodels.effects.effect import Effect, EffectError, Parameter
+from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.effects.functions import FUNCTIONS
+from flexmodels.effects.law_names import EffectError
 from flexmodels.effects.signals import de, e
 from flexmodels.files.robot_file import load_robot
 from pyident.cli.main import main

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from flexmodels.effects import drive, friction, loading, structure, transmission
-from flexmodels.effects.effect import Effect, EffectError
+from flexmodels.effects.effect import Effect
+from flexmodels.effects.law_names import EffectError
 
 
 def _checked(effects: Iterable[Effect], taken: Mapping[str, Effect]) -> dict[str, Effect]:

@@ -7,7 +7,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from flexmodels.effects.effect import Effect, EffectError
+from flexmodels.effects.effect import Effect
+from flexmodels.effects.law_names import EffectError
 
 GROUP = "flexident.effects"
 

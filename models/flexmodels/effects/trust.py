@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from platformdirs import user_config_path
 
 from flexmodels.atomic import replacing
-from flexmodels.effects.effect import EffectError
+from flexmodels.effects.law_names import EffectError
 
 _allowed: ContextVar[bool] = ContextVar("allowed", default=False)
 _SHOWN = 12  # digits of a SHA-256 in a sentence

@@ -12,7 +12,7 @@ import tomli_w
 
 from flexmodels.atomic import replacing
 from flexmodels.effects import effects_of
-from flexmodels.effects.effect import EffectError
+from flexmodels.effects.law_names import EffectError
 from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
 from flexmodels.files.joint_tables import read_closures, read_joints

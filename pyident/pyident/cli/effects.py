@@ -7,7 +7,8 @@ import click
 from rich.table import Table
 
 from flexmodels.effects import CATALOGUE, effects_of
-from flexmodels.effects.effect import Effect, EffectError, sheet
+from flexmodels.effects.effect import Effect, sheet
+from flexmodels.effects.law_names import EffectError
 from flexmodels.robot import RobotError
 from pyident.cli.common.shared import console, json_option, reported, show, write_json
 

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
-from pyident.regression.regressor import Motion, regressor_blocks
+from pyident.regression.regressor import regressor_blocks
 
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _WIDER = 1.5  # times the highest frequency of the motion: the corner of the low pass

@@ -21,7 +21,7 @@ from typing import Any, get_args
 
 import pandas as pd
 
-from flexmodels.effects.effect import EffectError
+from flexmodels.effects.law_names import EffectError
 from flexmodels.effects.trust import allowed_file, code_allowed
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot

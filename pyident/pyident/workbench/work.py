@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 Progress = Callable[[float], None]
 REFUSED = "refused: "  # how the sentence of a log that must not be used begins
@@ -82,7 +82,7 @@ def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) 
     return fit
 
 
-def exported(model: str, output: str, fmi: int, progress: Progress) -> str:
+def exported(model: str, output: str, fmi: Literal[2, 3], progress: Progress) -> str:
     """The model as an FMU."""
     import pyident as pi
 

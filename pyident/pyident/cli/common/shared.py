@@ -19,7 +19,7 @@ from rich.progress import Progress
 
 from flexfmu.build import BuildError
 from flexmodels.atomic import replacing
-from flexmodels.effects.effect import EffectError
+from flexmodels.effects.law_names import EffectError
 from flexmodels.effects.trust import code_allowed
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError

@@ -19,8 +19,8 @@ from flexmodels.coordinate import divided, joint_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import gain, joined
 from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.unexplained.residual_terms import Dependence
 from pyident.diagnosis.unexplained.smooth import Variable, constant_columns, spline_columns, variables
-from pyident.diagnosis.unexplained.unexplained import Dependence
 
 MISSING = "pyoperon is missing, which finds formulas; pip install 'flexident[symbolic]'"
 _OPERATIONS = "add,sub,mul,constant,variable,abs,exp,tanh,sin,cos,sqrt"

@@ -1,5 +1,6 @@
 """Place 5: the next measurement, and the model for other tools."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,7 @@ def show(page: "Page") -> None:
             (bench.project.folder / bench.project.model).is_file()
         )
         for fmi in (2, 3):
-            ui.button(f"FMU (FMI {fmi})", on_click=lambda v=fmi: page.act(lambda: _export(page, v))).props(
+            ui.button(f"FMU (FMI {fmi})", on_click=partial(page.act, partial(_export, page, fmi))).props(
                 f'data-testid="export-fmi{fmi}" no-caps'
             )
         ui.button(
