@@ -40,7 +40,7 @@ def table(out: Path) -> pd.DataFrame:
     for _, row in solved.iterrows():
         ratio = None if "disk" in row["tool"] else row["seconds"] / seconds
         what = f"build and solve {row['samples']} samples [s]"
-        rows.append((what, row["tool"], row["seconds"], row["peak MB"], ratio))
+        rows.append((what, row["tool"], row["seconds"], row["peak MB"], ratio))  # pyright: ignore[reportArgumentType]
     simulated = pd.read_csv(out / "simulation_summary.csv")
     for name, group in simulated.groupby("case", sort=False):
         own = group.loc[group["tool"] == "flexident FMU", "speed"].iloc[0]

@@ -45,7 +45,7 @@ def measured(repeats: int) -> pd.DataFrame:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # pyright: ignore[reportOptionalMemberAccess]
     parser.add_argument("-o", "--out", type=Path, default=Path("out/bench"), help="folder of the results")
     parser.add_argument("--repeats", type=int, default=9)
     arguments = parser.parse_args()

@@ -122,7 +122,7 @@ class LoadedFmu(FmuDescription):
                 start_values={fmi_name(name): value for name, value in parameters.items()},
                 input=signals,
                 output=list(logged),
-                relative_tolerance=None if simulation else 1e-8,
+                relative_tolerance=None if simulation else 1e-8,  # pyright: ignore[reportArgumentType]
                 use_event_mode=events,
                 early_return_allowed=events,
                 logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),

@@ -83,8 +83,8 @@ def deviations(robot: Robot, results: list[Identified]) -> pd.DataFrame:
 def _rows(name: str, table: pd.DataFrame) -> list[dict[str, str]]:
     coverage = table["coverage"].to_numpy()
     pooled, worst = float(coverage.mean()), float(coverage.min())
-    stiffness = table["bias_percent"][[n for n in table.index if n.endswith(".k[1]")]].abs().max()
-    inertia = table["bias_percent"][[n for n in table.index if n.endswith(".J_m")]].abs().max()
+    stiffness = table["bias_percent"][[n for n in table.index if n.endswith(".k[1]")]].abs().max()  # pyright: ignore[reportAttributeAccessIssue]
+    inertia = table["bias_percent"][[n for n in table.index if n.endswith(".J_m")]].abs().max()  # pyright: ignore[reportAttributeAccessIssue]
     return [
         row(f"95 % intervals, {name}: pooled", f"{100 * pooled:.1f} %", "93-97 %", 0.93 <= pooled <= 0.97),
         row(

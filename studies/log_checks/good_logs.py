@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
+from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 from scipy.signal import butter, lfilter, sosfiltfilt
 
 from flexmodels.experiment import identification
@@ -134,7 +134,7 @@ def _zero_phase(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _causal(frame: pd.DataFrame) -> pd.DataFrame:
-    b, a = butter(2, 10, fs=250)
+    b, a = butter(2, 10, fs=250)  # pyright: ignore[reportAssignmentType, reportGeneralTypeIssues]
     names = [n for n in frame if n != "time"]
     filtered = {n: lfilter(b, a, frame[n] - frame[n].iloc[0]) + frame[n].iloc[0] for n in names}
     return frame.assign(**filtered)
@@ -167,7 +167,7 @@ def _own() -> Iterator[Case]:
         frame = simulate_robot(robot, identification(robot, duration=10.0))
         yield f"{name}, own simulation", robot, Log(frame, "own.csv")
         bare = frame[[n for n in frame if not n.endswith((".r", ".tau_ff"))]]
-        yield f"{name}, own simulation without tau_ff", robot, Log(_noisy(bare, 2e-6, 0.002), "bare.csv")
+        yield f"{name}, own simulation without tau_ff", robot, Log(_noisy(bare, 2e-6, 0.002), "bare.csv")  # pyright: ignore[reportArgumentType]
 
 
 def _short(source: str) -> str:

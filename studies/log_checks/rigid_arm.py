@@ -43,7 +43,7 @@ def recorded(robot: Robot, motion: Motion, seed: int, noise: float = 2e-6) -> pd
 
     noise   [rad or m] of the encoders; torques have 0.5 % of their rms
     """
-    import pinocchio as pin
+    import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
     rng = np.random.default_rng(seed)
     q, dq, ddq, time = _swings(robot, motion, rng)
@@ -101,7 +101,7 @@ def _faded(time: np.ndarray, start: float, stop: float, over: float, out: bool) 
 
 def _model(robot: Robot, rng: np.random.Generator):
     """The arm in Pinocchio, every link's mass and inertia times its own number."""
-    import pinocchio as pin
+    import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
     model, before, axes = pin.Model(), 0, np.eye(3)
     model.gravity.linear = np.array(robot.gravity)

@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pandas as pd
-from pyident.sweep.studies.log_checks import (  # their kinds register themselves
+from pyident.sweep.studies.log_checks import (  # their kinds register themselves  # pyright: ignore[reportMissingImports]
     wrong_channels,  # noqa: F401
     wrong_rows,  # noqa: F401
 )
-from pyident.sweep.studies.log_checks.good_logs import Case, foreign, good_logs
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
-from pyident.sweep.studies.log_checks.wrong_logs import KINDS
+from pyident.sweep.studies.log_checks.good_logs import Case, foreign, good_logs  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.wrong_logs import KINDS  # pyright: ignore[reportMissingImports]
 
 from flexmodels.robot import Robot
 from pyident.checks.check_log import check_log
@@ -32,18 +32,18 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     (folder / "table.md").write_text(table(wrong, good), encoding="utf-8")
     share = 100 * (wrong["outcome"] != "missed").mean()
     refused = 100 * (wrong["outcome"] == "refused").mean()
-    false = int((good["outcome"] != "missed").sum())
+    false = int((good["outcome"] != "missed").sum())  # pyright: ignore[reportArgumentType]
     kinds = wrong["case"].nunique()
     return StudyResult(
         [
             row(f"wrong logs flagged ({kinds} kinds, {len(wrong)} logs of {len(bases)} robots)",
-                f"{share:.1f} %", f"≥ {SHARE:g} %", share >= SHARE),
+                f"{share:.1f} %", f"≥ {SHARE:g} %", share >= SHARE),  # pyright: ignore[reportArgumentType]
             row("of these refused", f"{refused:.1f} %"),
             row(f"good logs flagged (of {len(good)})", str(false), "0", false == 0),
         ],
         [folder / "wrong.csv", folder / "good.csv", folder / "table.md"],
-        [f"missed: {r.case} ({r.robot})" for r in wrong.itertuples() if r.outcome == "missed"]
-        + [f"false alarm: {r.case}: {r.sentence}" for r in good.itertuples() if r.outcome != "missed"],
+        [f"missed: {r.case} ({r.robot})" for r in wrong.itertuples() if r.outcome == "missed"]  # pyright: ignore[reportAttributeAccessIssue]
+        + [f"false alarm: {r.case}: {r.sentence}" for r in good.itertuples() if r.outcome != "missed"],  # pyright: ignore[reportAttributeAccessIssue]
     )  # fmt: skip
 
 
@@ -113,6 +113,7 @@ def table(wrong: pd.DataFrame, good: pd.DataFrame) -> str:
         "",
     ]
     lines += [
-        f"- {r.case}" + ("" if r.outcome == "missed" else f" (**{r.outcome}**)") for r in good.itertuples()
+        f"- {r.case}" + ("" if r.outcome == "missed" else f" (**{r.outcome}**)")
+        for r in good.itertuples()  # pyright: ignore[reportAttributeAccessIssue]
     ]
     return "\n".join(lines) + "\n"

@@ -172,7 +172,7 @@ def _off(robot: Robot, rng: np.random.Generator) -> Robot:
 
 
 def _inverse_dynamics(robot: Robot, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    import pinocchio as pin
+    import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
     model = pin.Model()
     model.gravity.linear = np.array(robot.gravity)
@@ -188,7 +188,7 @@ def _inverse_dynamics(robot: Robot, q: np.ndarray, v: np.ndarray, a: np.ndarray)
 
 
 def _body(link: Any, triad: np.ndarray) -> Any:
-    import pinocchio as pin
+    import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
     com = np.array(link.ms) / link.m
     xx, xy, xz, yy, yz, zz = link.J

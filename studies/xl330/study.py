@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from pyident.sweep.studies.xl330.figure import draw
-from pyident.sweep.studies.xl330.ladder import RUNGS, STEP, Ladder, Track, compiled
+from pyident.sweep.studies.xl330.figure import draw  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.xl330.ladder import RUNGS, STEP, Ladder, Track, compiled  # pyright: ignore[reportMissingImports]
 
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import Robot, RobotError

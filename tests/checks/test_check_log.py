@@ -110,7 +110,7 @@ def test_a_torque_between_samples_is_placed(four_link, sound, shift):
     spectrum = np.fft.rfft(tau) * np.exp(-2j * np.pi * np.fft.rfftfreq(len(tau)) * shift)
     moved = changed(sound, joint3_tau=lambda _: np.fft.irfft(spectrum, len(tau)))
     shifts = np.arange(-8, 9) / 2
-    of = balances(samples(four_link, moved))
+    of = balances(samples(four_link, moved))  # pyright: ignore[reportArgumentType]
     assert shifts[np.argmin(energies(of, 2, shifts))] == shift
     assert shifts[np.argmin(energies(of, 0, shifts))] == 0
 
@@ -120,9 +120,9 @@ def test_the_robot_file_is_a_witness_of_size_alone(four_link, sound):
     heavier = {name: 1.25 * v for name, v in four_link.parameters.items() if name.startswith("link")}
     other = four_link.with_parameters(heavier)
     assert check_log(other, sound) == ()
-    assert file_factor(balances(samples(four_link, sound))) == pytest.approx(1, abs=0.05)
+    assert file_factor(balances(samples(four_link, sound))) == pytest.approx(1, abs=0.05)  # pyright: ignore[reportArgumentType]
     torques = {f"joint{k}_tau": lambda x: 100 * x for k in (1, 2, 3, 4)}
-    assert file_factor(balances(samples(four_link, changed(sound, **torques)))) == pytest.approx(
+    assert file_factor(balances(samples(four_link, changed(sound, **torques)))) == pytest.approx(  # pyright: ignore[reportArgumentType]
         100, rel=0.05
     )
 

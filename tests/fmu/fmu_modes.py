@@ -18,7 +18,7 @@ class Moving(Opened):
         super().__init__(path, FMU2Model, POSE)
         variables = self.description.modelVariables
         self.states = [v.derivative.name for v in variables if v.derivative]
-        self.starts = {v.name: float(v.start) for v in variables if v.causality == "parameter"}
+        self.starts = {v.name: float(v.start) for v in variables if v.causality == "parameter"}  # pyright: ignore[reportArgumentType]
         inputs = [v.name for v in variables if v.causality == "input"]
         free = ("fixed", "tunable") if mode == "initialisation" else ("tunable",)
         parameters = [v.name for v in variables if v.causality == "parameter" and v.variability in free]

@@ -145,7 +145,7 @@ def test_the_recorded_run_is_reproduced(fmus, fmi):
             fmi_type=interface,
             stop_time=float(option["StopTime"]),
             output_interval=float(option["StepSize"]),
-            relative_tolerance=float(option["RelTol"]) * 1e-2 if interface == "ModelExchange" else None,
+            relative_tolerance=float(option["RelTol"]) * 1e-2 if interface == "ModelExchange" else None,  # pyright: ignore[reportArgumentType]
             input=np.array(list(map(tuple, signals.to_numpy())), dtype=[(n, float) for n in signals]),
             output=TIP,
         )

@@ -57,7 +57,7 @@ def _by_hand(plan: Experiment) -> np.ndarray:
     """The loop of flexmodels.settings.servo, written from its description; SciPy between its samples."""
     ticks = np.arange(round(plan.time[-1] * RATE) + 1) / RATE
     late = np.interp(ticks - 0.0125, plan.time, plan.reference[:, 0])
-    on = np.interp(ticks, plan.time, plan.on[:, 0]) >= 0.5
+    on = np.interp(ticks, plan.time, plan.on[:, 0]) >= 0.5  # pyright: ignore[reportOptionalSubscript]
     e, de, integral, track = 0.2, 0.0, 0.0, [0.2]
     for i in range(len(ticks) - 1):
         torque = 0.0
@@ -94,7 +94,7 @@ def test_torque_from_a_log_is_the_torque_in_the_fmu(fmu):
     frame = fmu.simulate(plan, settable(robot))
     e = frame[["joint1.e"]].to_numpy()
     de = np.gradient(e, plan.time, axis=0)
-    tau = robot.servo.torque(plan.reference, e, de, plan.on, plan.time)
+    tau = robot.servo.torque(plan.reference, e, de, plan.on, plan.time)  # pyright: ignore[reportArgumentType, reportOptionalMemberAccess]
     steady = np.abs(plan.time[:, None] - np.array([0.0, 1.0, 1.0125, 1.3, 1.6])).min(axis=1) > 0.03
     difference = (tau[:, 0] - frame["joint1.tau"])[steady]
     assert np.sqrt(np.mean(difference**2)) < 0.01 * frame["joint1.tau"].std()
@@ -105,8 +105,8 @@ def test_settings_by_name(tmp_path):
     save_robot(robot, tmp_path / "servo.toml")
     assert load_robot(tmp_path / "servo.toml").servo == robot.servo
     changed = with_settings(robot, {"servo.kp": 400.0, "servo.delay": 0.001, "joint1.viscous": 0.5})
-    assert changed.servo.kp == (400.0,)
-    assert changed.servo.delay == 0.001
+    assert changed.servo.kp == (400.0,)  # pyright: ignore[reportOptionalMemberAccess]
+    assert changed.servo.delay == 0.001  # pyright: ignore[reportOptionalMemberAccess]
     assert changed.parameters["joint1.viscous"] == 0.5
     with pytest.raises(RobotError, match=r"no parameter servo\.kq; it has servo\.R, .*servo\.delay"):
         with_settings(robot, {"servo.kq": 1.0})

@@ -20,7 +20,7 @@ MANY = settings(
     deadline=None,
     derandomize="HOSTILE_EXAMPLES" not in os.environ,
     database=None,
-    suppress_health_check=list(HealthCheck),
+    suppress_health_check=list(HealthCheck),  # pyright: ignore[reportArgumentType]
     phases=(Phase.explicit, Phase.generate),
 )
 ROBOTS = Path(__file__).parents[1] / "robots"

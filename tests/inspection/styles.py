@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
+from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 
 from flexmodels.robot import Robot
 
@@ -50,7 +50,7 @@ def _nothing(pattern: str, first: int = 1):
 
 def plain_csv(f: pd.DataFrame, folder: Path) -> Style:
     named = {f"{a}{k}": f"{a}_{k}" for a in ("q", "dq", "tau") for k in range(1, N + 1)}
-    f[["time", *named]].rename(columns=named).to_csv(folder / "plain.csv", index=False)
+    f[["time", *named]].rename(columns=named).to_csv(folder / "plain.csv", index=False)  # pyright: ignore[reportCallIssue]
     truth = {"time": ("time", "s", 1, 0.0)} | _truth("q_{}", "joint{}.e", "rad") | _nothing("dq_{}")
     return Style(folder / "plain.csv", truth | _truth("tau_{}", "joint{}.tau", "N.m"))
 
@@ -85,7 +85,7 @@ def units_row(f: pd.DataFrame, folder: Path) -> Style:
     lines += [",".join(f"{v:.10g}" for v in row) for row in data]
     (folder / "units.csv").write_text("\n".join(lines) + "\n")
     truth = {"t": ("time", "us", 1, 0.0)} | _truth("pos_axis{}", "joint{}.e", "deg")
-    return Style(folder / "units.csv", truth | _truth("trq_axis{}", "joint{}.tau", "mN.m"))
+    return Style(folder / "units.csv", truth | _truth("trq_axis{}", "joint{}.tau", "mN.m"))  # pyright: ignore[reportArgumentType]
 
 
 def cells_of_lists(f: pd.DataFrame, folder: Path) -> Style:
@@ -119,7 +119,7 @@ def mat_struct(f: pd.DataFrame, folder: Path) -> Style:
     savemat(folder / "rec.mat", {"rec": {"t": f["time"].to_numpy(), "act_pos_deg": q, "act_torque_nm": tau}})
     truth = {"rec.t": ("time", "s", 1, 0.0)} | _truth("rec.act_pos_deg[{}]", "joint{}.e", "deg")
     truth["rec.act_pos_deg[2]"] = ("joint2.e", "deg", 1, 90.0)
-    return Style(folder / "rec.mat", truth | _truth("rec.act_torque_nm[{}]", "joint{}.tau", "N.m"))
+    return Style(folder / "rec.mat", truth | _truth("rec.act_torque_nm[{}]", "joint{}.tau", "N.m"))  # pyright: ignore[reportArgumentType]
 
 
 def mat_7_3(f: pd.DataFrame, folder: Path) -> Style:
@@ -168,11 +168,11 @@ def mcap(f: pd.DataFrame, folder: Path) -> Style:
     with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
         topic = writer.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)
         for _, row in f.iterrows():
-            ns = round(1e9 * row["time"])
+            ns = round(1e9 * row["time"])  # pyright: ignore[reportArgumentType]
             header = Header(stamp=Time(sec=5 + ns // 10**9, nanosec=ns % 10**9), frame_id="")
             q, dq, tau = (np.array([row[f"{a}{n[-1]}"] for n in names]) for a in ("q", "dq", "tau"))
             message = State(header=header, name=names, position=q, velocity=dq, effort=-tau)
-            writer.write(topic, ns, store.serialize_cdr(message, "sensor_msgs/msg/JointState"))
+            writer.write(topic, ns, store.serialize_cdr(message, "sensor_msgs/msg/JointState"))  # pyright: ignore[reportArgumentType]
     truth = {"time": ("time", "s", 1, 0.0)} | _truth("joint_{}.position", "joint{}.e", "rad")
     truth |= _nothing("joint_{}.velocity") | _truth("joint_{}.effort", "joint{}.tau", "N.m", -1)
     return Style(next((folder / "bag").glob("*.mcap")), truth)
@@ -221,7 +221,7 @@ def swapped_signs(f: pd.DataFrame, folder: Path) -> Style:
     truth = {"time": ("time", "s", 1, 0.0)} | _truth("theta_{}", "joint{}.e", "rad", first=0)
     for k in range(1, N + 1):
         truth[f"load_{k - 1}_Nm"] = (f"joint{k}.tau", "N.m", -1 if k in (1, 4) else 1, 0.0)
-    return Style(folder / "space.dat", truth)
+    return Style(folder / "space.dat", truth)  # pyright: ignore[reportArgumentType]
 
 
 STYLES: tuple[Callable[[pd.DataFrame, Path], Style], ...] = (

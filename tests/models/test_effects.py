@@ -218,7 +218,7 @@ def test_a_late_torque_under_the_hat(tmp_path):
         np.column_stack([np.interp(time, plan.time, c) for c in s.T])
         for s in (plan.reference, plan.feedforward)
     ]
-    log, motion, _ = simulated(robot, tmp_path, Experiment(time, *inputs))
+    log, motion, _ = simulated(robot, tmp_path, Experiment(time, *inputs))  # pyright: ignore[reportArgumentType]
     late = log["joint1.tau"].to_numpy() - log["joint1.torque_delay.delivered"].to_numpy()
     z, tau = log["joint1.torque_delay.delivered"].to_numpy(), motion.tau
     assert tau is not None

@@ -12,7 +12,7 @@ from pyident.rules.search import SearchRules
 
 def test_every_threshold_says_what_it_is():
     frame = RULES.to_frame()
-    assert (frame[["of", "why", "fixed_on"]].map(len) > 3).all().all()
+    assert (frame[["of", "why", "fixed_on"]].map(len) > 3).all().all()  # pyright: ignore[reportAttributeAccessIssue]
     assert frame.index.is_unique
 
 

@@ -4,10 +4,10 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes the logs")
 
-from pyident.sweep.studies.log_checks import study
-from pyident.sweep.studies.log_checks.good_logs import HONEST, scara
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes
-from pyident.sweep.studies.log_checks.wrong_logs import KINDS
+from pyident.sweep.studies.log_checks import study  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.good_logs import HONEST, scara  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.wrong_logs import KINDS  # pyright: ignore[reportMissingImports]
 
 from pyident.checks.check_log import check_log
 from pyident.logs.log import Log

@@ -12,7 +12,7 @@ def _checked(effects: Iterable[Effect], taken: Mapping[str, Effect]) -> dict[str
     """Effects by name. Raises EffectError when one breaks a rule or its name is taken."""
     found: dict[str, Effect] = {}
     for effect in effects:
-        if (taken | found).get(effect.name, effect) is not effect:
+        if (taken | found).get(effect.name, effect) is not effect:  # pyright: ignore[reportOperatorIssue]
             raise EffectError(f"effect {effect.name} is in the catalogue already; give yours another name")
         if effect.base:
             raise EffectError(f"effect {effect.name} must not be a base effect; leave `base` out")

@@ -57,7 +57,7 @@ def _check_tree(root: Any) -> None:
         parent, child = ends
         if child in parents:
             raise RobotError(f"link {child} has two parents; a robot is a tree, so leave one joint out")
-        parents[child] = parent
+        parents[child] = parent  # pyright: ignore[reportArgumentType]
     roots = links - parents.keys()
     if len(roots) != 1:
         raise RobotError(f"{len(roots)} links have no parent; a tree has one root")

@@ -127,7 +127,7 @@ def _floor_percent(search: Search) -> list[float]:
             if row < len(robot.joints):
                 own = part.target[:, row]
             else:
-                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]
+                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]  # pyright: ignore[reportArgumentType]
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
         out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
     return out

@@ -163,7 +163,7 @@ def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules,
         setting = unbiased(setting, workers)
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
-        trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)
+        trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)  # pyright: ignore[reportArgumentType]
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)
 

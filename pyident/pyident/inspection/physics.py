@@ -152,7 +152,7 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
         if factor is not None:
             usual = _EFFORTS if joint.kind == "revolute" else _FORCES
             natural = c.unit or natural_unit("torque", joint.kind)
-            near = min(usual, key=lambda u: abs(np.log(FACTORS[u] * factor / FACTORS[natural])))
+            near = min(usual, key=lambda u: abs(np.log(FACTORS[u] * factor / FACTORS[natural])))  # pyright: ignore[reportOperatorIssue]
             off = max(r := FACTORS[near] * factor / FACTORS[natural], 1 / r)
             if off > _CLOSE:
                 doubt = (f"in {natural}, {c.column} makes the masses {factor:.3g} times the robot file's: "

@@ -33,7 +33,7 @@ class View:
 
 def view_of(query: Mapping[str, str]) -> View:
     """What a URL asks for; what makes no sense in it is left out."""
-    place: Place = next((p for p in PLACES if p == query.get("place")), "data")
+    place: Place = next((p for p in PLACES if p == query.get("place")), "data")  # pyright: ignore[reportAssignmentType]
     try:
         span = (float(query["from"]), float(query["to"]))
     except (KeyError, ValueError):

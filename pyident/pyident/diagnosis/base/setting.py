@@ -124,7 +124,7 @@ def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotio
     parameters = setting.robot.parameters | dict(setting.solver)
     return [
         r.replica(
-            fmu.simulate if fmu else None,
+            fmu.simulate if fmu else None,  # pyright: ignore[reportArgumentType]
             parameters,
             {**setting.noise, **setting.own_noise.get(r.log.source, {})},
             int(s),

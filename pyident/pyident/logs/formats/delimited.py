@@ -47,7 +47,7 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     units: dict[str, str] = {}
     for i, at in enumerate(frame.columns):
         name = names[at] if int(at) < len(names) else str(i + 1)
-        for leaf, values in _cells(name, frame[at]):
+        for leaf, values in _cells(name, frame[at]):  # pyright: ignore[reportArgumentType]
             columns[leaf] = values
             if layout.units and int(at) < len(layout.units) and layout.units[at]:
                 units[leaf] = layout.units[at]
@@ -143,8 +143,8 @@ def _cells(name: str, column: pd.Series) -> list[tuple[str, np.ndarray]]:
         if len({len(row) for row in rows}) == 1:
             return [(f"{name}[{i + 1}]", np.array(x, float)) for i, x in enumerate(zip(*rows, strict=True))]
     numbers = pd.to_numeric(text, errors="coerce")
-    if numbers.notna().mean() > 0.5:
-        return [(name, numbers.to_numpy(float))]
+    if numbers.notna().mean() > 0.5:  # pyright: ignore[reportAttributeAccessIssue]
+        return [(name, numbers.to_numpy(float))]  # pyright: ignore[reportArgumentType, reportAttributeAccessIssue, reportCallIssue, reportReturnType]
     try:
         stamps = pd.to_datetime(text, errors="raise", utc=True, format="ISO8601")
     except (ValueError, TypeError):
