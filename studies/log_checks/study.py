@@ -112,8 +112,6 @@ def table(wrong: pd.DataFrame, good: pd.DataFrame) -> str:
         f"Good logs: {len(good)}, of which {count['refused']} refused and {count['warned']} warned of:",
         "",
     ]
-    lines += [
-        f"- {r.case}" + ("" if r.outcome == "missed" else f" (**{r.outcome}**)")
-        for r in good.itertuples()  # pyright: ignore[reportAttributeAccessIssue]
-    ]
+    for case, outcome in zip(good["case"], good["outcome"], strict=True):
+        lines.append(f"- {case}" + ("" if outcome == "missed" else f" (**{outcome}**)"))
     return "\n".join(lines) + "\n"
