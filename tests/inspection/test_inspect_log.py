@@ -79,7 +79,7 @@ def test_a_file_without_time_or_torque_is_questioned(recording, robot, tmp_path)
     done = CliRunner().invoke(main, ["log", "inspect", str(tmp_path / "bare.csv")])
     assert done.exit_code == 1
     assert "how many samples a second" in done.output
-    assert "no column looks like a torque" in done.output
+    assert "no column looks like the torque of joint 1" in done.output
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def export(
 
     A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
 
-    Examples: pyident export four_link -o arm.fmu --fmi 3, pyident export emps -o emps.fmu --part plant
+    Example: pyident export four_link -o arm.fmu --fmi 3, or pyident export emps -o emps.fmu --part plant
     """
     robot = pi.load_robot(model)
     with console.status("generating and compiling"):

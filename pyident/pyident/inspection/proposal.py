@@ -32,7 +32,7 @@ class Proposal:
             "channels": [
                 {"column": c.column, "signal": c.name or c.signal, "joint": c.joint, "unit": c.unit,
                  "sign": c.sign, "offset": c.offset, "delay_s": c.delay, "rate_hz": _finite(c.rate),
-                 "low": c.low, "high": c.high, "sure": c.sure, "why": list(c.why), "question": c.doubt}
+                 "low": c.low, "high": c.high, "sure": bool(c.sure), "why": list(c.why), "question": c.doubt}
                 for c in self.channels
             ],
             "notes": list(self.notes),
