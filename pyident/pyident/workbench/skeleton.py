@@ -6,14 +6,11 @@ import pandas as pd
 from flexmodels.coordinate import deformation_of, motor_of
 from flexmodels.robot import Robot
 
-FRAMES = 400  # keyframes of a motion, sent once and played in the browser
 
-
-def skeleton(robot: Robot, frame: pd.DataFrame | None = None, exaggeration: float = 1.0) -> np.ndarray:
+def skeleton(robot: Robot, frame: pd.DataFrame | None = None) -> np.ndarray:
     """Points (T, joints + 1, 3) [m] of every joint and the tip, in base axes.
 
     frame          signals `joint{k}.e` and `joint{k}.eps[i]` over T samples; None: the zero pose, T = 1
-    exaggeration   factor on the deformations
     """
     from scipy.spatial.transform import Rotation
 
@@ -32,7 +29,7 @@ def skeleton(robot: Robot, frame: pd.DataFrame | None = None, exaggeration: floa
             own = R
         else:
             own = R * Rotation.from_rotvec(move[:, None] * axes[:, 0])
-        eps = [exaggeration * _signal(frame, deformation_of(k, i), samples) for i in (1, 2, 3)]
+        eps = [_signal(frame, deformation_of(k, i), samples) for i in (1, 2, 3)]
         own = own * Rotation.from_rotvec(_bend(eps[1], eps[2]) @ axes.T)
         own = own * Rotation.from_rotvec(eps[0][:, None] * axes[:, 0])
         turned[k] = own, at

@@ -11,7 +11,7 @@ PLACES: tuple[Place, ...] = ("data", "model", "where", "why", "next")
 
 @dataclass(frozen=True)
 class View:
-    """place; log: its name; coordinate: of the equation; span: of time [s], None for all; band: [Hz]."""
+    """place; log: its name; coordinate: of the equation; span: of time [s], None for all."""
 
     place: Place = "data"
     log: str = ""
