@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Added as Added
     from pyident.verbs.judged import Compared as Compared
     from pyident.verbs.judged import Diagnosed as Diagnosed
+    from pyident.verbs.payload import Payload as Payload
+    from pyident.verbs.payload import payload as payload
     from pyident.verbs.simulate import export_fmu as export_fmu
     from pyident.verbs.simulate import parameter_study as parameter_study
     from pyident.verbs.simulate import simulate as simulate
@@ -51,6 +53,8 @@ _HOME = {
     "diagnose": "pyident.verbs.judge",
     "export_fmu": "pyident.verbs.simulate",
     "identify": "pyident.verbs.fit",
+    "Payload": "pyident.verbs.payload",
+    "payload": "pyident.verbs.payload",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",

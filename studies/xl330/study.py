@@ -3,7 +3,7 @@
 import os
 import re
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +21,11 @@ from pyident.sweep.studies import StudyResult, row
 _HERE = Path(__file__).parent
 _INERTIA, _WEIGHT = 0.0049, 0.49 * 9.80665 * 0.1
 _LAWS = ("load_dependent_friction", "quadratic_load_friction", "stribeck", "nonlinear_viscous")
-_WORTH = 0.9  # of the error at a gain that was not fitted: what a further law must come below
-_CLIMB_ROUNDS = 12
+_WORTH = 0.9  # of the error at gains that were not fitted: what a further law must come below
+_CLIMB_ROUNDS = 8
 _POSE = ("link1.ms[x]",)  # the zero of the encoder is not quite straight down
+
+Recordings = Mapping[str, ServoLog]
 
 
 def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
@@ -38,18 +40,17 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         file.stem: ServoLog(robot_log(file, start, mapping), {"servo.kp": float(_gain(file.stem))})
         for file in files
     }
-    robot, steps = climbed(start, recordings, lambda share: progress(0.4 * share))
-    gains = sorted({_gain(name) for name in recordings})
-    rows, bars = [], []
+    robot, steps = climbed(start, recordings, lambda share: progress(0.3 * share))
+    gains, rows, bars = _gains(recordings), [], []
     with compiled(_INERTIA, _WEIGHT) as ladder:
         for i, gain in enumerate(gains):
-            ours = held_out(robot, recordings, gain)
+            ours, laws = held_out(start, recordings, gain)
             theirs = {rung: _ladder_error(ladder, rung, recordings, gain, start) for rung in RUNGS}
             best = min(theirs, key=lambda rung: theirs[rung])
-            text = f"{ours:.2f}° against {theirs[best]:.2f}° of {best}, the ladder's best"
+            text = f"{ours:.2f}° ({laws}) against {theirs[best]:.2f}° of {best}, the ladder's best"
             rows.append(row(f"kp {gain} held out: mean absolute error", text, "less", ours < theirs[best]))
             bars.append((gain, ours, theirs))
-            progress(0.4 + 0.5 * (i + 1) / len(gains))
+            progress(0.3 + 0.6 * (i + 1) / len(gains))
     fit = _fitted(robot, list(recordings.values()))
     rows += _described(fit, recordings, robot)
     save_robot(fit.robot, folder / "model.toml")
@@ -62,47 +63,47 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
 
 
 def climbed(
-    robot: Robot, recordings: dict[str, ServoLog], progress: Callable[[float], None]
+    robot: Robot, recordings: Recordings, progress: Callable[[float], None]
 ) -> tuple[Robot, list[str]]:
-    """From Coulomb and viscous friction up: the law that helps most at the middle gain, which is not fitted.
+    """From Coulomb and viscous friction up: the law that helps most at gains that are left out in turn.
 
     What was tried at each step is told in a sentence.
     """
-    middle = sorted({_gain(name) for name in recordings})[1]
-    robot, error = _judged(robot, recordings, middle)
-    told = [f"Coulomb and viscous friction: {error:.2f}° at kp {middle}, fitted at the other gains"]
+    error = _left_out(robot, recordings)
+    told = [f"Coulomb and viscous friction: {error:.2f}° at the gain left out (geometric mean of gains)"]
     for number in range(len(_LAWS)):
-        tried = {}
-        for law in _LAWS:
-            if law not in robot.joints[0].values and _allowed(robot, law):
-                tried[law] = _judged(robot.with_effect(1, law), recordings, middle)
+        tried = {
+            law: _left_out(robot.with_effect(1, law), recordings)
+            for law in _LAWS
+            if law not in robot.joints[0].values and _allowed(robot, law)
+        }
+        progress((number + 1) / len(_LAWS))
         if not tried:
             break
-        best = min(tried, key=lambda law: tried[law][1])
-        told.append(
-            f"with {', '.join(f'{law} {tried[law][1]:.2f}°' for law in tried)}: "
-            + (
-                f"{best} is taken"
-                if tried[best][1] < _WORTH * error
-                else "none helps by a tenth, so none is taken"
-            )
-        )
-        progress((number + 1) / len(_LAWS))
-        if tried[best][1] >= _WORTH * error:
+        best = min(tried, key=lambda law: tried[law])
+        taken = tried[best] < _WORTH * error
+        errors = ", ".join(f"{law} {value:.2f}°" for law, value in tried.items())
+        told.append(f"with {errors}: " + (f"{best} is taken" if taken else "none helps by a tenth"))
+        if not taken:
             break
-        robot, error = tried[best]
+        robot, error = robot.with_effect(1, best), tried[best]
     return robot, told
 
 
-def held_out(robot: Robot, recordings: dict[str, ServoLog], gain: int) -> float:
-    """Mean absolute error [degrees] at a gain, fitted at the others."""
-    fit = _fitted(robot, [r for name, r in recordings.items() if _gain(name) != gain])
-    return _error(fit.robot, [r for name, r in recordings.items() if _gain(name) == gain])
+def held_out(start: Robot, recordings: Recordings, gain: int) -> tuple[float, str]:
+    """Mean absolute error [degrees] at a gain that neither the laws nor their values were chosen by."""
+    others, (robot, _) = _without(recordings, gain), climbed(start, _without(recordings, gain), _silent)
+    laws = [law for law in _LAWS if law in robot.joints[0].values]
+    return _error(_fitted(robot, list(others.values())).robot, _only(recordings, gain)), ", ".join(laws)
 
 
-def _judged(robot: Robot, recordings: dict[str, ServoLog], gain: int) -> tuple[Robot, float]:
-    fit = _fitted(robot, [r for name, r in recordings.items() if _gain(name) != gain], _CLIMB_ROUNDS)
-    return fit.robot, _error(fit.robot, [r for name, r in recordings.items() if _gain(name) == gain])
+def _left_out(robot: Robot, recordings: Recordings) -> float:
+    """Mean absolute error [degrees] at a gain, fitted at the others: the geometric mean over the gains."""
+    errors = []
+    for gain in _gains(recordings):
+        fit = _fitted(robot, list(_without(recordings, gain).values()), _CLIMB_ROUNDS)
+        errors.append(_error(fit.robot, _only(recordings, gain)))
+    return float(np.exp(np.mean(np.log(errors))))
 
 
 def _allowed(robot: Robot, law: str) -> bool:
@@ -126,9 +127,7 @@ def _error(robot: Robot, recordings: Sequence[ServoLog]) -> float:
     return float(np.degrees(np.mean(errors)))
 
 
-def _ladder_error(
-    ladder: Ladder, rung: str, recordings: dict[str, ServoLog], gain: int, robot: Robot
-) -> float:
+def _ladder_error(ladder: Ladder, rung: str, recordings: Recordings, gain: int, robot: Robot) -> float:
     tracks = {name: _track(recording, robot) for name, recording in recordings.items()}
     values = ladder.fit(rung, [track for name, track in tracks.items() if _gain(name) != gain])
     return float(np.degrees(ladder.error(values, [t for name, t in tracks.items() if _gain(name) == gain])))
@@ -144,13 +143,29 @@ def _track(recording: ServoLog, robot: Robot) -> Track:
     return Track(gain, robot.servo.supply, at["r"], at["e"], (at["on"] > 0.5).astype(float))
 
 
-def _described(fit: ClosedLoopFit, recordings: dict[str, ServoLog], robot: Robot) -> list[dict[str, str]]:
+def _described(fit: ClosedLoopFit, recordings: Recordings, robot: Robot) -> list[dict[str, str]]:
     units = robot.units | {"joint1.servo.kt": "N.m/A", "joint1.servo.R": "Ohm", "servo.delay": "s"}
     rows = [row("all gains fitted: mean absolute error", f"{np.degrees(np.mean(fit.error)):.2f}°")]
     for name, value in fit.values.items():
         spread = f" ± {1.96 * fit.std[name]:.2g}" if fit.std else ""
         rows.append(row(name, f"{value:.4g}{spread} {units[name]} (95 %, jackknife over logs)"))
     return rows
+
+
+def _gains(recordings: Recordings) -> list[int]:
+    return sorted({_gain(name) for name in recordings})
+
+
+def _without(recordings: Recordings, gain: int) -> Recordings:
+    return {name: r for name, r in recordings.items() if _gain(name) != gain}
+
+
+def _only(recordings: Recordings, gain: int) -> list[ServoLog]:
+    return [r for name, r in recordings.items() if _gain(name) == gain]
+
+
+def _silent(_: float) -> None:
+    """Progress of a part."""
 
 
 def _gain(name: str) -> int:

@@ -80,11 +80,14 @@ class FmuRuns:
 def runs_here(
     robot: Robot,
 ) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
-    """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
+    """`FmuRuns` in this very process: for short experiments, which are over before others have started.
+
+    Sets of one call name the same parameters.
+    """
     with scratch_folder() as folder:
         path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
-            yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
+            yield lambda experiment, parameters: iter(fmu.simulate_batch(experiment, parameters))
 
 
 class RivalRuns:

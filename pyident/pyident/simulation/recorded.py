@@ -14,6 +14,7 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log
 from pyident.simulation.feedforward import feedforward, misfits, recoverable
+from pyident.simulation.references import experiment_of
 
 _AT_REST = 0.01  # of a reference's largest speed: slower than this at the start is rest
 _LEAD = 1.0  # s
@@ -36,11 +37,13 @@ class Recorded:
 
 def loop_of(robot: Robot, log: Log) -> str | None:
     """What keeps a simulation under the robot's own controller from following the log; None: nothing."""
-    if robot.controller is None:
+    if robot.controller is None and robot.servo is None:
         return f"robot {robot.name} has no [controller]"
     for k, _ in robot.numbered:
         if reference_of(k) not in log.frame:
             return f"column joint{k}.r is missing, the reference that a simulation follows"
+    if robot.controller is None:
+        return None
     if all(feedforward_of(k) in log.frame for k, _ in robot.numbered):
         return None
     if not recoverable(robot, log):
@@ -54,6 +57,8 @@ def loop_of(robot: Robot, log: Log) -> str | None:
 
 def recorded(robot: Robot, log: Log) -> Recorded:
     """The references and the feed-forward of a log that `loop_of` says nothing against."""
+    if robot.servo is not None:
+        return Recorded(experiment_of(log, len(robot.joints)))
     reference = log.signals([reference_of(k) for k, _ in robot.numbered])
     return with_lead(log, reference, feedforward(robot, log, start_speed(log, reference)))
 

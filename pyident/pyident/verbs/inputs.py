@@ -17,6 +17,7 @@ from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_lo
 from pyident.logs.log import Log, LogError, check, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
+from pyident.refinement.loop_torque import with_loop_torque
 
 Model = Robot | str | Path
 Data = Log | LogFile | pd.DataFrame | str | Path
@@ -91,7 +92,8 @@ def given(
     if not fitted:
         raise LogError("there is no log; give one or more")
     robot, notes = _reduced(robot, [*fitted, *unseen], force)
-    return Given(robot, tuple(fitted), tuple(unseen), notes)
+    logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
+    return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled))
 
 
 def opened(robot: Robot, logs: Logs, mapping: Columns | None = None, force: bool = False) -> Opened:
@@ -101,7 +103,10 @@ def opened(robot: Robot, logs: Logs, mapping: Columns | None = None, force: bool
     if not read:
         raise LogError("there is no log; give one or more")
     robot, notes = _reduced(robot, read, force)
-    return Opened(robot, tuple(read), notes)
+    in_memory = [log for log in read if isinstance(log, Log)]
+    whole, modelled = with_loop_torque(robot, in_memory)
+    known = {id(old): new for old, new in zip(in_memory, whole, strict=True)}
+    return Opened(robot, tuple(known.get(id(log), log) for log in read), (*notes, *modelled))
 
 
 def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[Robot, tuple[str, ...]]:

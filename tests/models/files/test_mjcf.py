@@ -18,7 +18,7 @@ from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is the oracle and is not installed")
-FOLDER = Path(__file__).parents[1] / "robots" / "mjcf"
+FOLDER = Path(__file__).parents[2] / "robots" / "mjcf"
 OWN = ("arm", "gantry", "legs", "servo_arm")
 
 

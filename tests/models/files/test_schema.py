@@ -24,7 +24,10 @@ def validator():
 
 @pytest.mark.parametrize("name", shipped())
 def test_shipped_robots_are_valid(validator, name):
-    validator.validate(tomllib.loads(shipped()[name].read_text(encoding="utf-8")))
+    table = tomllib.loads(shipped()[name].read_text(encoding="utf-8"))
+    assert [error.json_path for error in validator.iter_errors(table)] == []
+    table["joint"][-1]["x"] = [1.0, 0.0]  # what is far down in the file is looked at, too
+    assert [e.json_path for e in validator.iter_errors(table)] == [f"$.joint[{len(table['joint']) - 1}]"]
 
 
 def _wrong(data: dict):
