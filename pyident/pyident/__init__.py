@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Diagnosed as Diagnosed
     from pyident.verbs.payload import Payload as Payload
     from pyident.verbs.payload import payload as payload
+    from pyident.verbs.servo import ServoFit as ServoFit
+    from pyident.verbs.servo import identify_servo as identify_servo
     from pyident.verbs.simulate import export_fmu as export_fmu
     from pyident.verbs.simulate import parameter_study as parameter_study
     from pyident.verbs.simulate import simulate as simulate
@@ -53,6 +55,8 @@ _HOME = {
     "diagnose": "pyident.verbs.judge",
     "export_fmu": "pyident.verbs.simulate",
     "identify": "pyident.verbs.fit",
+    "ServoFit": "pyident.verbs.servo",
+    "identify_servo": "pyident.verbs.servo",
     "Payload": "pyident.verbs.payload",
     "payload": "pyident.verbs.payload",
     "load_robot": "flexmodels.files.robot_file",

@@ -1,42 +1,18 @@
 """A servo inside the FMU against its law written again: step by step here, and integrated by SciPy."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from one_joint import one_joint
-from scipy.integrate import solve_ivp
+from servo_pendulum import by_hand, pendulum
 
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.inputs import Experiment
-from flexmodels.link import Link
 from flexmodels.mechanics.plant import equations
 from flexmodels.named_values import settable, with_settings
-from flexmodels.robot import Robot, RobotError
-from flexmodels.settings.servo import Servo
-
-MASS, ARM, WEIGHT, ARMATURE = 0.5, 0.1, 0.5 * 9.81 * 0.1, 0.002
-RATE, KT, R, SUPPLY = 1000.0, 0.35, 4.0, 7.4
-
-
-def pendulum() -> Robot:
-    """Hangs at e = 0 from a horizontal axis, without friction."""
-    base = one_joint()
-    joint = replace(
-        base.joints[0],
-        x=(0.0, 1.0, 0.0),
-        y=(0.0, 0.0, 1.0),
-        values={"motor_inertia": {"J_m": ARMATURE}, "viscous": {"viscous": 0.001}},
-    )
-    link = Link(MASS, (0.0, 0.0, -MASS * ARM), (MASS * ARM**2, 0.0, 0.0, MASS * ARM**2, 0.0, 0.0))
-    servo = Servo(
-        rate=RATE, supply=SUPPLY, kp=(300.0,), gain=(0.003,), kt=(KT,), R=(R,), ki=(150.0,), kd=(2.0,),
-        limit=(0.8,), dead_band=(0.01,), delay=0.0125,
-    )  # fmt: skip
-    return replace(base, name="pendulum", joints=(joint,), links=(link,), controller=None, servo=servo)
+from flexmodels.robot import RobotError
 
 
 @pytest.fixture(scope="module")
@@ -53,36 +29,11 @@ def _commands(seconds: float = 2.0) -> Experiment:
     return Experiment(time, reference, np.zeros_like(reference), on, np.array([0.2]))
 
 
-def _by_hand(plan: Experiment) -> np.ndarray:
-    """The loop of flexmodels.settings.servo, written from its description; SciPy between its samples."""
-    ticks = np.arange(round(plan.time[-1] * RATE) + 1) / RATE
-    late = np.interp(ticks - 0.0125, plan.time, plan.reference[:, 0])
-    on = np.interp(ticks, plan.time, plan.on[:, 0]) >= 0.5  # pyright: ignore[reportOptionalSubscript]
-    e, de, integral, track = 0.2, 0.0, 0.0, [0.2]
-    for i in range(len(ticks) - 1):
-        torque = 0.0
-        if on[i]:
-            error = late[i] - e if abs(late[i] - e) >= 0.01 else 0.0
-            integral += error / RATE if i else 0.0
-            duty = np.clip(0.003 * (300 * error + 150 * integral - 2 * de), -0.8, 0.8)
-            torque = KT / R * (SUPPLY * duty - KT * de)
-        else:
-            integral = 0.0
-
-        def rate(_, x, torque=torque):
-            force = torque - WEIGHT * np.sin(x[0]) - 0.001 * x[1]
-            return [x[1], force / (MASS * ARM**2 + ARMATURE)]
-
-        e, de = solve_ivp(rate, (0, 1 / RATE), [e, de], rtol=1e-9, atol=1e-11).y[:, -1]
-        track.append(e)
-    return np.interp(plan.time, ticks, track)
-
-
 def test_the_loop_is_what_its_description_says(fmu):
     """Delay between samples, dead band, limit, integral and switch at once."""
     plan = _commands()
     frame = fmu.simulate(plan)
-    np.testing.assert_allclose(frame["joint1.e"], _by_hand(plan), rtol=0, atol=2e-4)
+    np.testing.assert_allclose(frame["joint1.e"], by_hand(plan), rtol=0, atol=2e-4)
     off = (plan.time > 1.32) & (plan.time < 1.58)
     assert (frame["joint1.tau"][off] == 0).all()
 

@@ -109,6 +109,11 @@ def opened(robot: Robot, logs: Logs, mapping: Columns | None = None, force: bool
     return Opened(robot, tuple(known.get(id(log), log) for log in read), (*notes, *modelled))
 
 
+def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:
+    """Logs in memory, under our names, without any check. Raises LogError."""
+    return [_in_memory(log, robot, mapping) for log in _listed(logs)]
+
+
 def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[Robot, tuple[str, ...]]:
     warnings = checked(robot, logs, force).warnings
     robot, notes = locked(robot, logs)

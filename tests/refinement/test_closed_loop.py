@@ -1,0 +1,53 @@
+"""A servo's numbers from positions alone, out of logs that a simulation of its own made."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from servo_pendulum import by_hand, pendulum
+
+import pyident as pi
+from flexmodels.inputs import Experiment
+from pyident.logs.log import Log
+
+
+def _log(number: int) -> Log:
+    """1.5 s of a swing, made by SciPy with another armature and torque constant than the robot file has."""
+    time = np.arange(301) * 0.005
+    reference = (0.7 * np.sin(2 * np.pi * (0.6 + 0.4 * number) * time) + 0.2 * number)[:, None]
+    plan = Experiment(time, reference, 0 * reference, np.ones_like(reference), np.array([0.2]))
+    e = by_hand(plan, armature=0.004, kt=0.28)
+    noise = 1e-3 * np.random.default_rng(number).standard_normal(len(e))
+    noise[0] = 0.0
+    return Log(
+        pd.DataFrame({"time": time, "joint1.r": reference[:, 0], "joint1.e": e + noise}), f"log {number}"
+    )
+
+
+@pytest.fixture(scope="module")
+def logs():
+    return [_log(number) for number in range(3)]
+
+
+def test_armature_and_torque_constant_without_any_torque(logs):
+    found = pi.identify_servo(pendulum(), logs, free=["joint1.J_m", "joint1.servo.kt"])
+    assert found.fit.values["joint1.J_m"] == pytest.approx(0.004, rel=0.03)
+    assert found.fit.values["joint1.servo.kt"] == pytest.approx(0.28, rel=0.01)
+    assert found.fit.std is not None
+    assert max(found.fit.error) < 1.2e-3  # the noise's own mean is 0.8e-3
+
+
+def test_the_robot_itself_is_the_start_and_stays_as_it_was(logs):
+    robot = pendulum()
+    found = pi.identify_servo(robot, logs[:2], free=["joint1.J_m"])
+    assert found.fit.std is None
+    assert "three logs" in found.summary()
+    assert found.robot.servo == robot.servo
+
+
+def test_what_cannot_be_found_is_said(logs):
+    with pytest.raises(pi.RobotError, match=r"no parameter joint1\.magic"):
+        pi.identify_servo(pendulum(), logs, free=["joint1.magic"])
+    with pytest.raises(pi.RobotError, match=r"2 settings for 3 logs"):
+        pi.identify_servo(pendulum(), logs, settings=[{}, {}])
+    with pytest.raises(pi.RobotError, match=r"no parameter servo\.kq"):
+        pi.identify_servo(pendulum(), logs, settings=[{"servo.kq": 1.0}] * 3)

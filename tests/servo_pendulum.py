@@ -1,0 +1,57 @@
+"""A servo that lifts a pendulum, and its loop written again, step by step; SciPy integrates between."""
+
+from dataclasses import replace
+
+import numpy as np
+from one_joint import one_joint
+from scipy.integrate import solve_ivp
+
+from flexmodels.inputs import Experiment
+from flexmodels.link import Link
+from flexmodels.robot import Robot
+from flexmodels.settings.servo import Servo
+
+MASS, ARM, WEIGHT, ARMATURE = 0.5, 0.1, 0.5 * 9.81 * 0.1, 0.002
+RATE, KT, R, SUPPLY = 1000.0, 0.35, 4.0, 7.4
+
+
+def pendulum() -> Robot:
+    """Hangs at e = 0 from a horizontal axis, without friction."""
+    base = one_joint()
+    joint = replace(
+        base.joints[0],
+        x=(0.0, 1.0, 0.0),
+        y=(0.0, 0.0, 1.0),
+        values={"motor_inertia": {"J_m": ARMATURE}, "viscous": {"viscous": 0.001}},
+    )
+    link = Link(MASS, (0.0, 0.0, -MASS * ARM), (MASS * ARM**2, 0.0, 0.0, MASS * ARM**2, 0.0, 0.0))
+    servo = Servo(
+        rate=RATE, supply=SUPPLY, kp=(300.0,), gain=(0.003,), kt=(KT,), R=(R,), ki=(150.0,), kd=(2.0,),
+        limit=(0.8,), dead_band=(0.01,), delay=0.0125,
+    )  # fmt: skip
+    return replace(base, name="pendulum", joints=(joint,), links=(link,), controller=None, servo=servo)
+
+
+def by_hand(plan: Experiment, armature: float = ARMATURE, kt: float = KT) -> np.ndarray:
+    """The loop of flexmodels.settings.servo, written from its description; SciPy between its samples."""
+    ticks = np.arange(round(plan.time[-1] * RATE) + 1) / RATE
+    late = np.interp(ticks - 0.0125, plan.time, plan.reference[:, 0])
+    on = np.interp(ticks, plan.time, plan.on[:, 0]) >= 0.5  # pyright: ignore[reportOptionalSubscript]
+    e, de, integral, track = 0.2, 0.0, 0.0, [0.2]
+    for i in range(len(ticks) - 1):
+        torque = 0.0
+        if on[i]:
+            error = late[i] - e if abs(late[i] - e) >= 0.01 else 0.0
+            integral += error / RATE if i else 0.0
+            duty = np.clip(0.003 * (300 * error + 150 * integral - 2 * de), -0.8, 0.8)
+            torque = kt / R * (SUPPLY * duty - kt * de)
+        else:
+            integral = 0.0
+
+        def rate(_, x, torque=torque):
+            force = torque - WEIGHT * np.sin(x[0]) - 0.001 * x[1]
+            return [x[1], force / (MASS * ARM**2 + armature)]
+
+        e, de = solve_ivp(rate, (0, 1 / RATE), [e, de], rtol=1e-9, atol=1e-11).y[:, -1]
+        track.append(e)
+    return np.interp(plan.time, ticks, track)
