@@ -1,35 +1,35 @@
 """The SO-101 study's figure: each motion's error beside its tracking error, and the elbow over time."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from pyident.refinement.closed_loop import ServoLog
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _ELBOW = 3
 _SECONDS = 30.0
 
 
 def draw(
-    path: Path,
     recordings: Mapping[str, ServoLog],
     errors: Mapping[str, tuple[pd.DataFrame, float]],
     fitted: Sequence[str],
-) -> Path:
+) -> "Figure":
     """errors: per motion its simulation and simulated − measured position, rms [rad]."""
-    import matplotlib
+    from matplotlib.figure import Figure
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure = plt.figure(figsize=(12, 13), layout="constrained")
+    figure = Figure(figsize=(12, 13), layout="constrained")
     grid = figure.add_gridspec(5, 3)
     axis = figure.add_subplot(grid[0, :])
     names = list(recordings)
     frames = [recording.log.frame for recording in recordings.values()]
-    tracking = [_rms([f[f"joint{k}.e"] - f[f"joint{k}.r"] for k in range(1, 7)]) for f in frames]
+    joints = range(1, 7)
+    tracking = [_rms(np.array([f[f"joint{k}.e"] - f[f"joint{k}.r"] for k in joints])) for f in frames]
     at = np.arange(len(names))
     axis.bar(at - 0.2, tracking, 0.4, color="C7", label="measured − commanded")
     ours = [np.degrees(errors[name][1]) for name in names]
@@ -53,10 +53,8 @@ def draw(
             axis.set_xlabel("time [s]")
         if i == 0:
             axis.legend(fontsize=7)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
-    return path
+    return figure
 
 
-def _rms(errors: Sequence[pd.Series]) -> float:
+def _rms(errors: np.ndarray) -> float:
     return float(np.degrees(np.sqrt(np.mean(np.square(errors)))))

@@ -15,17 +15,25 @@ from flexmodels.robot import Robot
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
+from pyident.report.page import Picture, Section, write_page
 from pyident.simulation.fmu_runs import runs_here
 from pyident.sweep.studies import StudyResult, row
 
 _HERE = Path(__file__).parent
 FITTED = ("friction_gravity", "multisine", "prbs_excitation", "step_response")
 CHOOSING = ("single_joint_elbow", "slow_precision")  # decide between structures, and are not judged
-_SECONDS = 40.0  # of each fitted motion
-_ROUNDS = 6
+_SECONDS = 30.0  # of each fitted motion
+_ROUNDS, _MORE = 6, 4  # of the first fit, and of those that start from another one
 _KINDS = ("servo.kt", "coulomb", "viscous", "offset")
 _LOAD, _BAND = "load_dependent_friction.coefficient", "servo.dead_band"
 _WORTH = 0.97  # of the error on the choosing motions: what a further law must come below
+_SUMMARY = (
+    "A low-cost arm of six servos, from commands and encoders alone: four motions are fitted, two choose "
+    "between structures, and six are left to judge."
+)
+_CAPTION = (
+    "Above: what the model leaves of each motion's tracking error. Below: the elbow over half a minute."
+)
 _GOAL = 0.5  # of the tracking error
 
 Recordings = Mapping[str, ServoLog]
@@ -58,16 +66,22 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     rows += _of_the_written_model(whole, recordings)
     save_robot(whole.robot, folder / "model.toml")
     shutil.copy(_HERE / "mapping.toml", folder / "mapping.toml")
-    figure = draw(folder / "so101.png", recordings, errors, (*FITTED, *CHOOSING))
+    picture = Picture(draw(recordings, errors, (*FITTED, *CHOOSING)), _CAPTION)
+    sections = [
+        Section("Every motion", pictures=[picture]),
+        Section("Numbers", table=pd.DataFrame(rows)),
+        Section("How the structure was chosen", table=pd.DataFrame({"step": told})),
+    ]
+    page = write_page(folder / "index.html", "SO-101", _SUMMARY, sections)
     progress(1.0)
-    return StudyResult(rows, [figure], told)
+    return StudyResult(rows, [page], told)
 
 
 def chosen(
     start: Robot, recordings: Recordings, progress: Callable[[float], None]
 ) -> tuple[list[Structure], list[str]]:
     """Every structure that was tried, the chosen one last; what was tried, a sentence each."""
-    plain = _structure("Coulomb, viscous, offset, delay", start, recordings, _KINDS)
+    plain = _structure("Coulomb, viscous, offset, delay", start, recordings, _KINDS, _ROUNDS)
     progress(1 / 3)
     tried, best = [plain], plain
     told = [f"{plain.name}: {np.degrees(plain.error):.3f}° on {' and '.join(CHOOSING)}"]
@@ -88,7 +102,7 @@ def fitted(robot: Robot, recordings: Recordings, kinds: Sequence[str], names: Se
     free = [name for group in groups for name in group]
     with runs_here(robot) as simulate:
         parts = [_beginning(recordings[name]) for name in names]
-        return fit_closed_loop(robot, parts, free, simulate, _ROUNDS, groups)
+        return fit_closed_loop(robot, parts, free, simulate, rounds, groups)
 
 
 def replayed(robot: Robot, recordings: Recordings) -> dict[str, tuple[pd.DataFrame, float]]:
@@ -144,8 +158,10 @@ def _of_the_written_model(fit: ClosedLoopFit, recordings: Recordings) -> list[di
     return [row("model.toml, fitted to all motions: mean over motions", text)]
 
 
-def _structure(name: str, robot: Robot, recordings: Recordings, kinds: tuple[str, ...]) -> Structure:
-    fit = fitted(robot, recordings, kinds, FITTED)
+def _structure(
+    name: str, robot: Robot, recordings: Recordings, kinds: tuple[str, ...], rounds: int = _MORE
+) -> Structure:
+    fit = fitted(robot, recordings, kinds, FITTED, rounds)
     errors = replayed(fit.robot, {name: recordings[name] for name in CHOOSING})
     return Structure(name, kinds, fit, float(np.mean([error for _, error in errors.values()])))
 

@@ -1,28 +1,28 @@
 """The XL330 study's figure: errors at held-out gains, and every log with its simulation."""
 
 from collections.abc import Sequence
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from pyident.refinement.closed_loop import ServoLog
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 def draw(
-    path: Path,
     bars: Sequence[tuple[int, float, dict[str, float]]],
     recordings: Sequence[tuple[str, ServoLog]],
     replays: Sequence[tuple[pd.DataFrame, np.ndarray]],
-) -> Path:
+) -> "Figure":
     """bars: gain, our error and the ladder's [degrees]; the logs in rows of three gains."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
+    from matplotlib.figure import Figure
 
     rows = len(recordings) // 3
-    figure, axes = plt.subplots(rows + 1, 3, figsize=(12, 2.4 * (rows + 1)), layout="constrained")
+    figure = Figure(figsize=(12, 2.4 * (rows + 1)), layout="constrained")
+    axes = figure.subplots(rows + 1, 3)
     for axis, (gain, ours, theirs) in zip(axes[0], bars, strict=True):
         axis.bar(["this model", *theirs], [ours, *theirs.values()], color=["C1"] + ["C7"] * len(theirs))
         axis.set_title(f"kp {gain} held out")
@@ -39,6 +39,4 @@ def draw(
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     axes[1, 0].legend(fontsize=7)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
-    return path
+    return figure

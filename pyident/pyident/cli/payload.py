@@ -5,12 +5,12 @@ import click
 import pyident as pi
 from pyident.cli.common.outputs import ROBOT
 from pyident.cli.common.shared import (
-    console,
     effects_option,
     force_option,
     json_option,
     mapping_option,
     output_option,
+    progress_bar,
     reported,
     show,
     show_notes,
@@ -41,8 +41,8 @@ def payload_command(
 
     Example: pyident payload four_link empty.parquet loaded.parquet -o loaded.toml
     """
-    with console.status("regression of both logs"):
-        found = pi.payload(model, empty, loaded, mapping=mapping, force=force)
+    with progress_bar("identifying without and with it") as progress:
+        found = pi.payload(model, empty, loaded, mapping=mapping, force=force, progress=progress)
     show_notes(found.notes)
     show(found.summary())
     if output:

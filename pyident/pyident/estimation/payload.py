@@ -1,23 +1,20 @@
-"""What a robot carries: ten inertial parameters more of its last link, from a log without and one with it.
+"""What a robot carries: ten inertial parameters of its last link more, by two identifications.
 
-Robot and payload are found in one regression, in which the loaded logs have the columns of the last link
-twice. So no value of the robot file is used, and an error that both logs share goes to the robot.
+Each is one of the whole robot, from logs without and from logs with the load, by the same estimator. What
+both determine of the robot, F p, differs by F times the load at the last link, and their covariances add up:
+generalised least squares gives the load. No value of the robot file is used.
 """
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
-from pyident.conditioning.windows import prepared
-from pyident.estimation.estimate import estimate
-from pyident.logs.disk import LogFile
-from pyident.logs.log import Log
-from pyident.regression.equations import Block, Part, Problem
+from pyident.estimation.identify import Identified
 
-NAMES = tuple(f"payload.{name}" for name in LINK_PARAMETERS)
+_ABSENT = 1e-6  # singular value, of the largest, below which a direction is not determined
+_OPEN = 1e-3  # entry of an undetermined direction from which on a parameter takes part in it
 _ROUGH = 1e-3  # [kg, m] size of a parameter that the logs do not tell
 _SMALLEST = 1e-9  # eigenvalue of the pseudo-inertia [kg, m]
 
@@ -26,7 +23,7 @@ _SMALLEST = 1e-9  # eigenvalue of the pseudo-inertia [kg, m]
 class Carried:
     """The ten parameters about the last link's joint, in its axes; in the order of LINK_PARAMETERS.
 
-    free         as the regression found them;  std: inf where the logs do not determine one
+    free         as the two identifications differ;  std: inf where the logs do not determine one
     consistent   the nearest that a body can have, in standard deviations
     far          how many standard deviations off
     """
@@ -38,38 +35,44 @@ class Carried:
     far: float
 
 
-@dataclass(frozen=True)
-class _Loaded(Problem):
-    """The regression with the payload's columns; `empty`: how many parts come without it."""
-
-    empty: int = 0
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        return (*super().columns, *NAMES)
-
-    def _blocks(self, part: Part, weights: np.ndarray | None) -> Iterator[Block]:
-        own = tuple(self.robot.linear_parameters)
-        at = [own.index(name) for name in last_link(self.robot)]
-        loaded = any(part is one for one in self.parts[self.empty :])
-        for A, y in super()._blocks(part, weights):
-            added = A[:, :, at] if loaded else np.zeros((*A.shape[:2], len(at)))
-            yield np.concatenate([A, added], axis=2), y
-
-
-def carried(robot: Robot, empty: Sequence[Log | LogFile], loaded: Sequence[Log | LogFile]) -> Carried:
-    """What the loaded logs carry more than the empty ones. Raises LogError."""
-    parts = tuple(prepared(log, robot) for log in (*empty, *loaded))
-    _, solution = estimate(_Loaded(robot, parts, len(empty)))
-    n = len(NAMES)
-    covariance = solution.covariance[-n:, -n:]
-    consistent, far = _nearest(solution.p[-n:], covariance, solution.open[-n:])
-    return Carried(solution.p[-n:], solution.std[-n:], covariance, consistent, far)
+def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
+    """What the robot carries in the logs of `loaded`, and not in those of `empty`."""
+    names, link = list(empty.reduced.columns), last_link(robot)
+    scale = empty.solution.scale
+    F = _determined(empty, loaded)
+    C = F.T @ (_scaled(empty, scale) + _scaled(loaded, scale)) @ F
+    y = F.T @ (scale * (loaded.solution.p - empty.solution.p))
+    X = F[[names.index(name) for name in link]].T * scale[[names.index(name) for name in link]]
+    root = np.linalg.cholesky(C + 1e-14 * np.trace(C) * np.eye(len(C)))
+    A, b = np.linalg.solve(root, X), np.linalg.solve(root, y)
+    size = np.maximum(np.linalg.norm(A, axis=0), 1e-300)
+    U, s, Vt = np.linalg.svd(A / size, full_matrices=False)
+    rank = int((s > _ABSENT * s[0]).sum())
+    spread = Vt[:rank].T / s[:rank] / size[:, None]
+    p, covariance = spread @ (U[:, :rank].T @ b), spread @ spread.T
+    absent = np.abs(Vt[rank:]).max(axis=0, initial=0.0) > _OPEN
+    consistent, far = _nearest(p, covariance, absent)
+    return Carried(p, np.where(absent, np.inf, np.sqrt(np.diag(covariance))), covariance, consistent, far)
 
 
 def last_link(robot: Robot) -> list[str]:
     """Names of the parameters of the link that carries the tip."""
     return [f"link{robot.last_link}.{name}" for name in LINK_PARAMETERS]
+
+
+def _determined(empty: Identified, loaded: Identified) -> np.ndarray:
+    """(P, R) orthonormal: combinations of scaled parameters that both identifications determine."""
+    scale = empty.solution.scale
+    open_ones = [one.solution.null * (scale / one.solution.scale)[:, None] for one in (empty, loaded)]
+    N = np.concatenate(open_ones, axis=1)
+    if N.shape[1] == 0:
+        return np.eye(len(scale))
+    U, s, _ = np.linalg.svd(N / np.linalg.norm(N, axis=0))
+    return U[:, int((s > _ABSENT).sum()) :]
+
+
+def _scaled(one: Identified, scale: np.ndarray) -> np.ndarray:
+    return one.solution.covariance * np.outer(scale, scale)
 
 
 def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple[np.ndarray, float]:

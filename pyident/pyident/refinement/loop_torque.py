@@ -1,8 +1,9 @@
 """Torques that nobody logged: what the known loop makes of references and positions.
 
 A digital PID answers the positions that it measured, and the log holds these: τ = PID(r − e) + tau_ff + c.
-The constant c is what the integral held at the log's first sample; it is found beside the robot's parameters,
-one per joint and log. A servo has no such constant. What the drive loses between command and torque is not
+The constant c is what the integral held at the log's first sample. As elsewhere it is taken to carry the arm
+there, c = Φ₀ p, so that (Φ − Φ₀) p = PID(r − e) + tau_ff gives p and c without any value of the robot file.
+A servo without integral has no such constant. What the drive loses between command and torque is not
 in such a torque: it then looks like something of the mechanics.
 """
 
@@ -18,7 +19,8 @@ from pyident.estimation.least_squares import reduce, solve_weighted
 from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Block
 from pyident.regression.regressor import regressor_blocks
-from pyident.simulation.feedforward import controller_torque, recoverable
+from pyident.simulation.feedforward import carrying_rows, controller_torque, recoverable
+from pyident.simulation.recorded import start_speed
 
 _UNSEEN = (
     "it has no torque, which is taken from the robot's own loop: a drive that delays, clips or scales its "
@@ -37,7 +39,7 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
         return tuple(logs), ()
     made = [_servo_torque(robot, log) if robot.servo else _answer(robot, log) for log in bare]
     if robot.servo is None:
-        made = _with_constants(robot, made)
+        made = _carried(robot, made)
     filled = {id(old): new for old, new in zip(bare, made, strict=True)}
     notes = tuple(f"{log.source}: {_UNSEEN}" for log in bare)
     return tuple(filled.get(id(log), log) for log in logs), notes
@@ -80,27 +82,28 @@ def _answer(robot: Robot, log: Log) -> Log:
     return _filled(log, robot, controller_torque(robot.controller, reference, e) + added)
 
 
-def _with_constants(robot: Robot, logs: Sequence[Log]) -> list[Log]:
-    """With what the integrals held at the start: y = A p − c, all logs at once."""
-    joints = len(robot.joints)
-    names = tuple(f"log{i}.joint{k}" for i in range(len(logs)) for k in range(1, joints + 1))
-    reduced = reduce(_blocks(robot, logs), robot.coordinates, (*robot.linear_parameters, *names))
-    constants = -solve_weighted(reduced).p[-len(names) :].reshape(len(logs), joints)
+def _carried(robot: Robot, logs: Sequence[Log]) -> list[Log]:
+    """With what the integrals held at the start, from all logs at once."""
+    rows = [carrying_rows(robot, log, _speed(robot, log)) for log in logs]
+    reduced = reduce(_blocks(robot, logs, rows), robot.coordinates, tuple(robot.linear_parameters))
+    p = solve_weighted(reduced).p
     return [
-        _filled(log, robot, log.signals(robot.torques) + c) for log, c in zip(logs, constants, strict=True)
+        _filled(log, robot, log.signals(robot.torques) + Phi_0 @ p)
+        for log, Phi_0 in zip(logs, rows, strict=True)
     ]
 
 
-def _blocks(robot: Robot, logs: Sequence[Log]) -> Iterator[Block]:
-    joints = len(robot.joints)
-    for i, log in enumerate(logs):
+def _blocks(robot: Robot, logs: Sequence[Log], rows: Sequence[np.ndarray]) -> Iterator[Block]:
+    for log, Phi_0 in zip(logs, rows, strict=True):
         part = condition(log, robot)
         for at, Phi in regressor_blocks(robot, part.motion):
-            constant = np.zeros((*Phi.shape[:2], len(logs) * joints))
-            for k in range(joints):
-                constant[:, k, i * joints + k] = 1.0
+            Phi[:, : len(Phi_0)] -= Phi_0
             use = part.use[at]
-            yield np.concatenate([Phi, constant], axis=2) * use[:, :, None], part.target[at] * use
+            yield Phi * use[:, :, None], part.target[at] * use
+
+
+def _speed(robot: Robot, log: Log) -> np.ndarray:
+    return start_speed(log, log.signals([reference_of(k) for k, _ in robot.numbered]))
 
 
 def _filled(log: Log, robot: Robot, torque: np.ndarray) -> Log:

@@ -104,12 +104,16 @@ def misfits(robot: Robot, log: Log) -> list[Misfit]:
 
 def carrying_torque(robot: Robot, log: Log, speed: np.ndarray) -> np.ndarray:
     """(joints,) torques of a steady motion where the log starts, by the robot's own parameters."""
+    return carrying_rows(robot, log, speed) @ np.array(list(robot.linear_parameters.values()))
+
+
+def carrying_rows(robot: Robot, log: Log, speed: np.ndarray) -> np.ndarray:
+    """(joints, P) of these torques: rows of the regressor."""
     q, joints = log.signals(robot.coordinates)[:1], len(robot.joints)
     dq = np.zeros_like(q)
     dq[0, :joints] = speed
     steady = Motion(q, dq, 0 * q, np.zeros((1, joints)), np.zeros(1))
-    values = np.array(list(robot.linear_parameters.values()))
-    return (regressor(robot, steady).matrix[0] @ values)[:joints]
+    return regressor(robot, steady).matrix[0, :joints]
 
 
 def _answer(r: np.ndarray, error: np.ndarray, tau: np.ndarray) -> tuple[float, float]:

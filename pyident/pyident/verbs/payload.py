@@ -1,5 +1,6 @@
 """Two sorts of logs, without and with a load -> what the load is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,9 @@ import numpy as np
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.payload import Carried, carried, last_link
-from pyident.verbs.inputs import Columns, Logs, Model, opened, robot_of
+from pyident.logs.log import LogError
+from pyident.verbs.fit import identify
+from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
 
@@ -84,7 +87,7 @@ class Payload(Result):
 
     def summary(self) -> Text:
         rows = [
-            (f"{r.value:.5g}", _interval(r.std), f"{r.consistent:.5g}", r.unit, str(name))
+            (f"{r.value:.5g}", _interval(r["std"]), f"{r.consistent:.5g}", r.unit, str(name))
             for name, r in self.to_frame().iterrows()
         ]
         heads = ("value", "± 95 %", "of a body", "unit", "added")
@@ -107,6 +110,7 @@ def payload(
     mapping: Columns | None = None,
     allow_effects: bool = False,
     force: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> Payload:
     """What a robot carries in some logs and not in others; the model's own values are never used.
 
@@ -116,9 +120,17 @@ def payload(
     Raises RobotError, LogError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
-    without, having = (opened(robot, logs, mapping, force) for logs in (empty, loaded))
-    found = carried(without.robot, without.logs, having.logs)
-    return Payload(without.robot, found, tuple(dict.fromkeys((*without.notes, *having.notes))))
+    share = (
+        (lambda done: progress(done / 2), lambda done: progress(0.5 + done / 2)) if progress else (None, None)
+    )
+    without, having = (
+        identify(robot, logs, mapping=mapping, force=force, progress=told)
+        for logs, told in zip((empty, loaded), share, strict=True)
+    )
+    if without.identified.reduced.columns != having.identified.reduced.columns:
+        raise LogError("the logs without and with the load do not hold the same signals; record them alike")
+    found = carried(without.robot, without.identified, having.identified)
+    return Payload(robot, found, tuple(dict.fromkeys((*without.notes, *having.notes))))
 
 
 def _interval(std: float) -> str:
