@@ -96,7 +96,9 @@ def chosen(
     return [*(s for s in tried if s is not best), best], told
 
 
-def fitted(robot: Robot, recordings: Recordings, kinds: Sequence[str], names: Sequence[str]) -> ClosedLoopFit:
+def fitted(
+    robot: Robot, recordings: Recordings, kinds: Sequence[str], names: Sequence[str], rounds: int = _MORE
+) -> ClosedLoopFit:
     """The kinds of parameters at every joint, and the delay, from the beginnings of some motions."""
     groups = [[f"joint{k}.{kind}" for k, _ in robot.numbered] for kind in kinds] + [["servo.delay"]]
     free = [name for group in groups for name in group]
