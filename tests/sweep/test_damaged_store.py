@@ -16,8 +16,8 @@ ROWS = pd.DataFrame({"run": range(6), "tip_error": np.arange(6.0), "seconds": 0.
 def folder(tmp_path):
     """Four of six runs finished, in two parts."""
     store = ResultsStore(tmp_path, "mine")
-    store.add(ROWS[:2])
-    store.add(ROWS[2:4])
+    store.add(ROWS.head(2))
+    store.add(ROWS.head(4).tail(2))
     store.close()
     return tmp_path
 
@@ -26,8 +26,7 @@ def gone_on(folder):
     """What the next call does: read what is there, compute the rest, write the table."""
     store = ResultsStore(folder, "mine")
     try:
-        done = store.rows()["run"].tolist()
-        left = ROWS[~ROWS["run"].isin(done)]
+        left = ROWS.drop(index=store.rows()["run"].tolist())
         if len(left):
             store.add(left)
         return store.finish(DESIGN)
