@@ -24,6 +24,13 @@ from pyident.cli.common.shared import (
 @click.argument("loaded")
 @output_option(ROBOT, required=False)
 @effects_option
+@click.option(
+    "--estimator",
+    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
+    default="iv",
+    show_default=True,
+    help="As for identify.",
+)
 @mapping_option
 @force_option
 @json_option
@@ -33,6 +40,7 @@ def payload_command(
     empty: str,
     loaded: str,
     output: str | None,
+    estimator: str,
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -42,7 +50,9 @@ def payload_command(
     Example: pyident payload four_link empty.parquet loaded.parquet -o loaded.toml
     """
     with progress_bar("identifying without and with it") as progress:
-        found = pi.payload(model, empty, loaded, mapping=mapping, force=force, progress=progress)
+        found = pi.payload(
+            model, empty, loaded, mapping=mapping, estimator=estimator, force=force, progress=progress
+        )
     show_notes(found.notes)
     show(found.summary())
     if output:

@@ -87,7 +87,11 @@ def runs_here(
     with scratch_folder() as folder:
         path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
-            yield lambda experiment, parameters: iter(fmu.simulate_batch(experiment, parameters))
+            yield lambda experiment, parameters: iter(
+                [fmu.simulate(experiment, parameters[0])]
+                if len(parameters) == 1
+                else fmu.simulate_batch(experiment, parameters)
+            )
 
 
 class RivalRuns:
