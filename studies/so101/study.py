@@ -23,8 +23,8 @@ from pyident.sweep.studies import StudyResult, row
 _HERE = Path(__file__).parent
 FITTED = ("friction_gravity", "multisine", "prbs_excitation", "step_response")
 CHOOSING = ("single_joint_elbow", "slow_precision")  # decide between structures, and are not judged
-_SECONDS = 20.0  # of each fitted motion
-_ROUNDS, _MORE = 5, 3  # of the first fit, and of those that start from another one
+_SECONDS = 40.0  # of each fitted motion
+_ROUNDS, _MORE = 6, 4  # of the first fit, and of those that start from another one
 _KINDS = ("servo.kt", "coulomb", "viscous", "offset")
 _LOAD, _BAND = "load_dependent_friction.coefficient", "servo.dead_band"
 _WORTH = 0.97  # of the error on the choosing motions: what a further law must come below
