@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Added as Added
     from pyident.verbs.judged import Compared as Compared
     from pyident.verbs.judged import Diagnosed as Diagnosed
-    from pyident.verbs.payload import Payload as Payload
-    from pyident.verbs.payload import payload as payload
     from pyident.verbs.servo import ServoFit as ServoFit
     from pyident.verbs.servo import identify_servo as identify_servo
     from pyident.verbs.simulate import export_fmu as export_fmu
@@ -57,8 +55,6 @@ _HOME = {
     "identify": "pyident.verbs.fit",
     "ServoFit": "pyident.verbs.servo",
     "identify_servo": "pyident.verbs.servo",
-    "Payload": "pyident.verbs.payload",
-    "payload": "pyident.verbs.payload",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",

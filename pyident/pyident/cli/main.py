@@ -18,7 +18,6 @@ COMMANDS = {
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
     "open": Entry("pyident.cli.open", "open_command", "Open the workbench on a folder."),
-    "payload": Entry("pyident.cli.payload", "payload_command", "Find the inertia of what MODEL carries."),
     "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
