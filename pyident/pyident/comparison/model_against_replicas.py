@@ -24,6 +24,7 @@ from pyident.regression.regressor import regressor_blocks
 from pyident.simulation import replica
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.simulator import Pool, Simulator
 
 Progress = Callable[[float], None]
 TIP = ("tip.x", "tip.y", "tip.z")
@@ -94,7 +95,7 @@ class Refit:
 
 
 def run_trial(
-    trial: Trial, workers: Any, progress: Progress, replicas: int
+    trial: Trial, workers: Pool, progress: Progress, replicas: int
 ) -> tuple[list[Part], list[list[Part]]]:
     """What the model leaves of the judged logs, and of each of their replicas.
 
@@ -117,12 +118,12 @@ def _counted(job: Any, progress: Progress, fraction: float) -> Any:
     return result
 
 
-def _of_logs(fmu: Any, trial: Trial) -> list[Part]:
+def _of_logs(fmu: Simulator, trial: Trial) -> list[Part]:
     found = _fit(trial, [r.log for r in trial.fitted], [r.log for r in trial.judged])
     return _judge(fmu, trial, trial.robot, found)
 
 
-def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
+def _refit(fmu: Simulator, trial: Trial, seed: int) -> Refit:
     rng = np.random.default_rng(seed)
     parameters = trial.robot.parameters
     repeats = {id(r): r for r in (*trial.fitted, *trial.judged)}
@@ -133,7 +134,7 @@ def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
     return _fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged])
 
 
-def _of_replica(fmu: Any, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
+def _of_replica(fmu: Simulator, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
     """scatter (P,): of the fit among those of all replicas."""
     own = np.array(list(trial.robot.linear_parameters.values()))
     robot = refit.robot(trial.robot, own + seen(refit.solution, scatter))
@@ -160,7 +161,7 @@ def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
     return replace(trial, noise=trial.noise | {name: float(np.mean(s)) for name, s in found.items()})
 
 
-def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
+def _judge(fmu: Simulator, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
     fitted = refit.robot(robot, refit.solution.p)
     found = []
     for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):

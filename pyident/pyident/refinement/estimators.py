@@ -11,10 +11,11 @@ from pyident.estimation.identify import Identified, identified, without_interval
 from pyident.estimation.least_squares import reduce, solve
 from pyident.estimation.total_least_squares import total_least_squares
 from pyident.logs.log import Log, LogError
-from pyident.refinement.auxiliary_model import OpenWorkers, identify_by_instruments
+from pyident.refinement.auxiliary_model import identify_by_instruments
 from pyident.refinement.output_error import output_error
 from pyident.regression.equations import Problem
 from pyident.simulation.recorded import loop_of
+from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
 
@@ -29,13 +30,13 @@ class Estimator(Protocol):
         self,
         robot: Robot,
         logs: Sequence[Log],
-        open_workers: OpenWorkers,
+        open_workers: OpenPool,
         progress: Progress | None = None,
     ) -> Identified: ...
 
 
 def ordinary(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, every equation alike."""
     problem = _problem(robot, logs)
@@ -44,14 +45,14 @@ def ordinary(
 
 
 def weighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, each coordinate's equations weighted by what they leave."""
     return identified(robot, *estimate(_problem(robot, logs)))
 
 
 def reweighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Weighted least squares in which single equations that stick out count less (Huber)."""
     found = identified(robot, *estimate(_problem(robot, logs), robust=True))
@@ -59,7 +60,7 @@ def reweighted(
 
 
 def total(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Total least squares."""
     reduced, solution = estimate(_problem(robot, logs))
@@ -68,7 +69,7 @@ def total(
 
 
 def refined(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
     for log in logs:

@@ -17,7 +17,8 @@ from pyident.estimation.instrumental_variables import Rows, solve_instrumental, 
 from pyident.estimation.least_squares import Reduced, Solution, reduce, solve
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
-from pyident.simulation.replay import Progress, Replay, Simulate, replay_of
+from pyident.simulation.replay import Progress, Replay, replay_of
+from pyident.simulation.simulator import Simulate
 
 NAME = "output error in closed loop"
 _STEP = 1e-6  # of the length of the scaled parameters: finite difference

@@ -21,7 +21,8 @@ from pyident.estimation.identify import Identified, identified
 from pyident.estimation.least_squares import Solution, reduce, solve
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.simulation.replay import Progress, Replay, Simulate, replay_of
+from pyident.simulation.replay import Progress, Replay, replay_of
+from pyident.simulation.simulator import Simulate
 
 _ROUNDS = 20
 _SETTLED = 0.1  # of a standard deviation: change at which the rounds end

@@ -17,8 +17,9 @@ from pyident.regression.equations import Problem
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
 from pyident.simulation.recorded import loop_of
-from pyident.simulation.replica import OpenWorkers, Repeat, repeats
+from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise, torque_noise
+from pyident.simulation.simulator import OpenPool, Pool, Simulator
 from pyident.simulation.workers import inline
 
 
@@ -74,12 +75,14 @@ def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     return replace(setting, simulated=simulated, repeats=made_again)
 
 
-def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:
+def workers_of(setting: Setting, open_workers: OpenPool) -> AbstractContextManager[Any]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
     return open_workers(setting.simulated) if setting.simulates else inline(nullcontext)
 
 
-def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:
+def unbiased(
+    setting: Setting, workers: Pool, rounds: int | None = None, probes: int | None = None
+) -> Setting:
     """The setting with the parameters whose replicas the regression finds where it found the data.
 
     Noise and sampling bias a regression; replicas of what it found show by how much, as in
@@ -117,7 +120,9 @@ def steadied(setting: Setting) -> Setting:
     )
 
 
-def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int) -> list[Log]:
+def replica_of(
+    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int
+) -> list[Log]:
     """Logs as the setting's robot would have made them."""
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
     seeds = rng.integers(2**31, size=len(repeats))
@@ -133,7 +138,7 @@ def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotio
     ]
 
 
-def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
+def _refitted(fmu: Simulator, setting: Setting, seed: int) -> np.ndarray:
     """What the regression finds in a replica."""
     robot = setting.robot
     problem = Problem(
