@@ -89,29 +89,6 @@ def _rules(replicas: int) -> Rules:
     return replace(RULES, replicas=replace(RULES.replicas, count=replicas))
 
 
-<<<<<<< HEAD
-class _Here:
-    """Does at once what processes that hold an FMU would do."""
-
-    def __init__(self, fmu: LoadedFmu):
-        self._fmu = fmu
-
-    def submit(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        future.set_result(work(self._fmu, *arguments))
-        return future
-
-
-@contextmanager
-def _in_process(robot: Robot) -> Iterator[_Here]:
-    with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
-        with LoadedFmu(path) as fmu:
-            yield _Here(fmu)
-
-
-=======
->>>>>>> c871071 (simulation: one Simulator, one pool, in this process or in others (untested))
 def _finished(name: str, folder: Path, of: str) -> bool:
     """Whether this very program has done the case to its end."""
     files = folder / "diagnosed" / f"{name}.json", folder / "sealed" / name / "oracle.json"

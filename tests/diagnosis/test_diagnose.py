@@ -1,7 +1,6 @@
 """Diagnoses of the two-joint robot, whose hidden law is known here."""
 
 import json
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -169,15 +168,8 @@ def test_rivals_get_an_experiment(asymmetric, folder):
     search, found = asymmetric
     rival = next(n for n in found.ranking if n.effect == "nonlinear_viscous" and n.joint == "joint2")
     tied = replace(found.findings[0], tie=(*found.findings[0].tie, rival))
-
-    @contextmanager
-    def open_rivals(robots):
-        fmus = [loaded(replace(robot, name=f"rival{i}"), folder) for i, robot in enumerate(robots)]
-        with fmus[0] as first, fmus[1] as second:
-            yield lambda plan: [first.simulate(plan), second.simulate(plan)]
-
     (finding,) = with_experiments(
-        search, replace(found, findings=(tied,)), open_rivals, lambda _: None
+        search, replace(found, findings=(tied,)), in_process, lambda _: None
     ).findings
     assert finding.experiment.startswith("run ")
     assert "standard deviations" in finding.experiment

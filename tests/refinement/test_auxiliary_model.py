@@ -13,11 +13,11 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import identify
 from pyident.estimation.instrumental_variables import Rows, fading, solve_instrumental, spectral
-from pyident.estimation.least_squares import reduce
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
 from pyident.refinement.estimators import ESTIMATORS
 from pyident.refinement.noise_scatter import noise_scatter
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 from pyident.simulation.replica import with_noise
 

@@ -7,25 +7,28 @@ with the scatter of the fits among replicas.
 """
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve_weighted
+from pyident.estimation.least_squares import Solution, solve_weighted
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import regressor_blocks
 from pyident.simulation import replica
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
-from pyident.simulation.simulator import Pool, Simulator
+from pyident.simulation.simulator import Simulator, Workers
 
+R = TypeVar("R")
 Progress = Callable[[float], None]
 TIP = ("tip.x", "tip.y", "tip.z")
 
@@ -74,7 +77,7 @@ class Trial:
 def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     """A model with its own parameters against logs. Raises LogError."""
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     noise = sensor_noise(robot, logs, solve_weighted(reduced).p)
     simulated, made_again = repeats(robot, logs)
     return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
@@ -95,7 +98,7 @@ class Refit:
 
 
 def run_trial(
-    trial: Trial, workers: Pool, progress: Progress, replicas: int
+    trial: Trial, workers: Workers, progress: Progress, replicas: int
 ) -> tuple[list[Part], list[list[Part]]]:
     """What the model leaves of the judged logs, and of each of their replicas.
 
@@ -112,7 +115,7 @@ def run_trial(
     return data, [_counted(job, progress, (i + 2 + replicas) * share) for i, job in enumerate(jobs)]
 
 
-def _counted(job: Any, progress: Progress, fraction: float) -> Any:
+def _counted(job: "Future[R]", progress: Progress, fraction: float) -> R:
     result = job.result()
     progress(fraction)
     return result
@@ -143,7 +146,7 @@ def _of_replica(fmu: Simulator, trial: Trial, refit: Refit, scatter: np.ndarray)
 
 def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
     problem = Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     return Refit(judged, reduced, solve_weighted(reduced))
 
 

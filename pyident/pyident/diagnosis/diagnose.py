@@ -8,7 +8,6 @@ what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_de
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
@@ -26,7 +25,7 @@ from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, trac
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.simulator import OpenPool
+from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
@@ -76,7 +75,7 @@ def searched(
     setting = set_up(robot, logs, rules)
     progress(0.05)
 
-    def examined(start: Setting, adjust: Callable[[Setting, Any], Setting]) -> Search:
+    def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
         with workers_of(start, open_workers) as workers:
             found = adjust(start, workers)
             progress(0.2)

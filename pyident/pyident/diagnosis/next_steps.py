@@ -84,7 +84,7 @@ def with_dependences(search: Search, found: Diagnosis, open_workers: OpenPool, d
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
     with workers_of(examination.setting, open_workers) as workers:
-        leads = depends_on(examination, search.base, workers)
+        leads = depends_on(examination, workers, search.base)
     if not draft or not leads.dependences:
         return replace(found, depends_on=(*found.depends_on, *leads.sentences))
     proposal = symbolic_law(examination, leads.dependences)

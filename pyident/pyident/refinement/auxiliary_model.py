@@ -27,15 +27,16 @@ from pyident.estimation.instrumental_variables import (
     spectral,
     unknown,
 )
-from pyident.estimation.least_squares import Reduced, Solution
+from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem, predicted
+from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
-from pyident.simulation.simulator import OpenPool, Pool, Simulator
+from pyident.simulation.simulator import OpenPool, Simulator, Workers
 
 NAME = "instrumental variables with a simulated model"
 START = "instrumental variables with filtered signals"
@@ -91,7 +92,7 @@ def identify_by_instruments(
     return replace(identified(robot, reduced, solution), estimator=NAME, notes=notes)
 
 
-def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Pool) -> Identified:
+def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers) -> Identified:
     """The start whose simulation follows the logs best. Raises SimulationError when none can be made."""
     errors: list[float] = []
     failure = None
@@ -131,7 +132,7 @@ def _rounds(
     best: Identified,
     data: list[_Data],
     again: Sequence[Repeat],
-    workers: Pool,
+    workers: Workers,
     progress: Progress | None,
 ) -> tuple[Solution, str | None]:
     """The solution at which the rounds settle, or why there is none."""
@@ -245,7 +246,7 @@ def _simulated(fmu: Simulator, again: Repeat, parameters: dict[str, float]) -> p
         return again.simulated(fmu.simulate, parameters | {"solver.step": _SMALL_STEP})
 
 
-def _frames(again: Sequence[Repeat], workers: Pool, parameters: dict[str, float]) -> list[pd.DataFrame]:
+def _frames(again: Sequence[Repeat], workers: Workers, parameters: dict[str, float]) -> list[pd.DataFrame]:
     jobs = [workers.submit(_simulated, r, parameters) for r in again]
     return [job.result() for job in jobs]
 

@@ -8,7 +8,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
 from pyident.estimation.identify import Identified, identified, without_intervals
-from pyident.estimation.least_squares import reduce, solve
+from pyident.estimation.least_squares import solve
 from pyident.estimation.total_least_squares import total_least_squares
 from pyident.logs.log import Log, LogError
 from pyident.refinement.auxiliary_model import identify_by_instruments
@@ -40,7 +40,7 @@ def ordinary(
 ) -> Identified:
     """Least squares, every equation alike."""
     problem = _problem(robot, logs)
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     return replace(identified(robot, reduced, solve(reduced)), estimator="least squares")
 
 

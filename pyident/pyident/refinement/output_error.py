@@ -14,9 +14,10 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified, identified
 from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve
+from pyident.estimation.least_squares import Solution, solve
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
+from pyident.regression.reduced import Reduced, reduce
 from pyident.simulation.replay import Progress, Replay, replay_of
 from pyident.simulation.simulator import Simulate
 

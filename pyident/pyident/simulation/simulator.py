@@ -10,7 +10,7 @@ from typing import Concatenate, ParamSpec, Protocol, TypeVar
 
 import pandas as pd
 
-from flexmodels.inputs import Experiment
+from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.robot import Robot
 
 P = ParamSpec("P")
@@ -28,8 +28,8 @@ class Simulator(Protocol):
         ...
 
 
-class Pool(Protocol):
-    """Simulators of one robot, in this process, in others or on a cluster."""
+class Workers(Protocol):
+    """Simulators of one robot at work, in this process, in others or on a cluster."""
 
     def submit(
         self, work: Callable[Concatenate[Simulator, P], R], *arguments: P.args, **named: P.kwargs
@@ -37,11 +37,22 @@ class Pool(Protocol):
         """Call `work(simulator, *arguments)` with one of them; `work` is a function of a module."""
         ...
 
+
+class Pool(Workers, Protocol):
+    """Workers that also simulate many sets of parameters."""
+
     def __call__(
         self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
     ) -> Iterable[pd.DataFrame]:
         """One log per set of parameters, in their order. Raises SimulationError."""
         ...
+
+
+class Unsimulated:
+    """Stands where replicas go along a measured motion, and nothing is simulated."""
+
+    def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
+        raise SimulationError("this motion was measured and cannot be simulated")
 
 
 OpenPool = Callable[[Robot], AbstractContextManager[Pool]]

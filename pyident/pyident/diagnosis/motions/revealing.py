@@ -24,13 +24,13 @@ from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import floor
 from pyident.simulation.replica import Repeat
-from pyident.simulation.simulator import Pool, Simulator
+from pyident.simulation.simulator import Simulator, Workers
 
 
 def revealing(
     search: Search,
     limits: Sequence[Limit],
-    workers: Pool,
+    workers: Workers,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[Limit]:
     """The limits; those with a reason why the law cannot be seen with the motion that would show it best.
