@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -31,10 +31,8 @@ def simulate_robot(
 
     Raises BuildError, SimulationError.
     """
-    with scratch_folder() as folder:
-        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
-        with LoadedFmu(path) as fmu:
-            return fmu.simulate(experiment, progress=progress)
+    with fmu_here(robot) as fmu:
+        return fmu.simulate(experiment, progress=progress)
 
 
 def fmu_joints(path: str | Path) -> int:
@@ -80,3 +78,12 @@ class FmuRuns:
 def runs_here(robot: Robot) -> FmuRuns:
     """Runs in this very process: for short experiments, which are over before others have started."""
     return FmuRuns(robot, inline)
+
+
+@contextmanager
+def fmu_here(robot: Robot) -> Iterator[LoadedFmu]:
+    """The robot's FMU in this very process."""
+    with scratch_folder() as folder:
+        path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
+        with LoadedFmu(path) as fmu:
+            yield fmu
