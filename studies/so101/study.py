@@ -17,7 +17,7 @@ from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, Simulate, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
-from pyident.simulation.fmu_runs import runs_here
+from pyident.simulation.fmu_runs import batches_here
 from pyident.sweep.studies import StudyResult, row
 
 _HERE = Path(__file__).parent
@@ -61,7 +61,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     recordings = {file.stem: ServoLog(robot_log(file, start, mapping), {}) for file in files}
     structures, told = chosen(start, recordings, lambda share: progress(0.6 * share))
     best = structures[-1]
-    with runs_here(best.fit.robot) as simulate:
+    with batches_here(best.fit.robot) as simulate:
         errors = replayed(best.fit.robot, recordings, _coarse(simulate))
         progress(0.8)
         whole = fitted(best.fit.robot, recordings, best.kinds, tuple(recordings), simulate)
@@ -176,7 +176,7 @@ def _of_the_written_model(fit: ClosedLoopFit) -> dict[str, str]:
 def _structure(
     name: str, robot: Robot, recordings: Recordings, kinds: tuple[str, ...], rounds: int = _MORE
 ) -> Structure:
-    with runs_here(robot) as simulate:
+    with batches_here(robot) as simulate:
         fit = fitted(robot, recordings, kinds, FITTED, simulate, rounds)
         errors = replayed(fit.robot, {name: recordings[name] for name in CHOOSING}, _coarse(simulate))
     return Structure(name, kinds, fit, float(np.mean([error for _, error in errors.values()])))

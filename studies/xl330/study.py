@@ -17,7 +17,7 @@ from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
-from pyident.simulation.fmu_runs import runs_here
+from pyident.simulation.fmu_runs import batches_here
 from pyident.sweep.studies import StudyResult, row
 
 _HERE = Path(__file__).parent
@@ -65,7 +65,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     rows += _described(fit, recordings, robot)
     save_robot(fit.robot, folder / "model.toml")
     shutil.copy(_HERE / "mapping.toml", folder / "mapping.toml")
-    with runs_here(fit.robot) as runs:
+    with batches_here(fit.robot) as runs:
         replays = replay_errors(fit.robot, list(recordings.values()), runs)
     picture = Picture(draw(bars, list(recordings.items()), replays), _CAPTION)
     sections = [
@@ -132,12 +132,12 @@ def _allowed(robot: Robot, law: str) -> bool:
 def _fitted(robot: Robot, recordings: Sequence[ServoLog], rounds: int = 20) -> ClosedLoopFit:
     assert robot.servo is not None
     free = [*robot.servo.free, *(name for name in robot.parameters if name.startswith("joint1.")), *_POSE]
-    with runs_here(robot) as runs:
+    with batches_here(robot) as runs:
         return fit_closed_loop(robot, recordings, free, runs, rounds)
 
 
 def _error(robot: Robot, recordings: Sequence[ServoLog]) -> float:
-    with runs_here(robot) as runs:
+    with batches_here(robot) as runs:
         errors = [np.abs(e).mean() for _, e in replay_errors(robot, recordings, runs)]
     return float(np.degrees(np.mean(errors)))
 

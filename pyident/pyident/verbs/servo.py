@@ -12,7 +12,7 @@ from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.servo import PER_JOINT, SHARED
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop
-from pyident.simulation.fmu_runs import runs_here
+from pyident.simulation.fmu_runs import batches_here
 from pyident.verbs.inputs import Columns, Logs, Model, mapping_of, read_logs, robot_of
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
@@ -114,7 +114,7 @@ def identify_servo(
     unknown = [name for name in names if name not in settable(robot)]
     if unknown:
         raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that could be found")
-    with runs_here(robot) as simulate:
+    with batches_here(robot) as simulate:
         found = fit_closed_loop(robot, recordings, names, simulate)
     if progress:
         progress(1.0)
