@@ -15,9 +15,10 @@ import numpy as np
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, switch_of, torque_of
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import reduce, solve_weighted
+from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Block
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor_blocks
 from pyident.simulation.feedforward import carrying_rows, controller_torque, recoverable
 from pyident.simulation.recorded import start_speed
