@@ -12,6 +12,7 @@ from pyident.sweep.studies.so101.figure import draw  # pyright: ignore[reportMis
 
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
@@ -35,6 +36,7 @@ _SUMMARY = (
 _CAPTION = (
     "Above: what the model leaves of each motion's tracking error. Below: the elbow over half a minute."
 )
+_ENCODER_STEP = 1.53e-3  # [rad]
 _STEP = 0.002  # [s] of the solver while fitting
 _GOAL = 0.5  # of the tracking error
 
@@ -88,7 +90,11 @@ def chosen(
     tried, best = [plain], plain
     told = [f"{plain.name}: {np.degrees(plain.error):.3f}° on {' and '.join(CHOOSING)}"]
     for name, kind in (("load friction", _LOAD), ("dead band", _BAND)):
-        robot = _with_load_friction(best.fit.robot) if kind == _LOAD else best.fit.robot
+        robot = best.fit.robot
+        if kind == _LOAD:
+            robot = _with_load_friction(robot)
+        else:  # from zero it would not leave zero: below the encoder's step it changes nothing
+            robot = with_settings(robot, {"servo.dead_band": _ENCODER_STEP})
         further = _structure(name, robot, recordings, (*best.kinds, kind))
         taken = further.error < _WORTH * best.error
         told.append(f"with {name}: {np.degrees(further.error):.3f}°, {'taken' if taken else 'not taken'}")
