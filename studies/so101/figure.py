@@ -34,7 +34,8 @@ def draw(
     axis.bar(at - 0.2, tracking, 0.4, color="C7", label="measured − commanded")
     ours = [np.degrees(errors[name][1]) for name in names]
     axis.bar(at + 0.2, ours, 0.4, color="C1", label="simulated − measured")
-    axis.set_xticks(at, [f"{name}\n(fitted)" if name in fitted else name for name in names], fontsize=7)
+    labels = [name.replace("_", "\n") + ("\n(fitted)" if name in fitted else "") for name in names]
+    axis.set_xticks(at, labels, fontsize=7)
     axis.set_ylabel("rms over the joints [°]")
     axis.legend()
     for i, (name, frame) in enumerate(zip(names, frames, strict=True)):

@@ -70,7 +70,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     rows = [*judged(recordings, errors), *named(structures), _of_the_written_model(whole)]
     save_robot(whole.robot, folder / "model.toml")
     shutil.copy(_HERE / "mapping.toml", folder / "mapping.toml")
-    picture = Picture(draw(recordings, errors, (*FITTED, *CHOOSING)), _CAPTION)
+    picture = Picture(draw(recordings, errors, FITTED), _CAPTION)
     sections = [
         Section("Every motion", pictures=[picture]),
         Section("Numbers", table=pd.DataFrame(rows)),
