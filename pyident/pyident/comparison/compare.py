@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_number, motor_of
+from flexmodels.coordinate import deformation_of, is_deformation, is_motor, is_torque, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown
 from pyident.comparison.errors import Error, LogErrors
@@ -107,8 +107,10 @@ def _traces_of(
     """Of the judged log number i."""
     coordinates = trial.robot.coordinates
     motors = [coordinates.index(motor_of(joint_number(name))) for name in coordinates]
+    places = {name: at for at, name in enumerate(coordinates)}
+    twists = [places.get(deformation_of(joint_number(name))) for name in coordinates]
     made = [parts[i] for parts in replicas]
-    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors)
+    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors, twists)
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:

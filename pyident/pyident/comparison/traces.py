@@ -26,6 +26,7 @@ class Trace:
     """N samples of one equation [unit: N m or N] on one log.
 
     time [s]; position and speed of the joint's motor [rad or m, per s]
+    deformation   of the joint about its axis [rad], None where it is rigid
     measured   the right-hand side, motor torque, or zero for a deformation;  modelled: Φ p
     residual   measured less modelled, below `cutoff` [Hz];  low, high: where 5 to 95 % of the replicas' lie
     used       whether the sample counts (dry friction is not known at reversals)
@@ -36,6 +37,7 @@ class Trace:
     time: np.ndarray
     position: np.ndarray
     speed: np.ndarray
+    deformation: np.ndarray | None
     measured: np.ndarray
     modelled: np.ndarray
     residual: np.ndarray
@@ -62,17 +64,18 @@ def traces(
     replicas: Sequence[Part],
     bins: Sequence[Bin],
     joints: Sequence[int],
+    twists: Sequence[int | None],
 ) -> tuple[Trace, ...]:
-    """A trace per coordinate. joints: position in q of the motor of each coordinate's joint."""
+    """A trace per coordinate. joints, twists: positions in q of the motor and twist of each's joint."""
     listed = []
     for c, coordinate in enumerate(coordinates):
         cutoff = _cutoff([b for b in bins if b.coordinate == coordinate and b.kind == "frequency"])
         used = data.part.use[:, c] > 0
-        residual = _low_passed(data.residual[:, c], data.period, cutoff)
-        others = [_low_passed(p.residual[:, c], p.period, cutoff) for p in replicas]
+        residual = low_passed(data.residual[:, c], data.period, cutoff)
+        others = [low_passed(p.residual[:, c], p.period, cutoff) for p in replicas]
         low, high = _ribbon(others, len(residual), data.period)
         measured = data.part.target[:, c]
-        motion = data.part.motion
+        motion, twist = data.part.motion, twists[c]
         listed.append(
             Trace(
                 log=log,
@@ -80,6 +83,7 @@ def traces(
                 time=data.time[-1] - data.period * np.arange(len(residual), dtype=float)[::-1],
                 position=motion.q[:, joints[c]],
                 speed=motion.dq[:, joints[c]],
+                deformation=None if twist is None else motion.q[:, twist],
                 measured=measured,
                 modelled=measured - data.residual[:, c],
                 residual=residual,
@@ -117,7 +121,8 @@ def _cutoff(bands: Sequence[Bin]) -> float:
     return max([_LEAST_CUTOFF, *standing])
 
 
-def _low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
+def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
+    """(N,) below `cutoff` [Hz], without delay."""
     from scipy.signal import butter, sosfiltfilt
 
     relative = 2 * cutoff * period

@@ -1,5 +1,6 @@
 """The page of a comparison: one file, readable without a server or a network."""
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import LogErrors
 from pyident.report.interactive import element, library
+from pyident.report.moving_arm import MovingArm, script
+from pyident.report.moving_arm import element as element_of
 
 _KINDS = {
     "frequency": "Frequency",
@@ -29,9 +32,16 @@ _POINTS = 2000  # of a curve
 
 
 def write_comparison(
-    path: Path, models: Sequence[str], found: Sequence[Comparison], notes: Sequence[str] = ()
+    path: Path,
+    models: Sequence[str],
+    found: Sequence[Comparison],
+    notes: Sequence[str] = (),
+    arms: Sequence[MovingArm] = (),
 ) -> Path:
-    """Write the page of one model, or of an old and a new one, and return its path."""
+    """Write the page of one model, or of an old and a new one, and return its path.
+
+    arms   of the last model, one per log: the first one is shown
+    """
     sections = [("Errors beside their floor", [_waterfall(models, found)])]
     for model, c in zip(models, found, strict=True):
         of = f" of {model}" if len(models) > 1 else ""
@@ -44,7 +54,10 @@ def write_comparison(
         tracks=found[0].tracks,
         notes=notes,
         plotly=library(),
-        sections=[(title, [_html(f) for f in figures]) for title, figures in sections],
+        arm=Markup(element_of(arms[0], "arm")) if arms else "",
+        arm_script=Markup(script()) if arms else "",
+        arm_log=arms[0].log if arms else "",
+        sections=[(title, [_html(f, bool(arms)) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],
     )
     with replacing(path) as file:
@@ -52,9 +65,14 @@ def write_comparison(
     return path
 
 
-def _html(figure: go.Figure) -> Markup:
+def _html(figure: go.Figure, cursor: bool) -> Markup:
+    """cursor: whether curves over time show the moment of the arm."""
     figure.update_layout(template="plotly_white", margin={"l": 60, "r": 20, "t": 50, "b": 50})
-    return element(figure)
+    log = figure.layout.meta  # pyright: ignore[reportAttributeAccessIssue]
+    if not (cursor and log):
+        return element(figure)
+    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {json.dumps(log)})"
+    return element(figure, post_script=call)
 
 
 def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:
@@ -157,6 +175,7 @@ def _curves(log: LogErrors) -> go.Figure:
     ]
     figure.update_layout(
         title=f"{Path(log.log).name}: log less simulation",
+        meta=log.log,
         xaxis={"title": "time, s"},
         yaxis={"title": "m, rad, N m or N"},
         updatemenus=[

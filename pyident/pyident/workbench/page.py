@@ -5,7 +5,9 @@ from functools import partial
 
 from nicegui import ui
 
+from pyident.workbench import versions
 from pyident.workbench.bench import Bench
+from pyident.workbench.linked import scripts
 from pyident.workbench.places import data, model, next_step, where, why
 from pyident.workbench.project import ProjectError
 from pyident.workbench.view import PLACES, View
@@ -32,9 +34,11 @@ class Page:
 
     def __init__(self, bench: Bench, view: View):
         self.bench, self.view, self.seen = bench, view, bench.revision
+        self.pair: tuple[int, int] | None = None  # versions that are compared
 
     def build(self) -> None:
         """Lay the page out."""
+        ui.add_head_html(scripts())
         ui.colors(primary="#2b6ca3", warning="#b5480d")
         with ui.header().classes("items-center gap-4 wrap").props('role="banner"'):
             ui.label("flexident").classes("text-lg font-bold")
@@ -61,6 +65,11 @@ class Page:
         """Remember what is looked at, in the URL too; nothing is drawn anew."""
         self.view = self.view.at(**changes)
         ui.navigate.history.replace(f"/?{self.view.query}")
+
+    def choose(self, pair: tuple[int, int]) -> None:
+        """Two versions to hold side by side."""
+        self.pair = pair
+        self._versions.refresh()
 
     def act(self, action: Callable[[], None]) -> None:
         """Do what a button says; a failure becomes a sentence on the page."""
@@ -141,6 +150,8 @@ class Page:
                 ui.button("Undo", on_click=lambda: self.act(lambda: self._use(project.current - 1))).props(
                     'data-testid="undo" flat dense'
                 )
+        if len(project.versions) > 1 and self.bench.sound:
+            versions.show(self)
 
     def _use(self, number: int) -> None:
         self.bench.change(self.bench.project.at_version(number))

@@ -35,7 +35,16 @@ def compared(inputs: Inputs, json_file: str, progress: Progress) -> Any:
     logs = [*inputs.logs, *inputs.heldout]
     compared = pi.compare(inputs.model, logs, mapping=inputs.mapping or None, progress=progress)
     _write(json_file, compared.to_dict())
-    return compared.comparison
+    return compared
+
+
+def asked(inputs: Inputs, progress: Progress) -> Any:
+    """What every law would take of the residual along every log; those held out fit nothing."""
+    from pyident.verbs.explain import waves_of
+
+    heldout = list(inputs.heldout)
+    mapping = inputs.mapping or None
+    return waves_of(inputs.model, list(inputs.logs), heldout=heldout, mapping=mapping, progress=progress)
 
 
 def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> Any:

@@ -2,16 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from nicegui import ui
 
-from pyident.workbench.scene import Arm3D
-from pyident.workbench.skeleton import segments, skeleton
+from pyident.verbs.pictures import standing_arm
+from pyident.workbench.linked import show_arm
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
-
-_BLUE = "#2b6ca3"
 
 
 def show(page: "Page") -> None:
@@ -37,9 +34,8 @@ def show(page: "Page") -> None:
         return
     ui.label(robot.description)
     with ui.row().classes("w-full"):
-        points = skeleton(robot)
-        reach = max(float(np.abs(points).max()), 0.1)
-        Arm3D(segments(robot), reach, [_BLUE] * len(robot.joints)).play([points])
+        with ui.column().classes("w-[32rem] max-md:w-full"):
+            show_arm(standing_arm(robot))
         with ui.column().classes("grow"):
             for k, joint in robot.numbered:
                 _joint(k, joint)
