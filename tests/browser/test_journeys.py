@@ -183,25 +183,9 @@ def test_any_two_versions_are_compared(tab, project):
         table = tab.get_by_test_id("versions-table")
         table.wait_for(timeout=PATIENCE)
         words = table.inner_text()
-    subprocess.run(
-        [
-            sys.executable,
-            *[
-                "-m",
-                "pyident",
-                "compare",
-                "robot.toml",
-                "a.parquet",
-                "b.parquet",
-                "c.parquet",
-                "--json",
-                "x.json",
-            ],
-        ],
-        cwd=project,
-        check=True,
-        capture_output=True,
-    )
+    logs = [f"{name}.parquet" for name in "abc"]
+    same = [sys.executable, "-m", "pyident", "compare", "robot.toml", *logs, "--json", "x.json"]
+    subprocess.run(same, cwd=project, check=True, capture_output=True)
     again = json.loads((project / "x.json").read_text())["logs"]
     log = next(iter(again.values()))
     assert f"{log['torque']['joint2']['rmse']:.4g}" in words

@@ -89,6 +89,9 @@ class Bench:
                     self._take_version(job.result)
                 elif what == "identify":
                     self._take(self._pending)
+                elif what == "import":
+                    self.change(self.project.starting_from(self._pending.model).after(self._pending.command))
+                    self.message = " ".join(job.result)
                 elif what == "compare":
                     self.start("ask", "asking every law", work.asked, self._asked[what])
                     self._next_comparison()
@@ -152,6 +155,39 @@ class Bench:
         self._pending = Version(output.name, self.project.model, f"{effect} at joint {joint}", line)
         title = f"adding {effect} at joint {joint}"
         self.start("add", title, work.added, inputs, effect, joint, str(output), self._path(file))
+
+    def bundle(self) -> None:
+        """Pack the model in every format."""
+        inputs, output = (
+            self.inputs,
+            self.project.free_name(f"{Path(self.project.model).stem}_bundle", ".zip"),
+        )
+        script = self.project.script()
+        self.start("bundle", f"packing {output}", work.bundled, inputs.model, self._path(output), script)
+
+    def bring(self, file: str, flexible: tuple[int, ...], twist: tuple[int, ...]) -> None:
+        """Take a URDF or MJCF of the folder as a robot file.
+
+        flexible, twist   joints that twist and bend, or only twist
+        """
+        output = self.project.free_name(Path(file).stem, ".toml")
+        words = ["import", file, "-o", output]
+        for option, joints in (("--flexible", flexible), ("--twist", twist)):
+            words += [option, ",".join(map(str, joints))] if joints else []
+        self._pending = Version(output, command=command("robots", words))
+        path = str(self.project.path(file))
+        self.start("import", f"reading {file}", work.imported, path, self._path(output), flexible, twist)
+
+    def propose(self, log: str) -> None:
+        """Ask what a file's columns seem to be."""
+        path = str(self.project.path(log))
+        self.start("propose", f"reading {log}", work.proposed, path, self.inputs.model)
+
+    def use_mapping(self, text: str) -> None:
+        """Write a mapping and read the logs by it."""
+        name = self.project.free_name("mapping", ".toml")
+        self.project.path(name).write_text(text, encoding="utf-8")
+        self.change(replace(self.project, mapping=name))
 
     def assign(self, log: str, role: Role) -> None:
         """Let a log serve for something else."""

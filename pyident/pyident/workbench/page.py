@@ -7,6 +7,7 @@ from nicegui import ui
 
 from pyident.workbench import versions
 from pyident.workbench.bench import Bench
+from pyident.workbench.channels import Channels
 from pyident.workbench.linked import scripts
 from pyident.workbench.places import data, model, next_step, where, why
 from pyident.workbench.project import ProjectError
@@ -34,6 +35,7 @@ class Page:
 
     def __init__(self, bench: Bench, view: View):
         self.bench, self.view, self.seen = bench, view, bench.revision
+        self.channels: Channels | None = None  # of the file that is looked at
         self.pair: tuple[int, int] | None = None  # versions that are compared
 
     def build(self) -> None:

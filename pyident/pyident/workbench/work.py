@@ -100,6 +100,42 @@ def exported(model: str, output: str, fmi: Literal[2, 3], progress: Progress) ->
     return output
 
 
+def proposed(log: str, model: str, progress: Progress) -> tuple[str, list[dict[str, Any]], list[str], str]:
+    """What a file's columns seem to be: its name, a row each, open questions, the mapping's text."""
+    from pyident.verbs.recordings import proposed_mapping
+
+    proposal = proposed_mapping([log], model or None)
+    rows = [
+        {
+            "column": c.column,
+            "signal": c.name or c.signal,
+            "unit": c.unit or "",
+            "sure": "yes" if c.sure else "?",
+        }
+        for c in proposal.channels
+    ]
+    progress(1.0)
+    return Path(log).name, rows, list(proposal.questions), proposal.toml()
+
+
+def bundled(model: str, output: str, script: str, progress: Progress) -> str:
+    """The model in every format, and the script of what was done."""
+    from pyident.verbs.robots import bundle
+
+    return str(bundle(model, output, script, progress))
+
+
+def imported(
+    file: str, output: str, flexible: tuple[int, ...], twist: tuple[int, ...], progress: Progress
+) -> tuple[str, ...]:
+    """A URDF or MJCF as a robot file; sentences on what it does not hold."""
+    from pyident.verbs.robots import import_robot
+
+    notes = import_robot(file, output, flexible=flexible, twist=twist)
+    progress(1.0)
+    return notes
+
+
 def checked(inputs: Inputs, names: Sequence[str], progress: Progress) -> dict[str, list[str]]:
     """Log -> sentences of the checks; one that cannot be used has its error as the only sentence."""
     import pyident as pi

@@ -1,11 +1,14 @@
 """Place 2: the robot as a tree, its joints and their laws, what the logs can tell of its parameters."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nicegui import ui
 
 from pyident.verbs.pictures import standing_arm
 from pyident.workbench.linked import show_arm
+from pyident.workbench.places.data import keep
+from pyident.workbench.project import LARGEST_UPLOAD, MODELS, ProjectError
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
@@ -24,8 +27,17 @@ def show(page: "Page") -> None:
         label="model",
         on_change=lambda e: page.act(lambda: bench.change(bench.project.starting_from(e.value))),
     ).classes("w-72").props('data-testid="model" aria-label="model"')
+    ui.upload(
+        label="Drop a robot: TOML, URDF or MJCF",
+        auto_upload=True,
+        max_file_size=LARGEST_UPLOAD,
+        on_upload=lambda e: keep(page, e, MODELS),
+    ).props('data-testid="upload-model" flat bordered accept=".toml,.urdf,.xml"')
+    if Path(bench.project.model).suffix in (".urdf", ".xml"):
+        _import(page)
+        return
     if not bench.project.model:
-        ui.label("Drop a robot file in place 1, or take one that ships.").props('data-testid="choose-model"')
+        ui.label("Drop a robot file, or take one that ships.").props('data-testid="choose-model"')
         return
     try:
         robot = pi.load_robot(bench.inputs.model)
@@ -40,6 +52,28 @@ def show(page: "Page") -> None:
             for k, joint in robot.numbered:
                 _joint(k, joint)
     _rank(page)
+
+
+def _import(page: "Page") -> None:
+    """Which joints of somebody else's robot are flexible: its file does not say."""
+    name = page.bench.project.model
+    ui.label(f"{name} becomes a robot file. Which of its joints, counted from 1, are flexible?")
+    with ui.row().classes("items-end"):
+        bend = ui.input("twist and bend, such as 1,2").props('data-testid="flexible"')
+        twist = ui.input("only twist").props('data-testid="twist"')
+        ui.button(
+            "Import",
+            on_click=lambda: page.act(
+                lambda: page.bench.bring(name, _numbers(bend.value), _numbers(twist.value))
+            ),
+        ).props('data-testid="import" no-caps')
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(word) for word in (text or "").split(",") if word.strip())
+    except ValueError:
+        raise ProjectError(f"joints are numbers such as 1,2, not {text!r}") from None
 
 
 def _joint(k: int, joint) -> None:

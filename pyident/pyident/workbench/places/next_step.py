@@ -44,16 +44,21 @@ def show(page: "Page") -> None:
             ui.button(f"FMU (FMI {fmi})", on_click=partial(page.act, partial(_export, page, fmi))).props(
                 f'data-testid="export-fmi{fmi}" no-caps'
             )
+        ui.button("Bundle of all formats (zip)", on_click=partial(page.act, bench.bundle)).props(
+            'data-testid="bundle" no-caps'
+        ).set_enabled("bundle" not in bench.jobs)
         ui.button(
             "Script of everything that was done",
             on_click=lambda: ui.download.content(bench.project.script(), "replay.sh"),
         ).props('data-testid="download-script" no-caps')
-    made = bench.result("export")
-    if made:
-        ui.label(f"wrote {Path(made).name}").props('data-testid="exported"')
-        ui.button("Download", on_click=lambda: ui.download.file(made)).props(
-            'data-testid="download-fmu" no-caps'
-        )
+    for what in ("export", "bundle"):
+        made = bench.result(what)
+        if made:
+            with ui.row().classes("items-center"):
+                ui.label(f"wrote {Path(made).name}").props(f'data-testid="made-{what}"')
+                ui.button("Download", on_click=partial(ui.download.file, made)).props(
+                    f'data-testid="download-{what}" no-caps'
+                )
     ui.label("What was done, as commands").classes("text-lg mt-4")
     ui.code(bench.project.script(), language="bash").classes("w-full").props('data-testid="script"')
 
