@@ -7,10 +7,14 @@ import shlex
 import shutil
 import subprocess
 import sys
+from zipfile import ZipFile
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from conftest import PATIENCE, served
+from fmpy.validation import validate_fmu
 
+from flexmodels.files.robot_file import load_robot
 from pyident.logs.log import read_log, write_log
 
 pytestmark = pytest.mark.browser
@@ -30,6 +34,14 @@ def pictured(tab, name: str) -> None:
     if "PICTURES" in os.environ:
         tab.wait_for_timeout(1500)
         tab.screenshot(path=f"{os.environ['PICTURES']}/{name}.png", full_page=True)
+
+
+def accessible(tab) -> None:
+    """No violation that axe-core calls serious or critical."""
+    results = Axe().run(tab).response["violations"]
+    serious = [v for v in results if v["impact"] in ("serious", "critical")]
+    words = [f"{v['id']}: {v['help']}: {[n['html'][:200] for n in v['nodes'][:3]]}" for v in serious]
+    assert not words, "\n".join(words)
 
 
 def compared(tab, url: str) -> None:
@@ -62,6 +74,7 @@ def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
         tab.get_by_test_id("whole").wait_for()
         assert "from=" in tab.url
         pictured(tab, "where")
+        accessible(tab)
         tab.get_by_test_id("to-why").click()
         first = tab.get_by_test_id("tie").get_by_test_id("law-1")
         first.wait_for(timeout=PATIENCE)
@@ -75,6 +88,7 @@ def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
         ]
         assert float(after) < 0.5 * float(before)
         pictured(tab, "why")
+        accessible(tab)
         tab.get_by_test_id("diagnose").click()
         tab.get_by_test_id("sentence").wait_for(timeout=PATIENCE)
         assert tab.get_by_test_id("verdict").inner_text() == "an effect is missing"
@@ -289,3 +303,54 @@ def test_nothing_is_wider_than_the_screen(tab, project, width):
             tab.get_by_test_id("verdict").wait_for()
             tab.wait_for_timeout(500)
             assert tab.evaluate("document.documentElement.scrollWidth") <= width + 1
+
+
+@pytest.mark.parametrize("place", ["data", "model", "next"])
+def test_everybody_can_use_it(tab, project, place):
+    with served(project) as url:
+        tab.goto(f"{url}&place={place}")
+        tab.get_by_test_id("verdict").wait_for()
+        tab.wait_for_timeout(500)
+        accessible(tab)
+
+
+def test_a_urdf_becomes_a_robot_file(tab, project):
+    urdf = project / "arm.urdf"
+    urdf.write_text(URDF)
+    dropped = project.parent / "arm.urdf"
+    urdf.rename(dropped)
+    with served(project) as url:
+        tab.goto(url + "&place=model")
+        tab.get_by_test_id("upload-model").locator("input[type=file]").set_input_files(dropped)
+        tab.get_by_test_id("twist").fill("1")
+        tab.get_by_test_id("import").click()
+        tab.get_by_test_id("joint-1").wait_for(timeout=PATIENCE)
+        assert "shoulder · revolute, twists" in tab.get_by_test_id("joint-1").inner_text()
+    assert load_robot(project / "arm.toml").joints[0].flexible
+    commands = json.loads((project / "workbench.json").read_text())["commands"]
+    assert commands == ["pyident robots import arm.urdf -o arm.toml --twist 1"]
+
+
+URDF = """<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="0.2 0 0"/><mass value="3"/>
+<inertia ixx="0.01" iyy="0.05" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+<limit lower="-2" upper="2" effort="50" velocity="3"/></joint></robot>"""
+
+
+def test_a_bundle_holds_the_model_in_every_format(tab, project):
+    with served(project) as url:
+        tab.goto(url)
+        tab.get_by_test_id("check").click()
+        tab.get_by_test_id("sound").wait_for(timeout=PATIENCE)
+        tab.get_by_test_id("place-next").click()
+        tab.get_by_test_id("bundle").click()
+        tab.get_by_test_id("made-bundle").wait_for(timeout=PATIENCE)
+        with tab.expect_download() as saved:
+            tab.get_by_test_id("download-bundle").click()
+        with ZipFile(saved.value.path()) as packed:
+            endings = sorted(name[name.rindex(".") :] for name in packed.namelist())
+            fmu = next(n for n in packed.namelist() if n.endswith(".fmu") and "fmi3" not in n)
+            packed.extract(fmu, project)
+    assert endings == [".fmu", ".fmu", ".sh", ".ssp", ".toml", ".txt", ".urdf", ".xml"]
+    assert validate_fmu(str(project / fmu)) == []

@@ -66,11 +66,11 @@ def test_the_law_that_is_there_takes_the_bump(tmp_path):
     comparison = compare(two_link(), logs, inline(tmp_path), lambda _: None)
     trace = next(t for t in comparison.traces if t.coordinate == "joint2.e")
     bump = comparison.bumps(trace)[0]
-    asked = ranking(waves(two_link(), logs[:1], logs[1:]), trace, (bump.start, bump.stop))
+    asked = ranking(waves(two_link(), logs[:1], comparison.floor, logs[1:]), trace, (bump.start, bump.stop))
     best = asked.shares[0]
     assert best.law.name == "asymmetric_coulomb at joint2"
     assert best.percent > 80
     assert best.law.values["coulomb"] == pytest.approx(2.5, rel=0.1)
     assert asked.own_percent < 50
-    truth = ranking(waves(hidden(), logs[:1], logs[1:]), trace, asked.span)
+    truth = ranking(waves(hidden(), logs[:1], comparison.floor, logs[1:]), trace, asked.span)
     assert truth.own_percent > 80

@@ -24,6 +24,7 @@ from pyident.simulation.workers import scheduler_configured
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
+from pyident.workbench.project import is_worth_opening
 
 scheduler_option = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
 
@@ -57,6 +58,9 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
     console.print(table)
     for figure in figures:
         show(f"wrote {figure}")
+    for folder in (Path(output) / name for name in names):
+        if is_worth_opening(folder):
+            show(f"to look at it in the workbench: pyident open {folder}")
     write_json(json_file, rows)
     if any(row["met"] == "no" for row in rows):
         sys.exit(1)

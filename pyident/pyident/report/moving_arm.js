@@ -6,8 +6,9 @@ function flexidentArm(root, data) {
   const ghost = data.simulated.length > 0;
   root.innerHTML = `<canvas data-testid="arm" tabindex="0" role="img" aria-label="${data.label}"
       style="width:100%;height:${data.height}px;touch-action:none;cursor:grab;border:1px solid #d5d9dd"></canvas>
-    <div style="display:flex;flex-wrap:wrap;gap:.6rem;align-items:center;font-size:.9rem">
-      <button type="button" data-testid="play">Play</button>
+    <div style="display:${frames < 2 ? "none" : "flex"};flex-wrap:wrap;gap:.6rem;align-items:center;font-size:.9rem">
+      <button type="button" data-testid="play" style="border:1px solid #59616b;border-radius:4px;padding:.1rem .7rem"
+        >Play</button>
       <input type="range" data-testid="moment" aria-label="time" min="0" max="1000" value="0" style="flex:1 1 8rem">
       <output data-testid="arm-time" style="min-width:5.5rem"></output>
       <label>deformation × <input type="range" data-testid="exaggeration" min="0" max="1000" value="0"
@@ -92,7 +93,6 @@ function flexidentArm(root, data) {
     if (on) requestAnimationFrame(next);
   };
   button.onclick = () => play(button.textContent === "Play");
-  button.disabled = moment.disabled = frames < 2;
   moment.oninput = () => { play(false); show(began + (last - began) * moment.value / 1000); };
   slider.oninput = () => { size = Math.pow(data.most, slider.value / 1000); draw(); };
   canvas.onpointerdown = (e) => canvas.setPointerCapture(e.pointerId);

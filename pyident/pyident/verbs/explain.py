@@ -75,6 +75,7 @@ class Explained(Result):
 
 
 def waves_of(
+    compared: Compared,
     model: Model,
     logs: Logs,
     *,
@@ -86,13 +87,16 @@ def waves_of(
 ) -> "Waves":
     """What every law would take of every equation over time, from which `explained` answers at once.
 
+    compared  the model with all of these logs
     heldout   logs along which the laws are followed, too, but to which nothing is fitted
     The others as in `compare`. Raises RobotError, LogError.
     """
     from pyident.diagnosis.stretches.waves import waves
 
     read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
-    return waves(read.robot, read.logs, read.heldout, progress or (lambda _: None))
+    floor = compared.comparison.floor
+    assert floor is not None  # every comparison with replicas has one
+    return waves(read.robot, read.logs, floor, read.heldout, progress or (lambda _: None))
 
 
 def explained(

@@ -93,7 +93,7 @@ class Bench:
                     self.change(self.project.starting_from(self._pending.model).after(self._pending.command))
                     self.message = " ".join(job.result)
                 elif what == "compare":
-                    self.start("ask", "asking every law", work.asked, self._asked[what])
+                    self.start("ask", "asking every law", work.asked, self._asked[what], job.result)
                     self._next_comparison()
 
     # What the buttons do.

@@ -38,13 +38,14 @@ def compared(inputs: Inputs, json_file: str, progress: Progress) -> Any:
     return compared
 
 
-def asked(inputs: Inputs, progress: Progress) -> Any:
+def asked(inputs: Inputs, compared: Any, progress: Progress) -> Any:
     """What every law would take of the residual along every log; those held out fit nothing."""
     from pyident.verbs.explain import waves_of
 
     heldout = list(inputs.heldout)
     mapping = inputs.mapping or None
-    return waves_of(inputs.model, list(inputs.logs), heldout=heldout, mapping=mapping, progress=progress)
+    logs = list(inputs.logs)
+    return waves_of(compared, inputs.model, logs, heldout=heldout, mapping=mapping, progress=progress)
 
 
 def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> Any:

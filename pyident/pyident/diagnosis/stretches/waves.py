@@ -1,9 +1,8 @@
 """What every law would take of every equation, over time: the answers to "would this explain that bump?".
 
 The fit of the model's own columns and one law more is that of the diagnosis (`base.projection`), each
-equation over a floor. Here no replicas give that floor: the residual itself does, smoothed over frequency, as
-in feasible generalised least squares. What the law takes of an equation is then followed over time:
-X c less what the model's own parameters could imitate of it.
+equation over the floor of a comparison's replicas. What the law takes of an equation is then followed over
+time: X c less what the model's own parameters could imitate of it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,14 +25,15 @@ from pyident.diagnosis.base.candidates import (
     proper,
 )
 from pyident.diagnosis.base.order_peaks import order_peaks
-from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
+from pyident.diagnosis.base.projection import Base, Gain, gain, taken_over
+from pyident.diagnosis.base.residual_over_floor import balanced, whitened
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import reduce, solve_weighted
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor_blocks
-from pyident.regression.spectrum import Equations, Floor, equations, floor
+from pyident.regression.spectrum import Equations, Floor, equations
 
 Progress = Callable[[float], None]
 _CANDIDATES = 0.8  # share of the work
@@ -72,10 +72,15 @@ class Waves:
 
 
 def waves(
-    robot: Robot, logs: Sequence[Log], unseen: Sequence[Log] = (), progress: Progress = lambda _: None
+    robot: Robot,
+    logs: Sequence[Log],
+    level: Floor,
+    unseen: Sequence[Log] = (),
+    progress: Progress = lambda _: None,
 ) -> Waves:
     """Every law of the catalogue at every joint; the robot's own parameters are not used.
 
+    level    of the equations, from replicas
     unseen   logs along which the laws are followed, too, but to which nothing is fitted
     Raises LogError.
     """
@@ -83,13 +88,12 @@ def waves(
     reduced = reduce(problem.blocks(), problem.rows, problem.columns)
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
-    plain = equations(fitted, [condition(log, fitted) for log in logs], [log.period for log in logs])
-    level = _own_floor(plain, solution.weights)
-    data = [e.over(level.at(e.band)) for e in plain]
-    base = solve_base(data)
+    level, data, base = balanced(level, whitened(fitted, logs, level))
     laws = _fitted_laws(fitted, data, base, level, progress)
     names = [log.source for log in (*logs, *unseen)]
-    data += equations(fitted, [condition(log, fitted) for log in unseen], [log.period for log in unseen])
+    data = data + equations(
+        fitted, [condition(log, fitted) for log in unseen], [log.period for log in unseen]
+    )
     rows = range(len(fitted.coordinates))
     sets = {c: [base.p, *(law.imitation for law in laws if c in law.rows)] for c in rows}
     forces = [_forces(fitted, e.part, sets) for e in data]
@@ -117,13 +121,6 @@ class _Law:
     gain: Gain
     imitation: np.ndarray
     rows: frozenset[int]
-
-
-def _own_floor(plain: Sequence[Equations], weights: np.ndarray) -> Floor:
-    """The level of what the model's own columns leave, over frequency."""
-    scale = 1 / np.maximum(weights, 1e-300)
-    first = solve_base([e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in plain])
-    return floor([e.band for e in plain], [r * scale[:, None] for r in first.residual])
 
 
 def _fitted_laws(

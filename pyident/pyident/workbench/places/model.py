@@ -45,8 +45,8 @@ def show(page: "Page") -> None:
         ui.label(str(error)).classes("text-negative").props('data-testid="model-error" role="alert"')
         return
     ui.label(robot.description)
-    with ui.row().classes("w-full"):
-        with ui.column().classes("w-[32rem] max-md:w-full"):
+    with ui.row().classes("w-full no-wrap max-lg:flex-wrap"):
+        with ui.column().classes("w-[32rem] max-md:w-full shrink-0"):
             show_arm(standing_arm(robot))
         with ui.column().classes("grow"):
             for k, joint in robot.numbered:
