@@ -16,7 +16,7 @@ import pandas as pd
 
 from flexmodels.coordinate import is_deformation
 from flexmodels.robot import Robot
-from pyident.report.skeleton import segments, skeleton
+from pyident.kinematics.skeleton import segments, skeleton
 
 FRAMES = 300  # of a motion
 MOST = 500.0  # times that deformations are exaggerated
