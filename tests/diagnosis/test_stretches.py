@@ -69,8 +69,8 @@ def test_the_law_that_is_there_takes_the_bump(tmp_path):
     asked = ranking(waves(two_link(), logs[:1], comparison.floor, logs[1:]), trace, (bump.start, bump.stop))
     best = asked.shares[0]
     assert best.law.name == "asymmetric_coulomb at joint2"
-    assert best.percent > 80
-    assert best.law.values["coulomb"] == pytest.approx(2.5, rel=0.1)
-    assert asked.own_percent < 50
+    assert best.percent > 90
+    assert best.law.values["coulomb"] == pytest.approx(2.5, rel=0.02)
+    assert asked.own_percent < 80
     truth = ranking(waves(hidden(), logs[:1], comparison.floor, logs[1:]), trace, asked.span)
-    assert truth.own_percent > 80
+    assert truth.own_percent > 90

@@ -156,6 +156,18 @@ class Bench:
         title = f"adding {effect} at joint {joint}"
         self.start("add", title, work.added, inputs, effect, joint, str(output), self._path(file))
 
+    def plan(self, separate: tuple[str, ...] = (), reveal: str = "") -> None:
+        """Design the motion that tells two laws (`effect@joint`) apart, or shows one."""
+        inputs, file = self.inputs, self._file("excite")
+        output = self.project.free_name("plan", ".csv")
+        asked = ["--separate", *separate] if separate else ["--reveal", reveal]
+        line = command("excite", Path(inputs.model).name, asked, "-o", output, "--json", file)
+        self.change(self.project.having_role(output, "leave out").after(line))
+        path = self._path(output)
+        self.start(
+            "plan", "planning a motion", work.planned, inputs, separate, reveal, path, self._path(file)
+        )
+
     def bundle(self) -> None:
         """Pack the model in every format."""
         inputs, output = (

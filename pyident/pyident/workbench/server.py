@@ -8,6 +8,8 @@ from time import monotonic, sleep
 
 from pyident.workbench.project import ProjectError, open_project
 
+_PATIENCE = 120.0  # s that a page on a busy machine may be silent before it is taken for closed
+
 
 def free_port(port: int) -> int:
     """`port` if it is free, one that the system chooses for 0. Raises ProjectError."""
@@ -71,5 +73,11 @@ def serve(folder: str | Path, port: int = 0, browser: bool = True) -> None:
     app.on_shutdown(bench.close)
     app.add_middleware(Guard, token=token, hosts=hosts, cookie=f"flexident{port}")
     ui.run(
-        host="127.0.0.1", port=port, show=False, reload=False, show_welcome_message=False, title="flexident"
+        host="127.0.0.1",
+        port=port,
+        show=False,
+        reload=False,
+        show_welcome_message=False,
+        title="flexident",
+        reconnect_timeout=_PATIENCE,
     )

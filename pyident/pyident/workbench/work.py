@@ -119,6 +119,18 @@ def proposed(log: str, model: str, progress: Progress) -> tuple[str, list[dict[s
     return Path(log).name, rows, list(proposal.questions), proposal.toml()
 
 
+def planned(
+    inputs: Inputs, separate: tuple[str, ...], reveal: str, output: str, json_file: str, progress: Progress
+) -> tuple[str, str]:
+    """A motion that tells two laws apart or shows one, written to `output`; its name and what it promises."""
+    import pyident as pi
+
+    plan = pi.excite(inputs.model, separate=separate, reveal=reveal or None, progress=progress)
+    plan.save(output)
+    _write(json_file, plan.to_dict())
+    return Path(output).name, plan.headline()
+
+
 def bundled(model: str, output: str, script: str, progress: Progress) -> str:
     """The model in every format, and the script of what was done."""
     from pyident.verbs.robots import bundle

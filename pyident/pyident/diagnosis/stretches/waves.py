@@ -1,7 +1,8 @@
 """What every law would take of every equation, over time: the answers to "would this explain that bump?".
 
 The fit of the model's own columns and one law more is that of the diagnosis (`base.projection`), each
-equation over the floor of a comparison's replicas. What the law takes of an equation is then followed over
+equation over the floor of a comparison's replicas, none of them made lighter: with the law that is missing they agree,
+and one that they disagree with is to be seen. What the law takes of an equation is then followed over
 time: X c less what the model's own parameters could imitate of it.
 """
 
@@ -25,8 +26,8 @@ from pyident.diagnosis.base.candidates import (
     proper,
 )
 from pyident.diagnosis.base.order_peaks import order_peaks
-from pyident.diagnosis.base.projection import Base, Gain, gain, taken_over
-from pyident.diagnosis.base.residual_over_floor import balanced, whitened
+from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
+from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import reduce, solve_weighted
 from pyident.logs.log import Log
@@ -88,7 +89,8 @@ def waves(
     reduced = reduce(problem.blocks(), problem.rows, problem.columns)
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
-    level, data, base = balanced(level, whitened(fitted, logs, level))
+    data = whitened(fitted, logs, level)
+    base = solve_base(data)
     laws = _fitted_laws(fitted, data, base, level, progress)
     names = [log.source for log in (*logs, *unseen)]
     data = data + equations(
