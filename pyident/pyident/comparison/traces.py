@@ -5,8 +5,9 @@ what physics leaves in it. It is shown below the frequency up to which it stands
 replicas alike.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,7 @@ _LEAST_CUTOFF = 5.0  # Hz: a slower residual would be smeared over its causes
 _STANDS_OUT = 1.25  # times the floor: a band that counts
 _WINDOW = 0.25  # s over which the residual's rms is compared with the replicas'
 _LEAVES = 1.5  # times the replicas' rms: a bump
+_VALLEY = np.log(2.0)  # of the energy's logarithm: what parts two bumps
 MOST_BUMPS = 12
 
 
@@ -107,12 +109,21 @@ def bumps(trace: Trace) -> list[Bump]:
     total = max(float(beyond.sum()), 1e-300)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
     stretches = []
-    for start, stop in edges.reshape(-1, 2):
+    for start, stop in _split(energy, edges.reshape(-1, 2)):
         at = slice(start, stop)
         ratio = float(np.sqrt(np.max(energy[at] / level[at])))
         share = float(beyond[at].sum()) / total
         stretches.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
     return sorted(stretches, key=lambda bump: -bump.share)[:MOST_BUMPS]
+
+
+def _split(energy: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:
+    """The stretches, each cut where its energy falls to half of the humps on both sides."""
+    from scipy.signal import find_peaks
+
+    for start, stop in stretches:
+        valleys, _ = find_peaks(-np.log(energy[start:stop] + 1e-300), prominence=_VALLEY)
+        yield from pairwise([start, *(start + valleys), stop])
 
 
 def _cutoff(bands: Sequence[Bin]) -> float:

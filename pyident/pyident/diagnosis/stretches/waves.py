@@ -1,9 +1,9 @@
 """What every law would take of every equation, over time: the answers to "would this explain that bump?".
 
 The fit of the model's own columns and one law more is that of the diagnosis (`base.projection`), each
-equation over the floor of a comparison's replicas, none of them made lighter: with the law that is missing they agree,
-and one that they disagree with is to be seen. What the law takes of an equation is then followed over
-time: X c less what the model's own parameters could imitate of it.
+equation over the floor of a comparison's replicas. None of them is made lighter: with the law that is missing
+they agree, and made lighter, a strong law's own equation would hardly count in its fit. What the law takes of
+an equation is then followed over time: X c less what the model's own parameters could imitate of it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
