@@ -66,10 +66,10 @@ function flexidentArm(root, data) {
     const scale = window.devicePixelRatio || 1;
     canvas.width = canvas.clientWidth * scale; canvas.height = canvas.clientHeight * scale;
     ground();
-    arm(at(data.rigid, data.measured), true);
     context.globalAlpha = 0.5;
     if (ghost) arm(at(data.rigid, data.simulated), false);
     context.globalAlpha = 1;
+    arm(at(data.rigid, data.measured), true);
     find("arm-time").textContent = frames > 1 ? `${time.toFixed(2)} s` : "";
     find("times").textContent = size < 10 ? size.toFixed(1) : size.toFixed(0);
     root.dataset.time = time.toFixed(4);

@@ -23,7 +23,7 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
     ]
     ratio = np.full((len(rows), len(labels)), np.nan)
     for b in bins:
-        ratio[rows.index(b.coordinate), labels.index(b.label)] = b.ratio
+        ratio[rows.index(b.coordinate), labels.index(_band(b))] = b.ratio
     shade = np.log10(np.maximum(ratio, 1.0))
     heat = {
         "type": "heatmap",
@@ -41,7 +41,7 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
     layout = {
         "height": 90 + 24 * len(rows),
         "margin": {"l": 90, "r": 10, "t": 40, "b": 20},
-        "xaxis": {"side": "top", "fixedrange": True},
+        "xaxis": {"side": "top", "fixedrange": True, "tickangle": 0},
         "yaxis": {"autorange": "reversed", "fixedrange": True},
     }
     return {"data": [heat], "layout": layout, "config": {"displayModeBar": False, "responsive": True}}
@@ -170,6 +170,10 @@ def line(time: np.ndarray, values: np.ndarray, name: str, colour: str, axis: str
     t, v = thinned(time, values)
     style = {"color": colour, "width": 1.2}
     return {"type": "scatter", "x": t.tolist(), "y": v.tolist(), "name": name, "yaxis": axis, "line": style}
+
+
+def _band(b: Any) -> str:
+    return f"{b.low:g}–{b.high:.3g} Hz"
 
 
 def _order_spectrum(angle: np.ndarray, values: np.ndarray) -> tuple[list[float], list[float]]:

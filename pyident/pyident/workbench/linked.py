@@ -32,5 +32,18 @@ def share_brush(states: ui.element, traces: ui.element, words: ui.element) -> No
     _when([states, traces, words], "(...all) => flexidentBrush(...all)")
 
 
+def name_upload(upload: ui.element, name: str) -> None:
+    """A name for screen readers on Quasar's button, which has none and holds the file input."""
+    names = json.dumps({"role": "link", "aria-label": name})
+    _when(
+        [upload],
+        f"""(place) => {{
+            const button = place.querySelector("a.q-btn");
+            for (const [key, value] of Object.entries({names})) button?.setAttribute(key, value);
+            place.querySelector("input[type=file]")?.setAttribute("aria-label", {json.dumps(name)});
+        }}""",
+    )
+
+
 def _when(elements: list[ui.element], call: str) -> None:
     ui.run_javascript(f"flexidentWhen({[e.id for e in elements]}, {call})")

@@ -41,14 +41,14 @@ class Page:
     def build(self) -> None:
         """Lay the page out."""
         ui.add_head_html(scripts())
-        ui.colors(primary="#2b6ca3", warning="#b5480d")
+        ui.colors(
+            primary="#2b6ca3", warning="#b5480d", positive="#1b6e2e", negative="#b00020", info="#1c6680"
+        )
         with ui.header().classes("items-center gap-4 wrap").props('role="banner"'):
-            ui.label("flexident").classes("text-lg font-bold")
-            ui.label(str(self.bench.project.folder)).classes("text-sm opacity-80").props(
-                'data-testid="folder"'
-            )
+            ui.label("flexident").classes("text-lg font-bold").props('role="heading" aria-level="1"')
+            ui.label(str(self.bench.project.folder)).classes("text-sm").props('data-testid="folder"')
             self._verdict()
-        with ui.row().classes("w-full no-wrap max-md:flex-wrap").props('role="main"'):
+        with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
             with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
                 self._places()
             with ui.column().classes("grow min-w-0"):
@@ -93,7 +93,7 @@ class Page:
     @ui.refreshable_method
     def _verdict(self) -> None:
         diagnosis = self.bench.result("diagnose")
-        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("grey", "no diagnosis yet")
+        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("blue-grey-8", "no diagnosis yet")
         badge = ui.badge(text, color=colour).classes("text-sm p-2").props('data-testid="verdict"')
         if diagnosis:
             badge.tooltip(diagnosis.sentence)

@@ -32,7 +32,7 @@ async def look(page: "Page", log: str) -> None:
 
 def _plot(channels: Channels) -> None:
     plot = ui.plotly(channels.figure()).classes("w-full")
-    plot.props('data-testid="channels" aria-label="channels of the file"')
+    plot.props('data-testid="channels" role="figure" aria-label="channels of the file"')
 
     def zoomed(event: events.GenericEventArguments) -> None:
         left, right = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")

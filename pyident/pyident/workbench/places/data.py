@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import events, ui
 
+from pyident.workbench.linked import name_upload
 from pyident.workbench.places import columns
 from pyident.workbench.project import LARGEST_UPLOAD, LOGS, MODELS, ProjectError
 from pyident.workbench.work import REFUSED
@@ -17,14 +18,16 @@ if TYPE_CHECKING:
 def show(page: "Page") -> None:
     """Drop files, choose their roles, run the checks."""
     bench = page.bench
-    ui.upload(
+    upload = ui.upload(
         label="Drop logs (CSV, Parquet, MAT), a robot (TOML, URDF, MJCF) or a mapping (TOML)",
         multiple=True,
         auto_upload=True,
         max_file_size=LARGEST_UPLOAD,
         on_upload=lambda e: keep(page, e, (*LOGS, *MODELS)),
         on_rejected=lambda: ui.notify("that file is too large for a project", type="negative"),
-    ).classes("w-full").props('data-testid="upload" accept=".csv,.parquet,.mat,.toml,.urdf,.xml"')
+    ).classes("w-full")
+    upload.props('data-testid="upload" accept=".csv,.parquet,.mat,.toml,.urdf,.xml"')
+    name_upload(upload, "choose files")
     if not bench.project.logs:
         ui.label("There is no log in this folder yet.").props('data-testid="no-logs"')
         return

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from pyident.verbs.pictures import standing_arm
-from pyident.workbench.linked import show_arm
+from pyident.workbench.linked import name_upload, show_arm
 from pyident.workbench.places.data import keep
 from pyident.workbench.project import LARGEST_UPLOAD, MODELS, ProjectError
 
@@ -27,12 +27,14 @@ def show(page: "Page") -> None:
         label="model",
         on_change=lambda e: page.act(lambda: bench.change(bench.project.starting_from(e.value))),
     ).classes("w-72").props('data-testid="model" aria-label="model"')
-    ui.upload(
+    upload = ui.upload(
         label="Drop a robot: TOML, URDF or MJCF",
         auto_upload=True,
         max_file_size=LARGEST_UPLOAD,
         on_upload=lambda e: keep(page, e, MODELS),
-    ).props('data-testid="upload-model" flat bordered accept=".toml,.urdf,.xml"')
+    )
+    upload.props('data-testid="upload-model" flat bordered accept=".toml,.urdf,.xml"')
+    name_upload(upload, "choose a robot file")
     if Path(bench.project.model).suffix in (".urdf", ".xml"):
         _import(page)
         return
@@ -81,7 +83,7 @@ def _joint(k: int, joint) -> None:
     with ui.row().classes("items-center gap-1").props(f'data-testid="joint-{k}"'):
         ui.label(f"{k} {joint.name} · {joint.kind}, {bends}").classes("font-bold")
         for law in joint.values:
-            ui.badge(law, color="blue-grey")
+            ui.badge(law, color="blue-grey-8")
 
 
 def _rank(page: "Page") -> None:

@@ -1,6 +1,7 @@
 """Place 3: where model and logs disagree: a map, the arm, traces, the residual and what it depends on."""
 
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
@@ -52,13 +53,15 @@ class _Equation:
         with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
             with ui.column().classes("grow min-w-0"):
                 self.traces = ui.plotly(figures.equation(self.trace, span, self.bumps)).classes("w-full")
-                self.traces.props('data-testid="traces" aria-label="traces of the equation"')
+                self.traces.props('data-testid="traces" role="figure" aria-label="traces of the equation"')
                 self.traces.on("plotly_relayout", self._zoomed)
             with ui.column().classes("w-64 shrink-0"):
                 self._bumps()
         self.brushed = ui.label("").classes("text-sm min-h-5").props('data-testid="brushed"')
         self.states = ui.plotly(figures.states(self.trace, span)).classes("w-full")
-        self.states.props('data-testid="states" aria-label="residual against the state of the joint"')
+        self.states.props(
+            'data-testid="states" role="figure" aria-label="residual against the state of the joint"'
+        )
         share_cursor(self.traces, self.trace.log)
         share_brush(self.states, self.traces, self.brushed)
 
@@ -108,7 +111,7 @@ def chosen_trace(page: "Page", comparison: Any) -> Any:
 
 def _map(page: "Page", comparison: Any) -> None:
     plot = ui.plotly(figures.band_map(comparison.bins)).classes("w-full")
-    plot.props('data-testid="map" aria-label="rms over floor by equation and band"')
+    plot.props('data-testid="map" role="figure" aria-label="rms over floor by equation and band"')
 
     def chosen(event: events.GenericEventArguments) -> None:
         point = event.args["points"][0]
@@ -118,8 +121,8 @@ def _map(page: "Page", comparison: Any) -> None:
 
 
 def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
-    logs = list(dict.fromkeys(t.log for t in comparison.traces))
-    coordinates = list(dict.fromkeys(t.coordinate for t in comparison.traces))
+    logs = {t.log: Path(t.log).name for t in comparison.traces}
+    coordinates = {t.coordinate: t.coordinate for t in comparison.traces}
     with ui.row().classes("items-center"):
         for key, names, value in (
             ("coordinate", coordinates, chosen.coordinate),
@@ -130,5 +133,5 @@ def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
                 value=value,
                 label="equation" if key == "coordinate" else "log",
                 on_change=lambda e, k=key: page.go(**{k: e.value, "span": None}),
-            ).props(f'data-testid="{key}"')
+            ).props(f'data-testid="{key}"').classes("w-40")
         ui.label(f"residual shown below {chosen.cutoff:.3g} Hz").classes("text-sm")

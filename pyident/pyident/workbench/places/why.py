@@ -36,7 +36,7 @@ def show(page: "Page") -> None:
         return
     _Stretch(page, compared, waves, diagnosis).show()
     for sentence in diagnosis.depends_on if diagnosis else ():
-        ui.label(sentence).classes("text-sm opacity-70")
+        ui.label(sentence).classes("text-sm")
 
 
 class _Stretch:
@@ -69,7 +69,7 @@ class _Stretch:
                 self._rows()
             with ui.column().classes("grow min-w-0"):
                 self.plot = ui.plotly(self._figure(r.shares[0], tried=False)).classes("w-full")
-                self.plot.props('data-testid="waveform" aria-label="residual and what a law would take"')
+                self.plot.props('data-testid="waveform" role="figure" aria-label="what a law would take"')
                 self.words = ui.label("").props('data-testid="tried"')
         self._say(r.shares[0])
 
@@ -165,7 +165,7 @@ def _outcome(page: "Page") -> None:
         'data-testid="outcome"'
     )
     ui.plotly(figures.waterfall(last.waterfall)).classes("w-full").props(
-        'data-testid="waterfall" aria-label="errors before and after, over their floor"'
+        'data-testid="waterfall" role="figure" aria-label="errors before and after, over their floor"'
     )
     for i, step in enumerate(last.waterfall, start=1):
         ui.label(
