@@ -29,6 +29,7 @@ _KINDS = {
     "log": "Log",
 }
 _POINTS = 2000  # of a curve
+_NUMBERS = 100_000  # in the curves of all signals and logs, half a megabyte
 
 
 def write_comparison(
@@ -46,7 +47,7 @@ def write_comparison(
     for model, c in zip(models, found, strict=True):
         of = f" of {model}" if len(models) > 1 else ""
         sections.append((f"Equations{of}: where they fail", [_map(c), *_bars(c)]))
-        sections.append((f"Simulation{of}: what it misses", [_curves(log) for log in c.logs]))
+        sections.append((f"Simulation{of}: what it misses", [_curves(log, _points(c)) for log in c.logs]))
     environment = Environment(loader=PackageLoader("pyident", "report"), autoescape=True)
     html = environment.get_template("comparison.html").render(
         title=" and ".join(models),
@@ -56,7 +57,7 @@ def write_comparison(
         plotly=library(),
         arm=Markup(element_of(arms[0], "arm")) if arms else "",
         arm_script=Markup(script()) if arms else "",
-        arm_log=arms[0].log if arms else "",
+        arm_log=Path(arms[0].log).name if arms else "",
         sections=[(title, [_html(f, bool(arms)) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],
     )
@@ -162,14 +163,20 @@ def _bars(c: Comparison) -> list[go.Figure]:
     return figures
 
 
-def _curves(log: LogErrors) -> go.Figure:
+def _points(c: Comparison) -> int:
+    """Of each curve, so that a page of many logs and joints stays small."""
+    return min(_POINTS, _NUMBERS // max(sum(len(log.missed) for log in c.logs), 1))
+
+
+def _curves(log: LogErrors, points: int) -> go.Figure:
     figure = go.Figure()
-    step = max(1, len(log.time) // _POINTS)
+    step = max(1, -(-len(log.time) // points))
+    began, apart = float(log.time[0]), float(step * (log.time[1] - log.time[0]))
     first = next((n for n in log.missed if n.startswith("tip")), next(iter(log.missed)))
     names = list(log.missed)
     for name, missed in log.missed.items():
-        x, y = (np.asarray(signal[::step], np.float32) for signal in (log.time, missed))  # half the page
-        figure.add_scatter(x=x, y=y, name=name, visible=name == first)
+        y = np.asarray(missed[::step], np.float32)
+        figure.add_scatter(x0=began, dx=apart, y=y, name=name, visible=name == first)
     buttons: list[dict[str, Any]] = [
         {"label": n, "method": "update", "args": [{"visible": [m == n for m in names]}]} for n in names
     ]

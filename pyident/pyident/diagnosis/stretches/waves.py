@@ -105,10 +105,12 @@ def waves(
         for c, row in enumerate(fitted.coordinates)
     }
     taken: list[dict[tuple[str, str], np.ndarray]] = [{} for _ in laws]
-    for name, e, force in zip(names, data, forces, strict=True):
+    for number, (name, e, force) in enumerate(zip(names, data, forces, strict=True)):
         for c in rows:
             acting = [i for i, law in enumerate(laws) if c in law.rows]
             for place, i in enumerate(acting, start=1):
+                if laws[i].candidate.log not in (None, number):
+                    continue  # a body that is carried in another log
                 wave = (_force(fitted, laws[i], e, c) - force[c][:, place]) * e.part.use[:, c]
                 taken[i][name, fitted.coordinates[c]] = wave.astype(np.float32)
     progress(1.0)
