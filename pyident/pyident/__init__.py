@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
+    from pyident.verbs.explain import Explained as Explained
+    from pyident.verbs.explain import explain as explain
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -40,6 +42,7 @@ _HOME = {
     "Compared": "pyident.verbs.judged",
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
+    "Explained": "pyident.verbs.explain",
     "Fit": "pyident.verbs.fitted",
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
@@ -49,6 +52,7 @@ _HOME = {
     "check_log": "pyident.checks.check_log",
     "compare": "pyident.verbs.judge",
     "diagnose": "pyident.verbs.judge",
+    "explain": "pyident.verbs.explain",
     "export_fmu": "pyident.verbs.simulate",
     "identify": "pyident.verbs.fit",
     "load_robot": "flexmodels.files.robot_file",

@@ -12,6 +12,9 @@ COMMANDS = {
     "effects": Entry(
         "pyident.cli.effects", "effects", "List the laws that a robot file may name, or show one."
     ),
+    "explain": Entry(
+        "pyident.cli.explain", "explain_command", "Rank the laws by what each would take of one stretch."
+    ),
     "export": Entry("pyident.cli.simulate", "export", "Write MODEL as an FMU."),
     "identify": Entry(
         "pyident.cli.identify", "identify_command", "Identify the parameters of MODEL from logs."

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,46 @@ class Explained(Result):
         )
         lines = [wrapped(line) for line in (self.headline(), own, least)]
         return Text("\n".join([table(("law", "share", ""), rows, numbers=(1,)), *lines]))
+
+
+def explain(
+    model: Model,
+    logs: Logs,
+    *,
+    log: str | None = None,
+    coordinate: str | None = None,
+    span: tuple[float, float] | None = None,
+    heldout: Logs = (),
+    mapping: Columns | None = None,
+    allow_effects: bool = False,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Explained:
+    """Which law would take a stretch of a residual: the laws by what each takes of it.
+
+    log          where the stretch is, as given or its file's name; none: the first
+    coordinate   of the equation; none: the one that fails most
+    span         from and to [s]; none: the whole log
+    heldout      logs that may be asked about, but to which nothing is fitted
+    The others as in `compare`. Raises RobotError, LogError, SimulationError, ValueError.
+    """
+    from pyident.verbs.judge import compare
+
+    robot = robot_of(model, allow_effects=allow_effects)
+    read = given(robot, logs, mapping, heldout, force)
+    told = progress or (lambda _: None)
+    every = [*read.logs, *read.heldout]
+    compared = compare(robot, every, force=force, progress=lambda share: told(0.8 * share))
+    after = partial(_later, told)
+    waves = waves_of(compared, robot, read.logs, heldout=read.heldout, force=force, progress=after)
+    worst = compared.comparison.where
+    trace = compared.comparison.traces[0]
+    name = coordinate or (worst.coordinate if worst else trace.coordinate)
+    return explained(compared, waves, log or trace.log, name, span)
+
+
+def _later(told: Progress, share: float) -> None:
+    told(0.8 + 0.2 * share)
 
 
 def waves_of(

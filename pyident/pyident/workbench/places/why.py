@@ -7,6 +7,7 @@ from nicegui import ui
 
 from pyident.workbench import figures
 from pyident.workbench.places.where import chosen_trace
+from pyident.workbench.project import command
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
@@ -61,6 +62,7 @@ class _Stretch:
         words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
         own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
         ui.label(f"{words} {own}").classes("text-sm")
+        ui.code(self._command(), language="bash").classes("w-full").props('data-testid="explain-command"')
         if not r.shares:
             ui.label("No law of the catalogue acts on this equation.").props('data-testid="no-laws"')
             return
@@ -72,6 +74,13 @@ class _Stretch:
                 self.plot.props('data-testid="waveform" role="figure" aria-label="what a law would take"')
                 self.words = ui.label("").props('data-testid="tried"')
         self._say(r.shares[0])
+
+    def _command(self) -> str:
+        """The command line that ranks the same."""
+        r, inputs = self.ranking, self.page.bench.inputs
+        span = ["--span", f"{r.span[0]:.6g}", f"{r.span[1]:.6g}"]
+        where = ["--log", Path(r.log).name, "--equation", r.coordinate, *span]
+        return command("explain", Path(inputs.model).name, inputs.log_names(), where, inputs.options())
 
     def _rows(self) -> None:
         tie = self.ranking.tie
