@@ -68,9 +68,9 @@ class Page:
         self.view = self.view.at(**changes)
         ui.navigate.history.replace(f"/?{self.view.query}")
 
-    def choose(self, pair: tuple[int, int]) -> None:
+    def choose(self, before: int, after: int) -> None:
         """Two versions to hold side by side."""
-        self.pair = pair
+        self.pair = before, after
         self._versions.refresh()
 
     def act(self, action: Callable[[], None]) -> None:

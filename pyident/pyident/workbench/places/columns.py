@@ -58,5 +58,5 @@ def _proposal(page: "Page", log: str, rows: list[dict[str, Any]], questions: lis
         .props('data-testid="mapping" autogrow')
     )
     ui.button(
-        "Use this mapping", on_click=lambda: page.act(lambda: page.bench.use_mapping(written.value))
+        "Use this mapping", on_click=lambda: page.act(lambda: page.bench.use_mapping(written.value or ""))
     ).props('data-testid="use-mapping" no-caps')

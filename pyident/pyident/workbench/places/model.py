@@ -66,14 +66,14 @@ def _import(page: "Page") -> None:
         ui.button(
             "Import",
             on_click=lambda: page.act(
-                lambda: page.bench.bring(name, _numbers(bend.value), _numbers(twist.value))
+                lambda: page.bench.bring(name, _numbers(bend.value or ""), _numbers(twist.value or ""))
             ),
         ).props('data-testid="import" no-caps')
 
 
 def _numbers(text: str) -> tuple[int, ...]:
     try:
-        return tuple(int(word) for word in (text or "").split(",") if word.strip())
+        return tuple(int(word) for word in text.split(",") if word.strip())
     except ValueError:
         raise ProjectError(f"joints are numbers such as 1,2, not {text!r}") from None
 
