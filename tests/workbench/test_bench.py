@@ -1,11 +1,13 @@
 """The state that all pages share: what is open, what outlives a change, what is recorded."""
 
 from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from pyident.workbench import work
 from pyident.workbench.bench import Bench
+from pyident.workbench.jobs import Job
 from pyident.workbench.project import ProjectError, Version, open_project
 
 
@@ -19,7 +21,8 @@ def bench(tmp_path):
 def ended(bench: Bench, what: str, result) -> None:
     """As if work on the present inputs had ended well."""
     bench._asked[what] = bench.inputs
-    bench.jobs[what] = SimpleNamespace(running=False, state="done", result=result, title=what)
+    job = SimpleNamespace(running=False, state="done", result=result, title=what)
+    bench.jobs[what] = cast(Job, job)
     bench.collect()
 
 

@@ -21,21 +21,19 @@ def show(page: "Page") -> None:
                 names,
                 value=pair[place],
                 label=("compare", "with")[place],
-                on_change=lambda e, p=place: page.choose(
-                    tuple(e.value if i == p else pair[i] for i in (0, 1))
-                ),
+                on_change=lambda e, p=place: page.choose(*[e.value if i == p else pair[i] for i in (0, 1)]),
             ).classes("w-48").props(f'data-testid="{testid}" dense')
         ui.button("Compare them", on_click=partial(page.act, partial(_compare, page, pair))).props(
             'data-testid="compare-versions" flat dense no-caps'
         ).set_enabled("compare" not in page.bench.jobs)
     both = [page.bench.result("compare", number) for number in pair]
     if page.pair and all(both):
-        _table(*both, [names[number] for number in pair])
+        _table(both[0], both[1], [names[number] for number in pair])
 
 
 def _compare(page: "Page", pair: tuple[int, int]) -> None:
     """Compare what has not been compared yet, one version after the other."""
-    page.choose(pair)
+    page.choose(*pair)
     page.bench.compare_all([n for n in dict.fromkeys(pair) if page.bench.result("compare", n) is None])
 
 
