@@ -72,7 +72,8 @@ def _html(figure: go.Figure, cursor: bool) -> Markup:
     log = figure.layout.meta  # pyright: ignore[reportAttributeAccessIssue]
     if not (cursor and log):
         return element(figure)
-    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {json.dumps(log)})"
+    quoted = json.dumps(log).replace("</", "<\\/")  # a file's name must not end the script
+    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {quoted})"
     return element(figure, post_script=call)
 
 

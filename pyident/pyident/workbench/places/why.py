@@ -12,7 +12,7 @@ from pyident.workbench.project import command
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
 
-_LISTED = 8  # laws of a ranking
+_LISTED = 12  # laws of a ranking
 
 
 def show(page: "Page") -> None:
