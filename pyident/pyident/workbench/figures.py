@@ -18,9 +18,7 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
     """Equations by bands of frequency: rms over the floor."""
     bins = [b for b in bins if b.kind == "frequency"]
     rows = list(dict.fromkeys(b.coordinate for b in bins))
-    labels = [
-        label for _, label in dict.fromkeys((b.low, b.label) for b in sorted(bins, key=lambda b: b.low))
-    ]
+    labels = list(dict.fromkeys(_band(b) for b in sorted(bins, key=lambda b: b.low)))
     ratio = np.full((len(rows), len(labels)), np.nan)
     for b in bins:
         ratio[rows.index(b.coordinate), labels.index(_band(b))] = b.ratio

@@ -2,7 +2,7 @@
 // when(ids, call): call with the elements once all are there and their figures drawn.
 function flexidentWhen(ids, call, tries = 300) {
   const elements = ids.map((id) => getHtmlElement(id));
-  if (elements.every((e) => e && (!e.classList.contains("nicegui-plotly") || e._fullLayout))) call(...elements);
+  if (elements.every((e) => e && (e.role !== "figure" || (e.on && e._fullLayout)))) call(...elements);
   else if (tries) setTimeout(() => flexidentWhen(ids, call, tries - 1), 50);
 }
 

@@ -71,7 +71,9 @@ def show(page: "Page") -> None:
                     f'data-testid="download-{what}" no-caps'
                 )
     ui.label("What was done, as commands").classes("text-lg mt-4")
-    ui.code(bench.project.script(), language="bash").classes("w-full").props('data-testid="script"')
+    ui.label(bench.project.script()).classes("font-mono text-xs whitespace-pre-wrap").props(
+        'data-testid="script"'
+    )
 
 
 def _questions(diagnosis: Any) -> Iterator[tuple[str, tuple[str, ...], str]]:

@@ -62,7 +62,7 @@ class _Stretch:
         words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
         own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
         ui.label(f"{words} {own}").classes("text-sm")
-        ui.code(self._command(), language="bash").classes("w-full").props('data-testid="explain-command"')
+        ui.label(self._command()).classes("font-mono text-xs").props('data-testid="explain-command"')
         if not r.shares:
             ui.label("No law of the catalogue acts on this equation.").props('data-testid="no-laws"')
             return
