@@ -128,7 +128,8 @@ class _Stretch:
         )
 
     def _figure(self, share: Any, tried: bool) -> dict[str, Any]:
-        curves = [(share.waveform, f"taken by {share.law.name}", figures.BLUE)]
+        taken = self.trace.residual - share.left
+        curves = [(taken, f"taken with {share.law.name}", figures.BLUE)]
         if tried:
             curves.append((share.left, "residual with it", figures.GREEN))
         return figures.stretch(self.trace, self.page.view.span, curves)
