@@ -21,14 +21,11 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
-<<<<<<< HEAD
-    from pyident.verbs.explain import Explained as Explained
-    from pyident.verbs.explain import explain as explain
-=======
     from pyident.verbs.excite import check_plan as check_plan
     from pyident.verbs.excite import excite as excite
     from pyident.verbs.excite import export_plan as export_plan
->>>>>>> main
+    from pyident.verbs.explain import Explained as Explained
+    from pyident.verbs.explain import explain as explain
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -63,11 +60,8 @@ _HOME = {
     "check_plan": "pyident.verbs.excite",
     "compare": "pyident.verbs.judge",
     "diagnose": "pyident.verbs.judge",
-<<<<<<< HEAD
-    "explain": "pyident.verbs.explain",
-=======
     "excite": "pyident.verbs.excite",
->>>>>>> main
+    "explain": "pyident.verbs.explain",
     "export_fmu": "pyident.verbs.simulate",
     "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",
