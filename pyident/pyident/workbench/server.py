@@ -53,6 +53,8 @@ def serve(folder: str | Path, port: int = 0, browser: bool = True) -> None:
     bench = Bench(project)
     hosts = frozenset({f"127.0.0.1:{port}", f"localhost:{port}"})
 
+    ui.tooltip.default_classes("bg-grey-10")  # the framework's own grey is too pale to read
+
     @ui.page("/", title="flexident", language="en-US")
     def index(request: Request) -> None:
         Page(bench, view_of(request.query_params)).build()
