@@ -29,7 +29,7 @@ from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
 from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import reduce, solve_weighted
+from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.equations import Problem
@@ -86,7 +86,7 @@ def waves(
     Raises LogError.
     """
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
     data = whitened(fitted, logs, level)
