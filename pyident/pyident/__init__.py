@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from pyident.verbs.explain import Explained as Explained
     from pyident.verbs.explain import explain as explain
     from pyident.verbs.fit import identify as identify
+    from pyident.verbs.fit import identify_servo as identify_servo
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
+    from pyident.verbs.fitted import ServoFit as ServoFit
     from pyident.verbs.inputs import read_log as read_log
     from pyident.verbs.judge import add_effect as add_effect
     from pyident.verbs.judge import compare as compare
@@ -38,8 +40,6 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Diagnosed as Diagnosed
     from pyident.verbs.planned import Checked as Checked
     from pyident.verbs.planned import Planned as Planned
-    from pyident.verbs.servo import ServoFit as ServoFit
-    from pyident.verbs.servo import identify_servo as identify_servo
     from pyident.verbs.simulate import export_fmu as export_fmu
     from pyident.verbs.simulate import parameter_study as parameter_study
     from pyident.verbs.simulate import simulate as simulate
@@ -67,8 +67,8 @@ _HOME = {
     "export_fmu": "pyident.verbs.simulate",
     "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",
-    "ServoFit": "pyident.verbs.servo",
-    "identify_servo": "pyident.verbs.servo",
+    "ServoFit": "pyident.verbs.fitted",
+    "identify_servo": "pyident.verbs.fit",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",

@@ -1,16 +1,30 @@
 """Logs -> parameters."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from flexmodels.robot import RobotError
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.named_values import settable, with_settings
+from flexmodels.robot import Robot, RobotError
 from pyident.estimation.identify import Identified, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.logs.log import Log
+from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.estimators import DEFAULT, ESTIMATORS, refined
-from pyident.simulation.fmu_runs import FmuRuns
-from pyident.verbs.fitted import Fit
-from pyident.verbs.inputs import Columns, Logs, Model, Opened, given, opened, robot_of, simulable
+from pyident.simulation.fmu_runs import FmuRuns, batches_here
+from pyident.verbs.fitted import Fit, ServoFit
+from pyident.verbs.inputs import (
+    Columns,
+    Logs,
+    Model,
+    Opened,
+    given,
+    mapping_of,
+    opened,
+    read_logs,
+    robot_of,
+    simulable,
+)
 
 Progress = Callable[[float], None]
 
@@ -62,6 +76,57 @@ def refine(
     read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     found = refined(read.robot, list(read.logs), FmuRuns, progress)
     return Fit(found, (*read.notes, *found.notes))
+
+
+def identify_servo(
+    model: Model,
+    logs: Logs,
+    *,
+    mapping: Columns | None = None,
+    free: Sequence[str] = (),
+    parameters: Mapping[str, float] | None = None,
+    settings: Sequence[Mapping[str, float]] = (),
+    allow_effects: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> ServoFit:
+    """Friction, inertia and drive of servo-driven joints from commands and positions (output error).
+
+    model       with a [servo] table; its values are the start
+    free        names to find; none: every law at the joints and what [servo] lists as `unknown`. Masses and
+                inertias of links stay, as positions alone give torques only up to a factor
+    parameters  known values of all logs, such as {"servo.kp": 400}
+    settings    known values that differ from log to log, a mapping for each
+    Raises RobotError, LogError, SimulationError.
+    """
+    robot = robot_of(model, parameters, allow_effects)
+    if robot.servo is None:
+        raise RobotError(f"robot {robot.name} has no [servo]; describe its drives, or identify from torques")
+    read = read_logs(robot, logs, mapping_of(mapping))
+    recordings = _with_settings(robot, read, settings)
+    names = list(free) or [
+        *robot.servo.free,
+        *(name for name in robot.parameters if name.partition(".")[2] not in LINK_PARAMETERS),
+    ]
+    unknown = [name for name in names if name not in settable(robot)]
+    if unknown:
+        raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that could be found")
+    with batches_here(robot) as simulate:
+        found = fit_closed_loop(robot, recordings, names, simulate)
+    if progress:
+        progress(1.0)
+    notes = tuple(note for log in read for note in log.notes)
+    return ServoFit(found, tuple(log.source for log in read), notes)
+
+
+def _with_settings(
+    robot: Robot, logs: Sequence[Log], settings: Sequence[Mapping[str, float]]
+) -> list[ServoLog]:
+    if settings and len(settings) != len(logs):
+        raise RobotError(f"{len(settings)} settings for {len(logs)} logs; give one for each log")
+    known = list(settings) or [{}] * len(logs)
+    for values in known:
+        with_settings(robot, values)
+    return [ServoLog(log, values) for log, values in zip(logs, known, strict=True)]
 
 
 def _identified(read: Opened, name: str, progress: Progress | None) -> Identified:

@@ -1,4 +1,4 @@
-"""What `identify` and `refine` return."""
+"""What `identify`, `refine` and `identify_servo` return."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from flexmodels.robot import Robot
     from pyident.estimation.identify import Identified
+    from pyident.refinement.closed_loop import ClosedLoopFit
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,6 +89,69 @@ class Fit(Result):
         if written:
             lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
         return [wrapped(line, "  ") for line in lines]
+
+
+@dataclass(frozen=True, repr=False)
+class ServoFit(Result):
+    """What `identify_servo` found; notes: a sentence each."""
+
+    fit: "ClosedLoopFit"
+    logs: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def robot(self) -> "Robot":
+        """The robot with the values found."""
+        return self.fit.robot
+
+    def save(self, path: str | Path) -> Path:
+        """Write the robot file. Raises RobotError."""
+        from flexmodels.files.robot_file import save_robot
+
+        save_robot(self.robot, path)
+        return Path(path)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per parameter: value, std (NaN with fewer than three logs), unit."""
+        import pandas as pd
+
+        names, std = list(self.fit.values), self.fit.std or {}
+        columns = {"value": list(self.fit.values.values()), "std": [std.get(n, float("nan")) for n in names]}
+        frame = pd.DataFrame(columns, index=pd.Index(names, name="parameter"))
+        return frame.assign(unit=[self._unit(name) for name in names])
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.fit.json() | {"logs": list(self.logs), "notes": list(self.notes)}
+
+    def headline(self) -> str:
+        followed = f"positions followed to {max(self.fit.error):.3g} rad or m"
+        return f"{self.robot.name}: {followed} on the worst of {len(self.logs)} logs"
+
+    def summary(self) -> Text:
+        rows = [
+            (f"{r.value:.5g}", _interval(r["std"]), r.unit, str(name))
+            for name, r in self.to_frame().iterrows()
+        ]
+        lines = [
+            f"{log}: mean absolute position error {e:.3g} rad or m"
+            for log, e in zip(self.logs, self.fit.error, strict=True)
+        ]
+        if self.fit.std is None:
+            lines.append("intervals need three logs or more: they are a jackknife over logs")
+        return Text(
+            "\n".join(
+                [
+                    table(("value", "± 95 %", "unit", "parameter"), rows, numbers=(0, 1)),
+                    *(wrapped(x, "  ") for x in lines),
+                ]
+            )
+        )
+
+    def _unit(self, name: str) -> str:
+        from flexmodels.settings.servo import PER_JOINT, SHARED
+
+        known = self.robot.units
+        return known[name] if name in known else (PER_JOINT | SHARED)[name.rpartition(".")[2]][0]
 
 
 def _interval(std: float) -> str:
