@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
+    from pyident.verbs.any_model import compare_fmu as compare_fmu
+    from pyident.verbs.any_model import diagnose_fmu as diagnose_fmu
+    from pyident.verbs.any_model import identify_fmu as identify_fmu
+    from pyident.verbs.any_model_results import FmuCompared as FmuCompared
+    from pyident.verbs.any_model_results import FmuDiagnosed as FmuDiagnosed
+    from pyident.verbs.any_model_results import FmuFit as FmuFit
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -41,6 +47,9 @@ _HOME = {
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
     "Fit": "pyident.verbs.fitted",
+    "FmuCompared": "pyident.verbs.any_model_results",
+    "FmuDiagnosed": "pyident.verbs.any_model_results",
+    "FmuFit": "pyident.verbs.any_model_results",
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
     "Robot": "flexmodels.robot",
@@ -48,9 +57,12 @@ _HOME = {
     "add_effect": "pyident.verbs.judge",
     "check_log": "pyident.checks.check_log",
     "compare": "pyident.verbs.judge",
+    "compare_fmu": "pyident.verbs.any_model",
     "diagnose": "pyident.verbs.judge",
+    "diagnose_fmu": "pyident.verbs.any_model",
     "export_fmu": "pyident.verbs.simulate",
     "identify": "pyident.verbs.fit",
+    "identify_fmu": "pyident.verbs.any_model",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",
