@@ -22,6 +22,7 @@ ROOMS = (
     "checks",
     "inspection",
     "comparison",
+    "excitation",
     "diagnosis",
     "extension",
     "report",

@@ -18,6 +18,7 @@ from pyident.cli.common.shared import (
     output_option,
     progress_bar,
     reported,
+    scheduler_option,
     set_option,
     show,
     show_notes,
@@ -46,6 +47,7 @@ from pyident.verbs.fmu_arguments import Interface, Parameters, is_fmu
 @interface_option
 @set_option
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported

@@ -24,6 +24,7 @@ from pyident.cli.common.shared import (
     output_option,
     progress_bar,
     reported,
+    scheduler_option,
     set_option,
     show,
     show_notes,
@@ -42,6 +43,7 @@ _holdout = click.option(
 @output_option(PAGE, required=False)
 @effects_option
 @mapping_option
+@scheduler_option
 @force_option
 @interface_option
 @set_option
@@ -109,6 +111,7 @@ def compare_command(
 @interface_option
 @set_option
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported
@@ -183,6 +186,7 @@ def diagnose_command(
 @output_option(ROBOT)
 @effects_option
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported
