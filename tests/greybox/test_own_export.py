@@ -1,4 +1,4 @@
-"""Our own FMU known by its variables alone: hidden parameters, a hidden effect, the commands."""
+"""Our own FMU known by its variables alone: hidden parameters, nothing hidden, the commands."""
 
 import json
 
@@ -38,14 +38,6 @@ def test_what_the_logs_do_not_tell_is_said(arm):
     frame = fit.to_frame()
     assert list(frame["identifiable"]) == ["no", "no"]
     assert frame["std"].isna().all()
-
-
-def test_a_hidden_friction_is_named_by_the_speed(arm):
-    """The log's robot has dry friction; the FMU has none, and its viscous friction is fitted."""
-    log = logged(one_joint(), {"joint1.coulomb": 3.0})
-    shown = pi.diagnose_fmu(arm[2], log, ["joint1.viscous"], values={"joint1.coulomb": 0.0})
-    torque = next(o for o in shown.outputs if o.output == "joint1.tau")
-    assert any(f.kind == "signal" and "joint1.de" in f.of for f in torque.findings)
 
 
 def test_nothing_hidden_is_nothing(arm):
