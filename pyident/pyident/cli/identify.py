@@ -32,6 +32,9 @@ from pyident.cli.common.shared import (
     help="Instruments from the simulated model, output error, or a least squares for comparison.",
 )
 @click.option(
+    "--prior", metavar="MODEL", help="Near whose bodies stays what the data leave open: CAD or URDF."
+)
+@click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @mapping_option
@@ -44,6 +47,7 @@ def identify_command(
     output: str | None,
     robust: bool,
     estimator: str,
+    prior: str | None,
     refine: bool,
     mapping: str | None,
     force: bool,
@@ -55,6 +59,8 @@ def identify_command(
     """
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
+    if prior and refine:
+        raise click.UsageError("--prior settles what a regression leaves open; --refine has no such thing")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
             found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
@@ -66,6 +72,7 @@ def identify_command(
                 force=force,
                 robust=robust,
                 estimator=estimator,
+                prior=prior,
                 progress=progress,
             )
     show_notes(found.notes)
