@@ -35,6 +35,7 @@ def test_bodies_stay_within_a_factor_of_two_and_the_model_still_predicts(fitted)
     assert (ratio < 2.0).all()
     free = np.array([found.robot.parameters[m] / prior.parameters[m] for m in MASSES])
     assert np.abs(np.log(free)).max() > np.log(10)  # without the prior it is the data's whim
+    assert close.model_error is not None
     assert close.model_error["all"] < 1.01 * found.relative_error["all"]
     assert close.robot.parameters["joint4.J_m"] == pytest.approx(ROTOR[3], rel=0.1)
 
