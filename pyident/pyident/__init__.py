@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from pyident.verbs.excite import check_plan as check_plan
     from pyident.verbs.excite import excite as excite
     from pyident.verbs.excite import export_plan as export_plan
+    from pyident.verbs.explain import Explained as Explained
+    from pyident.verbs.explain import explain as explain
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -46,6 +48,7 @@ _HOME = {
     "Compared": "pyident.verbs.judged",
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
+    "Explained": "pyident.verbs.explain",
     "Fit": "pyident.verbs.fitted",
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
@@ -58,6 +61,7 @@ _HOME = {
     "compare": "pyident.verbs.judge",
     "diagnose": "pyident.verbs.judge",
     "excite": "pyident.verbs.excite",
+    "explain": "pyident.verbs.explain",
     "export_fmu": "pyident.verbs.simulate",
     "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",

@@ -72,7 +72,7 @@ def compare_command(
     if output:
         from pyident.report.comparison import write_comparison
 
-        write_comparison(Path(output), models, [c.comparison for c in found], found[-1].notes)
+        write_comparison(Path(output), models, [c.comparison for c in found], found[-1].notes, found[-1].arms)
         show(f"wrote {output}")
     contents = [c.to_dict() for c in found]
     write_json(json_file, contents[0] if len(found) == 1 else contents[1] | {"old": contents[0]})
