@@ -41,6 +41,9 @@ from pyident.verbs.fmu_arguments import Interface, Parameters, is_fmu
     help="Instruments from the simulated model, output error, or a least squares for comparison.",
 )
 @click.option(
+    "--prior", metavar="MODEL", help="Near whose bodies stays what the data leave open: CAD or URDF."
+)
+@click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @parameters_option
@@ -57,6 +60,7 @@ def identify_command(
     output: str | None,
     robust: bool,
     estimator: str,
+    prior: str | None,
     refine: bool,
     names: Parameters,
     interface: Interface | None,
@@ -88,6 +92,8 @@ def identify_command(
         raise click.UsageError("--parameters, --interface and --set belong to an FMU as the model")
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
+    if prior and refine:
+        raise click.UsageError("--prior settles what a regression leaves open; --refine has no such thing")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
             found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
@@ -99,6 +105,7 @@ def identify_command(
                 force=force,
                 robust=robust,
                 estimator=estimator,
+                prior=prior,
                 progress=progress,
             )
     show_notes(found.notes)
