@@ -140,7 +140,7 @@ def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         if share > least and counts[0] > LOG_CHECKS.crowded * counts[1:].mean() and not resting:
             severity: Severity = "gross" if share > LOG_CHECKS.limit_gross else "doubtful"
             yield _defect(severity, "limit", log, name, f"stands at {extreme:.4g} in {100 * share:.2g} % of "
-                          "the samples: it runs into a limit; repeat the motion with less torque")  # fmt: skip
+                          "the samples: it runs into a limit; repeat it with less torque")  # fmt: skip
 
 
 def _longest(true: np.ndarray) -> int:
