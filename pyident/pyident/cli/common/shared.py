@@ -27,7 +27,7 @@ from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputErro
 from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
-from pyident.simulation.workers import WorkersError
+from pyident.simulation.workers import WorkersError, scheduler_configured
 from pyident.sweep.store import StudyError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -111,13 +111,17 @@ def write_json(path: str | None, content: Any) -> None:
             file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
-def output_option(kind: Kind, required: bool = True) -> Callable[[Command], Command]:
-    """`-o FILE` of one kind."""
+def output_option(
+    kind: Kind, required: bool = True, default: str | None = None
+) -> Callable[[Command], Command]:
+    """`-o FILE` of one kind; with a default it need not be given."""
     endings = " or ".join(kind.endings)
     option = click.option(
         "-o",
         "--output",
-        required=required,
+        required=required and default is None,
+        default=default,
+        show_default=default is not None,
         type=Output(kind),
         help=f"{kind.what.capitalize()} ({endings}) to write.",
     )
@@ -143,6 +147,24 @@ def effects_option(command: Command) -> Command:
     )(command)
 
 
+def scheduler_option(command: Command) -> Command:
+    """`--scheduler ADDRESS`, wherever many simulations are made."""
+    return click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        expose_value=False,
+        callback=_configure_scheduler,
+        help="Simulate on this Dask cluster, such as tcp://host:8786.",
+    )(command)
+
+
+def _configure_scheduler(context: click.Context, _: click.Parameter, address: str | None) -> None:
+    try:
+        context.with_resource(scheduler_configured(address))
+    except WorkersError as error:
+        raise click.UsageError(str(error)) from None
+
+
 def force_option(command: Command) -> Command:
     """`--force`, wherever a log is believed."""
     return click.option("--force", is_flag=True, help="Take logs that the checks refuse as grossly wrong.")(
@@ -159,26 +181,31 @@ def mapping_option(command: Command) -> Command:
 
 def set_option(command: Command) -> Command:
     """`--set NAME=VALUE`, wherever something is simulated; a dictionary in `parameters`."""
+    return assignments("--set", "parameters", "joint1.coulomb=3.5", "Another value of a parameter, SI units")(
+        command
+    )
+
+
+def assignments(flag: str, name: str, example: str, text: str) -> Callable[[Command], Command]:
+    """An option NAME=VALUE that may be given again; a dictionary in `name`."""
     return click.option(
-        "--set",
-        "parameters",
+        flag,
+        name,
         multiple=True,
         metavar="NAME=VALUE",
-        callback=lambda context, option, given: dict(map(_assignment, given)),
-        help="Another value of a parameter, SI units; may be given again.",
-    )(command)
+        callback=lambda context, option, given: dict(_assignment(one, example) for one in given),
+        help=f"{text}; may be given again.",
+    )
 
 
-def _assignment(text: str) -> tuple[str, float]:
+def _assignment(text: str, example: str) -> tuple[str, float]:
     name, _, value = text.partition("=")
     try:
         number = float(value)
     except ValueError:
         number = math.nan
     if not name.strip() or not math.isfinite(number):
-        raise click.BadParameter(
-            f"{text!r} is not NAME=VALUE with a finite number, such as joint1.coulomb=3.5"
-        )
+        raise click.BadParameter(f"{text!r} is not NAME=VALUE with a finite number, such as {example}")
     return name.strip(), number
 
 
