@@ -94,7 +94,7 @@ def gone(processes):
 
 
 def emptied(folder):
-    """What is left in it when those that clean up had their time; Dask keeps the folder of its workers' folders."""
+    """What is left when those that clean up had their time; Dask keeps an empty folder for its workers."""
     until = time.monotonic() + PATIENCE
     while list(folder.glob("flexident-*")) and time.monotonic() < until:
         time.sleep(0.05)
