@@ -6,7 +6,7 @@ from dataclasses import replace
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot, RobotError
-from pyident.estimation.identify import Identified, without_intervals
+from pyident.estimation.identify import Identified, near, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
@@ -36,6 +36,7 @@ def identify(
     mapping: Columns | None = None,
     robust: bool = False,
     estimator: str = DEFAULT,
+    prior: Model | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -47,6 +48,7 @@ def identify(
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
+    prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
@@ -54,6 +56,8 @@ def identify(
     """
     read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
     found = _identified(read, "irls" if robust else estimator, progress)
+    if prior is not None:
+        found = near(found, robot_of(prior, allow_effects=allow_effects))
     if progress:
         progress(1.0)
     return Fit(found, (*read.notes, *found.notes))
