@@ -85,7 +85,8 @@ class Planned(Result):
 
     def summary(self) -> Text:
         search = self.design.best
-        lines = [wrapped(self.headline(), "  "), _told(self.robot, self.prediction)]
+        lines = [wrapped(self.headline(), "  ")] if self.promise else []
+        lines.append(_told(self.robot, self.prediction))
         ended = ", stopped early" if search.stopped else ""
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
