@@ -8,7 +8,6 @@ what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_de
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
@@ -17,7 +16,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
-from pyident.diagnosis.next_steps import OpenRivals, with_dependences, with_experiments, with_revealing
+from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search, search_of
@@ -26,7 +25,7 @@ from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, trac
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers
+from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
@@ -35,8 +34,7 @@ _ALONG = "the controller is not known: replicas go along the measured motion, wi
 def diagnose(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenWorkers,
-    open_rivals: OpenRivals,
+    open_workers: OpenPool,
     heldout: Sequence[Log] = (),
     progress: Progress = lambda _: None,
     draft: bool = False,
@@ -45,7 +43,6 @@ def diagnose(
     """What `robot` lacks in `logs`; its own dynamic parameters are never used.
 
     open_workers   gives processes that hold a robot's FMU (pyident.simulation.fmu_runs.FmuRuns)
-    open_rivals    gives simulations of several robots at once (pyident.simulation.fmu_runs.RivalRuns)
     heldout        logs on which the findings must hold
     draft          look for a formula where no law explains the residual
     rules          every threshold
@@ -58,7 +55,7 @@ def diagnose(
     if not search.examination.setting.simulates:
         progress(1.0)
         return replace(found, notes=(_ALONG, *found.notes))
-    found = with_experiments(search, found, open_rivals, lambda share: progress(0.85 + 0.1 * share))
+    found = with_experiments(search, found, open_workers, lambda share: progress(0.85 + 0.1 * share))
     found = with_revealing(search, found, open_workers, lambda share: progress(0.95 + 0.05 * share))
     progress(1.0)
     return found
@@ -67,7 +64,7 @@ def diagnose(
 def searched(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenWorkers,
+    open_workers: OpenPool,
     progress: Progress = lambda _: None,
     rules: Rules = RULES,
 ) -> Search:
@@ -78,7 +75,7 @@ def searched(
     setting = set_up(robot, logs, rules)
     progress(0.05)
 
-    def examined(start: Setting, adjust: Callable[[Setting, Any], Setting]) -> Search:
+    def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
         with workers_of(start, open_workers) as workers:
             found = adjust(start, workers)
             progress(0.2)
@@ -97,7 +94,7 @@ def searched(
         ) from None
 
 
-def concluded(search: Search, open_workers: OpenWorkers, heldout: Sequence[Log] = ()) -> Diagnosis:
+def concluded(search: Search, open_workers: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
     """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.

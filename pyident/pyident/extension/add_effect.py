@@ -29,7 +29,8 @@ from pyident.logs.log import Log, LogError
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers, repeat_like
+from pyident.simulation.replica import repeat_like
+from pyident.simulation.simulator import OpenPool
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def add_effect(
     effect: str,
     logs: Sequence[Log],
     heldout: Sequence[Log],
-    open_workers: OpenWorkers,
+    open_workers: OpenPool,
     progress: Progress,
     rules: Rules = RULES,
 ) -> Extended:
@@ -156,7 +157,7 @@ class _Fit:
         )
 
 
-def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules, progress: Progress) -> _Fit:
+def _fitted(robot: Robot, parts: Split, open_workers: OpenPool, rules: Rules, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
     setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
     with open_workers(setting.simulated) as workers:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solv
 from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
+from pyident.simulation.simulator import Simulator, Workers
 
 _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
@@ -52,7 +52,7 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
+def examine(setting: Setting, workers: Workers, progress: Progress) -> Examination:
     """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
@@ -112,7 +112,7 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
     return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
 
 
-def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
+def replicated(fmu: Simulator, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
     """Logs of one replica, their bands and the residuals that the regression leaves."""
     made = replica_of(fmu, setting, setting.repeats, seed)
     logs = _equations(setting.robot, made)
@@ -121,13 +121,15 @@ def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[B
     return made, [e.band for e in logs], [r * level[:, None] for r in base.residual]
 
 
-def _judged(_: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
+def _judged(_: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
     data = whitened(robot, logs, level)
     base = solve_base(data)
     return [g.energy for g in gains_of(robot, data, base, level, listed)], energy(data, base)[0]
 
 
-def _left(_: Any, robot: Robot, logs: Sequence[Log], level: Floor) -> tuple[list[np.ndarray], np.ndarray]:
+def _left(
+    _: Simulator, robot: Robot, logs: Sequence[Log], level: Floor
+) -> tuple[list[np.ndarray], np.ndarray]:
     """Residual and its energy in a replica."""
     data = whitened(robot, logs, level)
     base = solve_base(data)
