@@ -90,7 +90,7 @@ class Planned(Result):
         ended = ", stopped early" if search.stopped else ""
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
-            f"parameters off by 10 to 25 %, at {100 * self.design.scale:.0f} % of its first size"
+            f"every parameter 25 % off, at {100 * self.design.scale:.0f} % of its first size"
         )
         return Text("\n".join(lines))
 
