@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from flexmodels.files.robot_file import load_robot
 from pyident.kinematics.skeleton import skeleton
 from pyident.report.moving_arm import FRAMES, element, moving, still
 
@@ -64,7 +65,11 @@ def test_no_name_ends_the_script(four_link, frame):
     assert json.loads(content[1])["log"] == "</script><b>.csv"
 
 
-def test_a_standing_arm_has_one_frame(four_link):
-    content = still(four_link).content()
+@pytest.mark.parametrize("name", ["emps", "parallelogram", "tx40"])
+def test_every_shipped_robot_stands(name):
+    """A sliding axis and a closed loop too."""
+    robot = load_robot(name)
+    content = still(robot).content()
     assert len(content["time"]) == 1
     assert content["simulated"] == []
+    assert len(content["colours"]) == len(content["rigid"][0]) == len(robot.joints) + 1

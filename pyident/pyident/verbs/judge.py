@@ -88,9 +88,8 @@ def add_effect(
 def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
     """The arm along every log, its joints' colours by the equation that leaves most over its floor."""
     whole = [b for b in outcome.bins if b.kind == "all"]
-    over_floor = {
-        k: max(b.ratio for b in whole if b.joint == joint_name(k)) for k, _ in read.robot.numbered if whole
-    }
+    ratios = {k: [b.ratio for b in whole if b.joint == joint_name(k)] for k, _ in read.robot.numbered}
+    over_floor = {k: max(listed) for k, listed in ratios.items() if listed}
     for log, errors in zip(read.logs, outcome.logs, strict=True):
         yield moving(read.robot, log.source, log.frame, errors.time, errors.missed, over_floor)
 
