@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pyident.sweep.studies.emps.benchmark import Judged, judged, simplest
 
+from flexmodels.coordinate import reference_of
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified, identify
@@ -59,7 +60,8 @@ def _described(taken: Judged) -> Robot:
         f"EMPS for free runs from the voltage: {taken.structure.name} friction, fitted to DATA_EMPS.mat "
         f"alone ({taken.trained:.2f} mm rms there, {taken.error:.2f} mm on parts held out)."
     )
-    return replace(taken.robot, name="emps_benchmark", description=text)
+    needed = {name: c for name, c in taken.robot.columns.items() if name != reference_of(1)}
+    return replace(taken.robot, name="emps_benchmark", description=text, columns=needed)
 
 
 def _free_run_row(result: Judged) -> dict[str, str]:
