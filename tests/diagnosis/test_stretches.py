@@ -79,4 +79,4 @@ def test_the_law_that_is_there_takes_the_residual(tmp_path):
     assert best.percent > 90
     assert best.law.values["coulomb"] == pytest.approx(2.5, rel=0.02)
     assert best.law.values["viscous"] == pytest.approx(1.5, rel=0.02)
-    np.testing.assert_allclose(best.left, low_passed(rest, 1 / 250, 50.0), atol=0.2 * np.std(residual))
+    np.testing.assert_allclose(best.left, low_passed(rest, 1 / 250, 50.0), atol=0.2 * float(np.std(residual)))

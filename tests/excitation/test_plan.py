@@ -35,7 +35,7 @@ def test_the_simulated_robot_keeps_the_limits(planned):
     assert np.abs(e).max() <= 1.5
     assert np.abs(np.gradient(e, log.period)).max() <= 3.0
     assert np.abs(tau).max() <= 60.0
-    assert np.ptp(e) > 0.5  # it moves
+    assert np.ptp(e) > 0.3  # it moves, through a tenth of its range
 
 
 def test_what_is_predicted_is_what_noisy_logs_scatter_by(planned):
@@ -47,8 +47,8 @@ def test_what_is_predicted_is_what_noisy_logs_scatter_by(planned):
         noise = sigma * rng.standard_normal(len(clean))
         log = pi.Log(clean.assign(**{"joint1.e": clean["joint1.e"] + noise}))
         fit = pi.identify(robot, log, estimator="ols")
-        found.append(fit.to_frame()["value"][["joint1.viscous", "joint1.coulomb"]].to_numpy(float))
-    expected = planned.to_frame()["std"][["joint1.viscous", "joint1.coulomb"]].to_numpy(float)
+        found.append(fit.to_frame().loc[["joint1.viscous", "joint1.coulomb"], "value"].tolist())
+    expected = planned.to_frame().loc[["joint1.viscous", "joint1.coulomb"], "std"].tolist()
     assert np.std(found, axis=0) == pytest.approx(expected, rel=0.35)  # 40 draws: 11 % on a deviation
 
 

@@ -14,13 +14,14 @@ from pyident.excitation.criterion import Along, Yardstick, along, independent, i
 from pyident.excitation.followed import followed, torques
 from pyident.excitation.fourier import Family, Reference
 from pyident.excitation.limits import Limits
-from pyident.excitation.rehearsal import Rehearsal, others_like, violations
+from pyident.excitation.rehearsal import HIGH, Rehearsal, others_like, violations
 from pyident.excitation.search import Best, Budget, best_of
-from pyident.excitation.violations import of_reference
+from pyident.excitation.violations import of_reference, slack
 
 _SHARE, _TORQUE_SHARE = 0.95, 0.8  # of the limits, that a reference may use: the rest is for the loop
 _WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
-_REHEARSED = 24  # robots with other parameters
+_REHEARSED = 48  # robots with every parameter off by the most, up or down
+_DEVIATIONS = 4.0  # by which the others must stay from a limit on average: one of thousands may come there
 _SHRINK = 0.92
 _SMALLEST = 0.05  # of the way from home: below, nothing is left of a motion
 _COARSE = 50.0  # Hz at which candidates are judged
@@ -158,7 +159,7 @@ def designed(
         return -np.inf if reference is None else score(along(task.robot, level, reference))
 
     best = best_of(judged, starts(drawing.family, 12), budget, progress)
-    others = others_like(task.robot, _REHEARSED, seed=1)
+    others = others_like(task.robot, _REHEARSED, seed=1, low=HIGH)
     drawn = drawing.reference(best.x, 1 / task.rate)
     if drawn is None:
         raise RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
@@ -181,13 +182,17 @@ def _kept(
     rivals: Sequence[Rehearsal],
     others: Sequence[Robot],
 ) -> bool:
-    narrow = task.limits.within(1.0, 0.95)
+    """Whether robot and rivals keep the limits, and others do by far more than they differ."""
     try:
-        if violations(rehearsal, narrow, task.geometry, plan, others):
+        if violations(rehearsal, task.limits, task.geometry, plan):
             return False
-        return not any(violations(rival, narrow, task.geometry, plan) for rival in rivals)
+        if any(violations(rival, task.limits, task.geometry, plan) for rival in rivals):
+            return False
+        frames = rehearsal.others(plan, others)
     except SimulationError:
         return False
+    left = np.array([slack(task.robot, task.limits, task.geometry, frame) for frame in frames])
+    return bool((left.mean(axis=0) - _DEVIATIONS * left.std(axis=0) >= 0).all() and (left >= 0).all())
 
 
 def starts(family: Family, count: int) -> list[np.ndarray]:

@@ -10,6 +10,7 @@ from flexmodels.experiment import identification
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.followed import followed, torques
 
+_LOOP = 0.05  # of what a reference does, that the loop which follows it needs beyond
 QUANTITIES = ("lower", "upper", "speed", "acceleration", "torque")
 
 
@@ -110,12 +111,13 @@ def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, 
     ddq = np.gradient(dq, period, axis=0)
     coarse = slice(None, None, max(1, len(q) // 400))
     tau = torques(robot, followed(robot, plan.time[coarse], q[coarse], dq[coarse], ddq[coarse]))
+    margin = _LOOP * np.ptp(q, axis=0)
     reached = {
-        "lower": q.min(axis=0),
-        "upper": q.max(axis=0),
-        "speed": np.abs(dq).max(axis=0),
-        "acceleration": np.abs(ddq).max(axis=0),
-        "torque": np.abs(tau).max(axis=0) + np.abs(plan.feedforward).max(axis=0),
+        "lower": q.min(axis=0) - margin,
+        "upper": q.max(axis=0) + margin,
+        "speed": (1 + _LOOP) * np.abs(dq).max(axis=0),
+        "acceleration": (1 + _LOOP) * np.abs(ddq).max(axis=0),
+        "torque": (1 + _LOOP) * (np.abs(tau).max(axis=0) + np.abs(plan.feedforward).max(axis=0)),
     }
     notes = []
     for name, value in reached.items():

@@ -97,12 +97,12 @@ def plan_frame(plan: Experiment) -> pd.DataFrame:
     return pd.DataFrame(frame)
 
 
-def others_like(robot: Robot, count: int, seed: int = 0) -> list[Robot]:
-    """Robots whose masses, centres of mass, inertias and laws are off by 10 to 25 %, each body physical."""
+def others_like(robot: Robot, count: int, seed: int = 0, low: float = LOW) -> list[Robot]:
+    """Robots whose masses, centres of mass, inertias and laws are off by `low` to 25 %, bodies physical."""
     rng = np.random.default_rng(seed)
 
     def off() -> float:
-        return 1 + float(rng.choice([-1, 1]) * rng.uniform(LOW, HIGH))
+        return 1 + float(rng.choice([-1, 1]) * rng.uniform(low, HIGH))
 
     out = []
     for _ in range(count):

@@ -52,14 +52,11 @@ def having(robot: Robot, who: Suspect, log: Log) -> Robot:
     """The robot with the effect; sizes that are not known are small beside what acts along a log.
 
     log   of the robot without the effect, by which the sizes are taken
-    Raises RobotError where the law cannot act.
+    Raises RobotError where the law cannot act, or acts already.
     """
     has = 1 <= who.joint <= len(robot.joints) and who.effect in robot.joints[who.joint - 1].values
     if has:
-        if who.size is None:
-            return robot
-        first = robot.joints[who.joint - 1].law(who.effect).linear[0].name
-        return robot.with_parameters({parameter_name(who.joint, who.effect, first): who.size})
+        raise RobotError(f"robot {robot.name} has {who.name} already; give a model without it")
     extended = robot.with_effect(who.joint, who.effect)
     law = extended.joints[who.joint - 1].law(who.effect)
     part = condition(log, robot)

@@ -76,6 +76,21 @@ def of_run(
     ]
 
 
+def slack(robot: Robot, limits: Limits, geometry: Geometry, frame: pd.DataFrame) -> np.ndarray:
+    """(K,) how far a run stays from every limit: shares of ranges, speeds and torques, then distances [m]."""
+    time = frame["time"].to_numpy()
+    q = frame[[motor_of(k) for k, _ in robot.numbered]].to_numpy()
+    tau = frame[[torque_of(k) for k, _ in robot.numbered]].to_numpy()
+    span = limits.upper - limits.lower
+    shares = [
+        (limits.upper - q.max(axis=0)) / span,
+        (q.min(axis=0) - limits.lower) / span,
+        1 - np.abs(np.gradient(q, time, axis=0)).max(axis=0) / limits.speed,
+        1 - np.abs(tau).max(axis=0) / limits.torque,
+    ]
+    return np.array([*np.concatenate(shares), *(c.distance.min() for c in clearances(geometry, frame))])
+
+
 def _ranges(robot: Robot, limits: Limits, time: np.ndarray, q: np.ndarray, of: str) -> Iterator[Violation]:
     for k, joint in robot.numbered:
         unit = _UNITS["position"][joint.kind == "prismatic"]

@@ -85,11 +85,12 @@ class Planned(Result):
 
     def summary(self) -> Text:
         search = self.design.best
-        lines = [wrapped(self.headline(), "  "), _told(self.robot, self.prediction)]
+        lines = [wrapped(self.headline(), "  ")] if self.promise else []
+        lines.append(_told(self.robot, self.prediction))
         ended = ", stopped early" if search.stopped else ""
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
-            f"parameters off by 10 to 25 %, at {100 * self.design.scale:.0f} % of its first size"
+            f"every parameter 25 % off, at {100 * self.design.scale:.0f} % of its first size"
         )
         return Text("\n".join(lines))
 

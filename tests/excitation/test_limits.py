@@ -1,0 +1,40 @@
+"""Where limits come from: what is given, then the robot's file, then its own experiment."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_joint import one_joint
+from planned_joint import limited
+
+from flexmodels.robot import RobotError
+from pyident.excitation.limits import limits_of
+
+
+def test_what_is_given_stands_above_the_file():
+    found = limits_of(limited(), {"joint1.speed": 1.25, "joint1.acceleration": 9.0})
+    assert found.speed == pytest.approx([1.25])
+    assert found.acceleration == pytest.approx([9.0])
+    assert (found.lower[0], found.upper[0], found.torque[0]) == (-1.5, 1.5, 60.0)
+    assert found.notes == ()
+
+
+def test_the_own_experiment_fills_what_is_open_and_says_so():
+    """swing/2 (1 - cos(w t)) of 1 rad in 0.4 s: speed w/2, acceleration w²/2, and 5 % more of each."""
+    found = limits_of(one_joint())
+    w = 2 * np.pi / 0.4
+    assert found.upper == pytest.approx([1.05], abs=1e-6)
+    assert found.lower == pytest.approx([-0.05], abs=1e-6)
+    assert found.speed == pytest.approx([1.05 * w / 2], rel=2e-3)
+    assert found.acceleration == pytest.approx([1.05 * w**2 / 2], rel=5e-3)
+    assert len(found.notes) == 5
+
+
+def test_a_robot_of_which_nothing_is_known_is_refused():
+    with pytest.raises(RobotError, match=r"no limit joint1\.lower"):
+        limits_of(replace(one_joint(), identification=None))
+
+
+def test_narrower_limits_lie_about_home():
+    narrow = limits_of(limited()).within(0.5, 0.25)
+    assert (narrow.lower[0], narrow.upper[0], narrow.speed[0], narrow.torque[0]) == (-0.75, 0.75, 1.5, 15.0)
