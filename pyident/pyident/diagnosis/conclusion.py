@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.joint import parameter_name
-from pyident.diagnosis.base.candidates import law_of
+from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, acting_rows, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
@@ -77,13 +76,12 @@ def named(search: Search, found: Found) -> Named:
     robot, c = search.robot, found.candidate
     law = law_of(robot, c)
     linear = [p.name for p in law.linear]
-    units = robot.with_effect(c.joint, c.effect).units
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
-        units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},
+        units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
         nonlinear=tuple(name for name, _ in c.values),
@@ -99,7 +97,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     ex, robot = search.examination, search.robot
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
-    acting = {row for c in selection.candidates for row in search.rows(c)}
+    acting = {row for c in selection.candidates for row in acting_rows(search, c)}
     for row, coordinate in enumerate(robot.q):
         left = after[row] > 1 + ex.setting.rules.search.stands_out
         state = "unexplained" if left else "explained" if row in acting else "in_order"

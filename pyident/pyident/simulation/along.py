@@ -104,9 +104,10 @@ def resolution(x: np.ndarray) -> float:
         return 0.0
     step = float(np.quantile(changes, 0.01))
     ratio = changes / step
-    if np.mean(np.abs(ratio - np.round(ratio)) < 0.02) < 0.95:
+    steps = np.round(ratio)
+    if np.mean((steps > 0) & (np.abs(ratio - steps) < 0.02)) < 0.95:
         return 0.0
-    return float(np.median(changes / np.round(ratio)))
+    return float(np.median(changes[steps > 0] / steps[steps > 0]))
 
 
 def _extended(q: np.ndarray) -> np.ndarray:

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solve_base
 from pyident.diagnosis.base.setting import Setting, replica_of
+from pyident.diagnosis.base.settled import settled
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 
@@ -52,8 +52,14 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
-    """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
+def examine(
+    setting: Setting, workers: Any, progress: Progress, listed: Sequence[Candidate] | None = None
+) -> Examination:
+    """Run the replicas and hold the data against them.
+
+    workers   processes with the fitted robot's FMU
+    listed    the candidates to look at; None: all
+    """
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
@@ -65,7 +71,7 @@ def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    listed = candidates(robot, data, order_peaks(robot, data, base.p))
+    listed = listed or candidates(robot, data, order_peaks(robot, data, base.p))
     gains = gains_of(robot, data, base, level, listed)
     if setting.simulates:
         jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
@@ -85,7 +91,7 @@ def examine(setting: Setting, workers: Any, progress: Progress) -> Examination:
         level,
         data,
         base,
-        listed,
+        list(listed),
         gains,
         replica_gains,
         mean_square,
@@ -149,7 +155,7 @@ def _along_same_motion(
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    return equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
+    return equations(robot, [settled(log, robot) for log in logs], [log.period for log in logs])
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:

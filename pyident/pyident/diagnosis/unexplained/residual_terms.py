@@ -126,6 +126,8 @@ class RowSearch:
         gains = spline_gains(self.base, self.variables, self.logs, self.levels, self.row)
         mean, most = self.pretended.mean(axis=0), self.pretended.max(axis=0)
         beyond = gains - mean
+        if beyond.max() <= 0:  # replicas pretend more of every signal
+            return None
         near = np.flatnonzero(beyond >= self.rules.tie * beyond.max())
         best = max(near.tolist(), key=lambda i: (self._is_own(i), beyond[i]))
         variable = self.variables[best]
