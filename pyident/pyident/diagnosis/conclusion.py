@@ -122,10 +122,11 @@ def _floor_percent(search: Search) -> list[float]:
         signals = []
         for log in ex.logs:
             part = log.part
-            if row < len(robot.joints):
+            stiffness = coordinate.stiffness
+            if stiffness is None:
                 own = part.target[:, row]
             else:
-                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]  # pyright: ignore[reportArgumentType]
+                own = robot.parameters[stiffness] * part.motion.q[:, row]
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
         out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
     return out

@@ -24,7 +24,7 @@ from pyident.extension.extended_robot import Correction, extended_robot, require
 from pyident.logs.log import Log, LogError
 from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers, repeat_like
+from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,8 @@ def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules,
         setting = unbiased(setting, workers)
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
-        trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)  # pyright: ignore[reportArgumentType]
+        fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
+        trial = Trial(setting.robot, setting.simulated, fitted, judged, parts.since, setting.noise)
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)
 
