@@ -63,11 +63,14 @@ def planar_arm() -> Robot:
     )
 
 
-def made(seed: int, seconds: float = 10.0, off: int = 5) -> Log:
-    """One log; `off` draws the true parameters, so logs of one arm share it."""
+def made(seed: int, seconds: float = 10.0, off: int = 5, longer: float = 0.0) -> Log:
+    """One log; `off` draws the true parameters, so logs of one arm share it.
+
+    longer   by which joint 3 is farther from joint 2 than the robot file says [m]
+    """
     robot, truth = planar_arm(), np.random.default_rng(off)
     sizes = 1 + truth.choice([-1.0, 1.0], (4, 3)) * truth.uniform(0.1, 0.25, (4, 3))
-    model, data = _arm(sizes[0])
+    model, data = _arm(sizes[0], longer)
     coulomb, viscous, rotor = sizes[1] * COULOMB, sizes[2] * VISCOUS, sizes[3] * ROTOR
     model.armature = rotor
     rng = np.random.default_rng(seed)
@@ -101,11 +104,11 @@ def made(seed: int, seconds: float = 10.0, off: int = 5) -> Log:
     return Log(pd.DataFrame(columns), f"planar {seed}")
 
 
-def _arm(sizes: np.ndarray):
+def _arm(sizes: np.ndarray, longer: float):
     model, parent = pin.Model(), 0
     model.gravity.linear = np.array([0, 0, -9.81])
     for k in range(3):
-        place = pin.SE3(np.eye(3), np.array([LENGTHS[k], 0, 0]))
+        place = pin.SE3(np.eye(3), np.array([LENGTHS[k] + longer * (k == 2), 0, 0]))
         parent = model.addJoint(
             parent, pin.JointModelRevoluteUnaligned(np.array([0.0, -1, 0])), place, f"j{k}"
         )

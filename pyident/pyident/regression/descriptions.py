@@ -18,9 +18,12 @@ from scipy.spatial.transform import Rotation
 from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
+from pyident.kinematics import link_forces, robot_structure, transfer
+from pyident.regression.laws import body_columns
 from pyident.regression.regressor import regressor_blocks
 
 _STEP = 1e-4  # m, rad
+_PIECE = 1000  # samples at a time: they stay in a core's cache
 _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
 
@@ -168,15 +171,34 @@ def place_name(joint: int, name: str) -> str:
 def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
     if DESCRIPTIONS[name].correct is None:
-        return {joint - 1: -_forces(robot, motion)[:, joint - 1]}
-    ends = [_forces(corrected(robot, joint, name, side * _STEP), motion) for side in (1, -1)]
-    slope = (ends[0] - ends[1]) / (2 * _STEP)
-    return dict(enumerate(slope.T))
+        p = np.array(list(robot.linear_parameters.values()))
+        own = [(Phi @ p)[:, joint - 1] for _, Phi in regressor_blocks(robot, motion)]
+        return {joint - 1: -np.concatenate(own)}
+    ends = [_link_forces(corrected(robot, joint, name, side * _STEP), motion) for side in (1, -1)]
+    return dict(enumerate((ends[0] - ends[1]) / (2 * _STEP)))
 
 
-def _forces(robot: Robot, motion: Motion) -> np.ndarray:
-    p = np.array(list(robot.linear_parameters.values()))
-    return np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])
+def _link_forces(robot: Robot, motion: Motion) -> np.ndarray:
+    """(n, N) generalised forces of the links. By NumPy: compiling every geometry would take seconds each."""
+    structure, gravity = robot_structure.of_robot(robot), np.array(robot.gravity)
+    bodies = [np.array(list(link.values.values())) for link in robot.links]
+    for joint in robot.joints:
+        for law in joint.effects:
+            for parameter, weights in body_columns(robot, law).items():
+                bodies[robot.last_link - 1] += weights * joint.values[law.name][parameter]
+    rates = (np.ascontiguousarray(x.T) for x in (motion.q, motion.dq, motion.ddq))
+    pieces = zip(*(np.array_split(x, range(_PIECE, x.shape[1], _PIECE), axis=1) for x in rates), strict=True)
+    out = []
+    for q, dq, ddq in pieces:
+        found = transfer.nodes(structure, q, dq, ddq)
+        factors = link_forces.factors(structure, found, gravity)
+        out.append(
+            sum(
+                np.einsum("xin,xn->in", DF, np.einsum("xpn,p->xn", reaction, body))
+                for body, (DF, reaction) in zip(bodies, factors, strict=True)
+            )
+        )
+    return np.concatenate(out, axis=1)
 
 
 def _described(robot: Robot, joint: int, name: str) -> Description:

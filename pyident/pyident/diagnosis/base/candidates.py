@@ -12,11 +12,13 @@ from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.samples import Conditioned
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.regressor import regressor_blocks
-from pyident.regression.spectrum import Equations
+from pyident.regression.spectrum import Band, Equations
 
+_described: deque[tuple[Robot, Conditioned, "Candidate", dict[int, np.ndarray]]] = deque(maxlen=512)
 _recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
 
 
@@ -144,14 +146,14 @@ def columns(
     return out
 
 
-def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
+def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     """The log's motion as a law is evaluated along it.
 
     A measured torque holds the friction that a law would explain, and noise that would explain itself. So a
     law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
     of the whole model where no controller says which torque was commanded.
     """
-    motion, read = log.part.motion, law_of(robot, candidate).symbols
+    read = law_of(robot, candidate).symbols
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")
@@ -182,12 +184,33 @@ def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict
 def _columns(
     robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
-    motion = motion_for(robot, candidate, log)
-    of = slopes(robot, candidate, motion)
+    if candidate.describes and factor.all():  # costs far more than a law, and is asked for as often
+        raw = _known_columns(robot, candidate, log.part, log.band)
+    else:
+        raw = _transformed(robot, candidate, log.part, log.band, factor)
+    return {row: X / level[row][:, None] for row, X in raw.items()}
+
+
+def _known_columns(
+    robot: Robot, candidate: Candidate, part: Conditioned, band: Band
+) -> dict[int, np.ndarray]:
+    for known in _described:
+        if known[0] is robot and known[1] is part and known[2] == candidate:
+            return known[3]
+    made = _transformed(robot, candidate, part, band, np.ones(len(part.target)))
+    _described.append((robot, part, candidate, made))
+    return made
+
+
+def _transformed(
+    robot: Robot, candidate: Candidate, part: Conditioned, band: Band, factor: np.ndarray
+) -> dict[int, np.ndarray]:
+    """Row -> (E, K)."""
+    of = slopes(robot, candidate, motion_for(robot, candidate, part.motion))
     rows = sorted({row for by_row in of.values() for row in by_row})
-    nothing = np.zeros(len(log.part.target))
+    nothing = np.zeros(len(part.target))
     out = {}
     for row in rows:
         X = np.column_stack([by_row.get(row, nothing) for by_row in of.values()])
-        out[row] = log.band.transform(X * (factor * log.part.use[:, row])[:, None]) / level[row][:, None]
+        out[row] = band.transform(X * (factor * part.use[:, row])[:, None])
     return out

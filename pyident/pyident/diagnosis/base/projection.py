@@ -90,14 +90,27 @@ def gain(
     return _gain(G, G - b.T @ b, g, lower, upper)
 
 
+@dataclass(frozen=True)
+class Others:
+    """Other residuals of the same motion, per log (n, E) each, and what the basis has of each, (R,)."""
+
+    residuals: Sequence[Sequence[np.ndarray]]
+    along: Sequence[np.ndarray]
+
+
+def others_of(base: Base, residuals: Sequence[Sequence[np.ndarray]]) -> Others:
+    """What a base and other residuals have in common, taken once for all columns."""
+    along = [
+        np.sum([np.tensordot(r, basis, 2) for basis, r in zip(base.basis, left, strict=True)], axis=0)
+        for left in residuals
+    ]
+    return Others(residuals, along)
+
+
 def gains_over(
-    base: Base,
-    columns: Columns,
-    residuals: Sequence[Sequence[np.ndarray]],
-    lower: np.ndarray,
-    upper: np.ndarray,
+    base: Base, columns: Columns, others: Others, lower: np.ndarray, upper: np.ndarray
 ) -> list[float]:
-    """Energies that K columns explain of other residuals (per log (n, E)) of the same motion."""
+    """Energies that K columns explain of other residuals of the same motion."""
     K = len(lower)
     G, b = np.zeros((K, K)), np.zeros((base.basis[0].shape[2], K))
     for rows, basis in zip(columns, base.basis, strict=True):
@@ -105,8 +118,7 @@ def gains_over(
             G += X.T @ X
             b += basis[c].T @ X
     out = []
-    for left in residuals:
-        along = sum(np.einsum("cek,ce->k", basis, r) for basis, r in zip(base.basis, left, strict=True))
+    for left, along in zip(others.residuals, others.along, strict=True):
         g = (
             sum(X.T @ r[c] for rows, r in zip(columns, left, strict=True) for c, X in rows.items())
             - b.T @ along
