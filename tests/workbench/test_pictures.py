@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pyident.workbench.skeleton import segments, skeleton
+from pyident.kinematics.skeleton import segments, skeleton
 from pyident.workbench.thinned import thinned, thinned_band, window
 from pyident.workbench.view import View, view_of
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from nicegui import ui
 
+from pyident.kinematics.skeleton import segments, skeleton
 from pyident.workbench.scene import Arm3D
-from pyident.workbench.skeleton import segments, skeleton
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
