@@ -1,5 +1,7 @@
 """Adding an effect: the true one is kept, a wrong one is refused with a reason."""
 
+from dataclasses import replace
+
 import pytest
 from click.testing import CliRunner
 from two_link_logs import hidden, inline, loaded, made_log, two_link
@@ -77,3 +79,31 @@ def test_the_command(monkeypatch, folder, logs, tmp_path):
     done = add("teleport", 2, tmp_path / "no.toml")
     assert done.exit_code == 2
     assert "unknown effect 'teleport'" in done.stderr
+
+
+def test_a_wrong_length_is_corrected_in_the_robot_file(monkeypatch, folder, tmp_path):
+    robot = two_link()
+    x, y, z = robot.joints[1].origin
+    longer = replace(robot.joints[1], origin=(x, y, z + 0.002))
+    true = replace(robot, name="longer", joints=(robot.joints[0], longer))
+    with loaded(true, folder) as fmu:
+        for seed in (1, 2):
+            write_log(made_log(fmu, true, seed), tmp_path / f"{seed}.parquet")
+    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
+    save_robot(robot, tmp_path / "old.toml")
+
+    def add(*words):
+        given = ["add", tmp_path / "old.toml", *words, tmp_path / "1.parquet", tmp_path / "2.parquet"]
+        return CliRunner().invoke(main, [*map(str, given), "-o", str(tmp_path / "new.toml")])
+
+    done = add("geometry", "joint2.origin[z]")
+    assert done.exit_code == 0, done.output
+    assert load_robot(tmp_path / "new.toml").joints[1].origin[2] == pytest.approx(z + 0.002, abs=4e-4)
+    for words, said in (
+        (("geometry", "joint2.length"), "is no quantity of a robot's description"),
+        (("geometry", "joint2.torque_gain"), "multiply joint2.tau"),
+        (("stribeck",), "Give --joint K"),
+    ):
+        done = add(*words)
+        assert done.exit_code == 2
+        assert said in " ".join(done.stderr.split())

@@ -107,7 +107,7 @@ def test_a_torque_read_too_small(robot, motion):
     found = description_column(robot, 3, "torque_gain", motion)
     assert list(found) == [2]
     np.testing.assert_allclose(found[2], -whole[:, 2])
-    with pytest.raises(RobotError, match=r"multiply the torque by 1.02 in the mapping"):
+    with pytest.raises(RobotError, match=r"multiply joint3.tau by 1 \+ the correction"):
         corrected(robot, 3, "torque_gain", 0.02)
 
 

@@ -15,7 +15,6 @@ from pyident.regression.descriptions import (
     DESCRIPTIONS,
     corrected,
     describes,
-    description_names,
     place_name,
     value_of,
 )
@@ -42,10 +41,7 @@ class Correction:
 def require_new(robot: Robot, joint: int, effect: str) -> None:
     """Raises RobotError where the effect cannot be added, or stands there already."""
     if describes(effect):
-        if not 1 <= joint <= len(robot.joints) or effect not in description_names(robot, joint):
-            raise RobotError(
-                f"robot {robot.name} states no {effect} at joint {joint} that could be corrected"
-            )
+        corrected(robot, joint, effect, 0.0)
         return
     if robot.with_effect(joint, effect).units == robot.units:
         raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
