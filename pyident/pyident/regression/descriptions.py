@@ -136,8 +136,8 @@ def corrected(robot: Robot, joint: int, name: str, amount: float) -> Robot:
     correct = _described(robot, joint, name).correct
     if correct is None:
         raise RobotError(
-            f"{name} at joint {joint} stands in no robot file: multiply joint{joint}.tau by 1 + the correction "
-            "that `diagnose` finds, in the mapping of the log"
+            f"{name} at joint {joint} stands in no robot file: multiply joint{joint}.tau by 1 + the "
+            "correction that `diagnose` finds, in the mapping of the log"
         )
     return correct(robot, joint, amount)
 
