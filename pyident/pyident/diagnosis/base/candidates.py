@@ -18,6 +18,7 @@ from pyident.regression.descriptions import DESCRIPTIONS, describes, description
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Band, Equations
 
+_NOISY = {signals.tau, signals.dde, signals.beyond.dde, *signals.deps.values()}
 _described: deque[tuple[Robot, Conditioned, "Candidate", dict[int, np.ndarray]]] = deque(maxlen=512)
 _recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
 
@@ -93,6 +94,17 @@ def with_law(robot: Robot, candidate: Candidate) -> Robot:
     """The robot with the law, its nonlinear parameters at the candidate's values."""
     values = {parameter_name(candidate.joint, candidate.effect, name): v for name, v in candidate.values}
     return robot.with_effect(candidate.joint, candidate.effect).with_parameters(values)
+
+
+def is_smooth(robot: Robot, candidate: Candidate) -> bool:
+    """Whether its columns hold next to no noise, so that every log of a motion has the same.
+
+    Measured torques, accelerations and deformations do: what the residual holds of that noise answers them.
+    Added to the joint's angle a deformation's noise is nothing.
+    """
+    law = law_of(robot, candidate)
+    deforms = signals.e not in law.symbols and not law.symbols.isdisjoint(signals.eps.values())
+    return not (law.body or deforms) and law.symbols.isdisjoint(_NOISY)
 
 
 def units_of(robot: Robot, candidate: Candidate) -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns, is_smooth
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, others_of, solve_base
 from pyident.diagnosis.base.setting import Setting, replica_of
@@ -73,17 +73,18 @@ def examine(
     level, data, base = balanced(level, whitened(robot, logs, level))
     listed = listed or candidates(robot, data, order_peaks(robot, data, base.p))
     gains = gains_of(robot, data, base, level, listed)
-    own = [c for c in listed if setting.simulates and not c.describes]  # to be put to a replica's own motion
+    noisy = [setting.simulates and not is_smooth(robot, c) for c in listed]
+    own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
-    replica_gains = np.empty((count, len(listed)))
-    replica_gains[:, [c in own for c in listed]] = [g for g, _, _ in judged]
-    shared = [c for c in listed if c not in own]
+    shared = [c for c, is_noisy in zip(listed, noisy, strict=True) if not is_noisy]
     of_shared = _along_same_motion(robot, data, base, level, shared, [left for _, left, _ in judged])
-    replica_gains[:, [c not in own for c in listed]] = of_shared
+    replica_gains = np.empty((count, len(listed)))
+    replica_gains[:, noisy] = [g for g, _, _ in judged]
+    replica_gains[:, np.logical_not(noisy)] = of_shared
     mean_square, number = energy(data, base)
     return Examination(
         setting,
