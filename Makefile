@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: study test coverage importers browser docs bench lint clean
+.PHONY: study test coverage fuzz importers browser docs bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
@@ -15,6 +15,11 @@ test: lint
 # The same tests, and how much of pyident they reach; twice as slow.
 coverage: .venv/dev
 	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
+
+# Thousands of hostile inputs; what it counts goes to docs/reliability.md.
+fuzz: export HOSTILE_EXAMPLES ?= 250
+fuzz: .venv/dev
+	$(BIN)/pytest tests/hostile
 
 # The FMU in other people's tools; each gets an environment of its own at first.
 importers: .venv/dev

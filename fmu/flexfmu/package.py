@@ -90,7 +90,7 @@ def write_fmu(package: Package, path: str | Path, fmi: Version, platforms: Platf
 def _write_sources(folder: Path, package: Package, fmi: Version) -> list[str]:
     """The generated files and those of the runtime that belong to them; names of the C files."""
     folder.mkdir()
-    wanted = (*package.runtime, "instance", "symbols", f"face{fmi}")
+    wanted = (*package.runtime, "instance", "states", "step", "symbols", f"face{fmi}")
     for file in sorted((*RUNTIME.iterdir(), *(RUNTIME / "fmi").iterdir())):
         ours = file.name.startswith(f"fmi{fmi}") or file.stem in wanted
         if file.suffix in (".c", ".h") and ours:

@@ -11,6 +11,7 @@ from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.motions import Line
 
 __all__ = ["Experiment", "identification", "line", "line_profile"]
+_MOST_SAMPLES = 5_000_000  # some 83 minutes at 1 kHz, and most of a GB of memory for six joints
 
 
 def identification(
@@ -57,6 +58,11 @@ def _grid(robot: Robot, duration: float) -> np.ndarray:
     if robot.controller is None:
         raise RobotError(f"robot {robot.name} has no [controller], so it cannot be simulated; add one")
     period = robot.controller.period
+    if not duration / period < _MOST_SAMPLES:
+        raise RobotError(
+            f"robot {robot.name}: {duration:g} s at controller.rate {1 / period:g} Hz are more than "
+            f"{_MOST_SAMPLES:g} samples; take a shorter motion or a lower rate"
+        )
     return np.arange(round(duration / period) + 1) * period
 
 

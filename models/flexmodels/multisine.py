@@ -4,12 +4,17 @@ import numpy as np
 
 _ROUNDS = 200
 _OVERSAMPLING = 16
+_BLOCK = 2**22  # numbers that are held at once
 
 
 def wave(time: np.ndarray, frequencies: np.ndarray, phases: np.ndarray) -> np.ndarray:
     """(N,) at times [s]: the sum over lines [Hz] of sin(2 pi f t + phase), scaled to unit rms."""
-    angles = 2 * np.pi * time[:, None] * frequencies + phases
-    return np.sqrt(2 / len(frequencies)) * np.sin(angles).sum(axis=1)
+    rows = max(1, _BLOCK // len(frequencies))
+    sums = [
+        np.sin(2 * np.pi * time[i : i + rows, None] * frequencies + phases).sum(axis=1)
+        for i in range(0, len(time), rows)
+    ]
+    return np.sqrt(2 / len(frequencies)) * np.concatenate(sums)
 
 
 def crest_factor(signal: np.ndarray) -> float:

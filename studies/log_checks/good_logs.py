@@ -33,6 +33,38 @@ def good_logs() -> Iterator[Case]:
     yield from _own()
 
 
+def unseen(draws: int = 14) -> Iterator[Case]:
+    """Rigid arms of Pinocchio on motions drawn at random, which no threshold was fixed on."""
+    for robot in (six_axes(), scara()):
+        for i in range(draws if robot is not None else 0):
+            assert robot is not None
+            rng = np.random.default_rng([41, i])
+            motion = drawn(rng)
+            fit = _sampled(robot, motion)
+            frame = recorded(fit, motion, 1000 + i, noise=float(10 ** rng.uniform(-6, -4.5)))
+            yield f"unseen: {robot.name}, {i}", fit, Log(frame, f"unseen{i}.csv")
+
+
+def drawn(rng: np.random.Generator) -> Motion:
+    """A motion of any speed, length and rate that robots are recorded at; here and there an axis stands."""
+    period = float(rng.choice([0.001, 0.002, 0.004, 0.005, 0.008, 0.01, 0.02]))
+    return Motion(
+        speed=float(10 ** rng.uniform(-1, 0.4)),
+        highest=float(rng.uniform(0.2, 2.0)),
+        duration=max(8.0, float(rng.uniform(1500, 5000)) * period),
+        period=period,
+        standing=tuple(int(k) for k in range(1, 5) if rng.random() < 0.15),
+        rest=float(rng.choice([0.0, 0.0, 1.5])),
+    )
+
+
+def _sampled(robot: Robot, motion: Motion) -> Robot:
+    """The robot with a controller and a filter for the motion's rate."""
+    cutoff = min(robot.processing.cutoff or 40.0, 0.2 / motion.period)
+    controller = robot.controller and replace(robot.controller, rate=1 / motion.period)
+    return replace(robot, processing=Processing(cutoff=cutoff), controller=controller)
+
+
 def data_folder() -> Path:
     return Path(os.environ.get("PYIDENT_DATA", "data"))
 
@@ -100,9 +132,7 @@ def _made() -> Iterator[Case]:
     for robot in (six_axes(), scara()):
         for i, (name, motion) in enumerate(motions.items()):
             if robot is not None:
-                cutoff = min(robot.processing.cutoff or 40.0, 0.2 / motion.period)
-                controller = robot.controller and replace(robot.controller, rate=1 / motion.period)
-                fit = replace(robot, processing=Processing(cutoff=cutoff), controller=controller)
+                fit = _sampled(robot, motion)
                 yield f"{robot.name}, {name}", fit, Log(recorded(fit, motion, i), f"{name}.csv")
 
 

@@ -1,7 +1,13 @@
 """Hypothesis strategies: files that are almost right, and files that are anything."""
 
+import io
+import re
 import tomllib
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import scipy.io
 import tomli_w
 from hypothesis import strategies as st
 
@@ -82,13 +88,10 @@ def changed_xml(draw, text):
     """XML with some of what stands between quotes replaced, or some of its bytes."""
     if draw(st.booleans()):
         return draw(changed_bytes(text.encode()))
-    parts = text.split("'")
+    parts = text.replace('"', "'").split("'")
     for _ in range(draw(st.integers(1, 3))):
         at = 2 * draw(st.integers(0, len(parts) // 2 - 1)) + 1
-        words = st.sampled_from(
-            ["nan", "inf", "-1", "1e400", "0 0 0", "0 0", "a", "b", "world", "", "fixed", "&#10;"]
-        )
-        parts[at] = draw(st.one_of(words, st.text("0123456789.-e ab", max_size=8)))
+        parts[at] = draw(st.one_of(WORDS, st.text("0123456789.-e ab", max_size=8)))
     return "'".join(parts).encode()
 
 
@@ -102,18 +105,69 @@ CELLS = st.one_of(
 
 
 @st.composite
-def tables(draw, names):
-    """CSV of columns, of which some are wrong: constant, wild, words, missing or named twice."""
+def columns(draw, names):
+    """Name and cells of columns, of which some are wrong: constant, wild, words, missing or named twice."""
     rows = draw(st.integers(0, 12))
     kept = [name for name in names if draw(st.integers(0, 9))] + draw(st.lists(TEXTS, max_size=1))
-    columns = []
+    out = []
     for name in kept:
         kind = draw(st.sampled_from(["time", "zero", "wild", "line"]))
         if name == "time" and kind != "wild":
-            columns.append([repr(0.01 * i) for i in range(rows)])
+            cells = [repr(0.01 * i) for i in range(rows)]
         elif kind == "wild":
-            columns.append([draw(CELLS) for _ in range(rows)])
+            cells = [draw(CELLS) for _ in range(rows)]
         else:
-            columns.append([repr(0.0 if kind == "zero" else 0.1 * i) for i in range(rows)])
-    lines = [",".join(kept), *(",".join(row) for row in zip(*columns, strict=True))]
+            cells = [repr(0.0 if kind == "zero" else 0.1 * i) for i in range(rows)]
+        out.append((name, cells))
+    return out
+
+
+@st.composite
+def tables(draw, names):
+    """CSV of such columns."""
+    listed = draw(columns(names))
+    lines = [
+        ",".join(n for n, _ in listed),
+        *(",".join(row) for row in zip(*(c for _, c in listed), strict=True)),
+    ]
     return "\n".join(lines).encode("utf-8", "surrogatepass")
+
+
+@st.composite
+def parquets(draw, names):
+    """Parquet of such columns, numbers or words; sometimes with bytes changed."""
+    listed = [(n, _numbers(cells)) for n, cells in draw(columns(names))]
+    arrays = [pa.array(cells) for _, cells in listed]
+    sink = io.BytesIO()
+    pq.write_table(
+        pa.Table.from_arrays(arrays, [n.encode("utf-8", "replace").decode() for n, _ in listed]), sink
+    )
+    return draw(changed_bytes(sink.getvalue())) if draw(st.integers(0, 2)) == 0 else sink.getvalue()
+
+
+@st.composite
+def mats(draw, names):
+    """MAT of such columns, some of them matrices, cells or structures; sometimes with bytes changed."""
+    content = {}
+    for name, cells in draw(columns(names)):
+        shape = draw(st.sampled_from(["column", "row", "column", "matrix", "struct", "text"]))
+        values = np.array([v if isinstance(v, float) else np.nan for v in _numbers(cells)])
+        shaped = {
+            "column": values[:, None],
+            "row": values[None],
+            "matrix": np.tile(values, (3, 1)),
+            "text": name,
+        }
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name)[:31].lstrip("_0123456789") or "x"
+        content[plain] = {"signals": values} if shape == "struct" else shaped[shape]
+    sink = io.BytesIO()
+    scipy.io.savemat(sink, content)
+    return draw(changed_bytes(sink.getvalue())) if draw(st.integers(0, 2)) == 0 else sink.getvalue()
+
+
+def _numbers(cells):
+    """As floats where all of them are numbers, else as they are."""
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError:
+        return [cell.encode("utf-8", "replace").decode() for cell in cells]

@@ -6,11 +6,21 @@ import tempfile
 from pathlib import Path
 
 from click.testing import CliRunner, Result
+from hypothesis import HealthCheck, Phase, settings
 
 from flexmodels import scratch
 from pyident.cli.main import main
 
 GOOD_CODES = (0, 1, 2)
+FULL = "HOSTILE_EXAMPLES" in os.environ
+MANY = settings(
+    max_examples=int(os.environ.get("HOSTILE_EXAMPLES", "25")),
+    deadline=None,
+    derandomize=not FULL,
+    database=None,
+    suppress_health_check=list(HealthCheck),  # pyright: ignore[reportArgumentType]
+    phases=(Phase.explicit, Phase.generate),
+)
 
 
 def run(*words: object) -> Result:
@@ -20,7 +30,8 @@ def run(*words: object) -> Result:
 
 def fault(done: Result) -> str | None:
     """Why the ending of a command is none that a user should see; None: it is fine."""
-    if done.exit_code not in GOOD_CODES or "Traceback" in done.output:
+    leaked = done.exception is not None and not isinstance(done.exception, SystemExit)
+    if leaked or done.exit_code not in GOOD_CODES or "Traceback" in done.output:
         return f"exit code {done.exit_code}: {done.output[-800:]} {done.exception!r}"
     if done.exit_code == 2 and "Usage:" not in done.output and not done.output.strip():
         return "a silent end with exit code 2"
@@ -76,3 +87,22 @@ TRIED: dict[str, int] = {}
 def counted(family: str, number: int = 1) -> None:
     """One more hostile input of a family was tried; the sums stand at the end of the run."""
     TRIED[family] = TRIED.get(family, 0) + number
+
+
+def tried(family: str, folder: Path, files: dict[str, bytes], *words: str) -> Result:
+    """Run a command on these files. It must end well; only its outputs out.* are new, where it succeeded."""
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    before = Surroundings(folder)
+    done = run(*words)
+    counted(family)
+    assert fault(done) is None, f"{fault(done)}\n{files}"
+    new = tuple(file.name for file in folder.glob("out.*")) if done.exit_code == 0 else ()
+    assert before.changes(new) == [], files
+    return done
+
+
+def cleared(folder: Path) -> None:
+    """Without its outputs."""
+    for file in folder.glob("out.*"):
+        file.unlink()

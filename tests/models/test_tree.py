@@ -9,7 +9,7 @@ from pinocchio_model import PinocchioRobot, random_motion, tree_robot
 
 from flexmodels.effects import CATALOGUE
 from flexmodels.files.robot_file import load_robot, save_robot
-from flexmodels.mechanics import dynamics, projected
+from flexmodels.mechanics import articulated, dynamics, projected
 from flexmodels.robot import Robot, RobotError
 from pyident.kinematics import chain
 from pyident.kinematics.robot_structure import of_robot
@@ -32,7 +32,7 @@ def accelerations(robot: Robot, free: np.ndarray):
     if robot.passive:
         out = projected.forward_dynamics(m, force, ca.diag(ca.SX(armature)), ca.SX(free))
     else:
-        out = dynamics.forward_dynamics(m, force, ca.SX(armature), ca.SX(free))
+        out = articulated.forward_dynamics(m, force, ca.SX(armature), ca.SX(free))
     function = ca.Function("a", [m.q, m.v, force, m.bodies], list(out))
     return lambda *state: (np.array(v)[:, 0] for v in function(*state, bodies(robot))), armature
 
@@ -93,7 +93,7 @@ def test_both_recursions_of_the_plant_agree():
     found = []
     armature = ca.SX(np.full(len(free), 0.1))
     for method, inertia in (
-        (dynamics.forward_dynamics, armature),
+        (articulated.forward_dynamics, armature),
         (projected.forward_dynamics, ca.diag(armature)),
     ):
         a, imbalance = method(m, force, inertia, ca.SX(free))

@@ -4,16 +4,21 @@ from dataclasses import replace
 
 import pytest
 
+from pyident.rules.log_checks import LOG_CHECKS
 from pyident.rules.replicas import ReplicaRules
-from pyident.rules.rule import RulesError
+from pyident.rules.rule import RulesError, lines
 from pyident.rules.rules import RULES, Rules
 from pyident.rules.search import SearchRules
 
 
 def test_every_threshold_says_what_it_is():
     frame = RULES.to_frame()
-    assert (frame[["of", "why", "fixed_on"]].map(len) > 3).all().all()  # pyright: ignore[reportAttributeAccessIssue]
     assert frame.index.is_unique
+    listed = [*lines(RULES), *lines(LOG_CHECKS)]
+    assert len(listed) > len(frame)
+    for line in listed:
+        assert line.of, line.name
+        assert min(len(line.why), len(line.fixed_on)) > 3, line.name
 
 
 def test_too_few_replicas_for_the_level_are_refused():

@@ -43,6 +43,7 @@ def outer(eq: Equations) -> list[Generated]:
         Generated("laws", eq.laws, ("x", "u", "p", "mode", "dx"), ("force",)),
         Generated("balance", eq.balance, ("x", "p"), ("force",)),
         Generated("start", eq.start, ("x", "u", "p"), ("z",)),
+        Generated("pivots", eq.pivots, ("x", "p"), ("d",)),
         Generated("tip", eq.tip, ("x",), ("position",)),
         Generated("shown", eq.shown, ("x",), ("values",)),
         Generated("shown_rate", slope, ("x", "dx"), ("values",)),

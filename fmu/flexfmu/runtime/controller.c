@@ -1,5 +1,6 @@
 #include "controller.h"
 
+#include <math.h>
 #include <string.h>
 
 static void sample(Controller *s, Pid *pid, double late) {
@@ -29,12 +30,20 @@ void controller_show(Controller *s, int groups, Answer answer) {
     if (answer != HELD && pid_due(&copy, s->value + AT_GAIN, s->time)) sample(s, &copy, 0);
 }
 
-int controller_advance(Controller *s, double duration) {
+int controller_run(Controller *s, double end) {
     const double *gain = s->value + AT_GAIN, tolerance = pid_tolerance(gain);
-    double start = s->time, end = start + duration, tick;
+    double start = s->time, tick;
     while ((tick = pid_next_sample(&s->pid, gain)) < end - tolerance)
         sample(s, &s->pid, tick > start + tolerance ? tick - start : 0);
     s->time = end;
     memset(s->input_rate, 0, sizeof s->input_rate);
     return 0;
+}
+
+int controller_sound(const Controller *s) {
+    const double *gain = s->value + AT_GAIN;
+    int i;
+    for (i = 0; i < N_VALUES; ++i)
+        if (!isfinite(s->value[i])) return 0;
+    return isfinite(s->time) && gain[PID_PERIOD] > 0 && pid_sound(&s->pid);
 }

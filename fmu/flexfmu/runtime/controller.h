@@ -30,7 +30,9 @@ int controller_initialise(Controller *controller);
 typedef enum { HELD, SAMPLED, SETTLED, STARTING } Answer;
 void controller_show(Controller *controller, int groups, Answer answer);
 int controller_group(unsigned reference);
-/* By `duration` >= 0 seconds with every sample before its end; one that is due at the end waits for its inputs. */
-int controller_advance(Controller *controller, double duration);
+/* To a time [s] with every sample before it; one that is due then waits for its inputs. */
+int controller_run(Controller *controller, double until);
+/* Whether its numbers and counts are such as this code leaves behind. */
+int controller_sound(const Controller *controller);
 
 #endif

@@ -2,7 +2,8 @@
 #ifndef FACE2_H
 #define FACE2_H
 
-#include "instance.h"
+#include "states.h"
+#include "step.h"
 #ifndef FMI2_OVERRIDE_FUNCTION_PREFIX
 #define FMI2_FUNCTION_PREFIX MODEL_PREFIX
 #endif
@@ -11,6 +12,7 @@
 typedef struct {
     Memory memory;
     fmi2CallbackFunctions callbacks;
+    States states;
     char *name;
     int logs_events; /* debug logging: samples and changes of friction modes */
 } Instance;
@@ -27,5 +29,8 @@ void face_log_events(Instance *m, const Memory *before);
 #define REQUIRE(phases)                                         \
     Instance *m = (Instance *)c;                                \
     if (!m || !face_allowed(m, (phases), __func__)) return fmi2Error
+/* Whether every pointer is there that the call reads or writes. */
+#define GIVEN(pointers) \
+    if (!(pointers)) return face_report(m, fmi2Error, "A pointer is missing in the call of %s.", __func__)
 
 #endif

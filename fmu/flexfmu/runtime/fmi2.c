@@ -86,6 +86,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
 void fmi2FreeInstance(fmi2Component c) {
     Instance *m = (Instance *)c;
     if (!m) return;
+    states_free(&m->states);
     free(m->name);
     free(m);
 }
@@ -95,6 +96,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
     REQUIRE(INSTANTIATED);
     (void)has_stop, (void)stop;
     if (has_tolerance) memory_tolerate(&m->memory, tolerance);
+    if (!isfinite(start)) return face_report(m, fmi2Error, "The start time is not finite.");
     m->memory.start = start;
     return fmi2OK;
 }
@@ -132,6 +134,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     size_t i;
     int groups = 0;
     REQUIRE(ALWAYS);
+    GIVEN(!n || (vr && value));
     for (i = 0; i < n; ++i) groups |= memory_group(vr[i]);
     memory_show(&m->memory, groups);
     for (i = 0; i < n; ++i) {
@@ -145,6 +148,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     char text[256];
     size_t i;
     REQUIRE(INSTANTIATED | INITIALIZING | RUNNING);
+    GIVEN(!n || (vr && value));
     for (i = 0; i < n; ++i)
         if (memory_refuses(&m->memory, vr[i], value[i], text, sizeof text)) return face_report(m, fmi2Error, "%s", text);
     for (i = 0; i < n; ++i) m->memory.model.value[vr[i]] = value[i];
@@ -173,34 +177,37 @@ static fmi2Status unless(Instance *m, const char *problem) {
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    return unless(m, memory_save(&m->memory, state));
+    GIVEN(state);
+    return unless(m, states_save(&m->states, &m->memory, state));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     REQUIRE(ALWAYS);
-    memory_restore(&m->memory, state);
-    return fmi2OK;
+    return unless(m, states_restore(&m->states, &m->memory, state));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    memory_forget(state);
-    return fmi2OK;
+    GIVEN(state);
+    return unless(m, states_forget(&m->states, state));
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
     REQUIRE(ALWAYS);
+    GIVEN(size);
     (void)state;
-    *size = sizeof(Memory);
+    *size = states_size();
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     REQUIRE(ALWAYS);
-    return unless(m, memory_serialise(state, bytes, size));
+    GIVEN(bytes);
+    return unless(m, states_serialise(&m->states, state, bytes, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
     REQUIRE(ALWAYS);
-    return unless(m, memory_deserialise(bytes, size, state));
+    GIVEN(state && bytes);
+    return unless(m, states_deserialise(&m->states, &m->memory, bytes, size, state));
 }

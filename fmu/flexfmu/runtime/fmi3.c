@@ -23,6 +23,17 @@ int face_allowed(Instance *m, int phases, const char *function) {
     return 0;
 }
 
+void face_log_events(Instance *m, const Memory *before) {
+    int j;
+    if (!m->logs_events) return;
+    for (j = 0; j < N_JOINTS; ++j) {
+        double mode = m->memory.model.mode[j];
+        if (model_sticking[j] && mode != before->model.mode[j])
+            face_report(m, fmi3OK, "Joint %d %s at %.9g s.", j + 1, mode ? "slides" : "sticks",
+                        m->memory.start + m->memory.model.time);
+    }
+}
+
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t n, const fmi3String categories[]) {
@@ -91,13 +102,19 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
     return NULL;
 }
 
-void fmi3FreeInstance(fmi3Instance instance) { free(instance); }
+void fmi3FreeInstance(fmi3Instance instance) {
+    Instance *m = (Instance *)instance;
+    if (!m) return;
+    states_free(&m->states);
+    free(m);
+}
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean has_stop, fmi3Float64 stop) {
     REQUIRE(INSTANTIATED);
     (void)has_stop, (void)stop;
     if (has_tolerance) memory_tolerate(&m->memory, tolerance);
+    if (!isfinite(start)) return face_report(m, fmi3Error, "The start time is not finite.");
     m->memory.start = start;
     m->memory.phase = INITIALIZING;
     memory_changed(&m->memory);
@@ -163,6 +180,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     size_t i, k = 0;
     int j, groups = 0;
     REQUIRE(ALWAYS);
+    GIVEN(!n || (vr && values));
     for (i = 0; i < n; ++i) groups |= memory_group((unsigned)face_span(vr[i]).at);
     memory_show(&m->memory, groups);
     for (i = 0; i < n; ++i) {
@@ -184,6 +202,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     size_t i, k = 0;
     int j;
     REQUIRE(INSTANTIATED | INITIALIZING | RUNNING);
+    GIVEN(!n || (vr && values));
     for (i = 0; i < n; ++i) {
         Span span = face_span(vr[i]);
         if (!span.size) return face_report(m, fmi3Error, "There is no variable %u that can be set.", vr[i]);

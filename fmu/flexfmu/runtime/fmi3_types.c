@@ -68,12 +68,14 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *n) {
     REQUIRE(ALWAYS);
+    GIVEN(n);
     *n = N_JOINTS;
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *n) {
     REQUIRE(ALWAYS);
+    GIVEN(n);
     *n = N_STATES;
     return fmi3OK;
 }
@@ -82,6 +84,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *n) {
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference vr[], size_t n, fmi3Clock ticks[]) {
     size_t i;
     REQUIRE(ALWAYS);
+    GIVEN(!n || (vr && ticks));
     for (i = 0; i < n; ++i) {
 #ifdef MODEL_SAMPLED
         const Plant *plant = &m->memory.model;

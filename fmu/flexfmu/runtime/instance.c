@@ -1,8 +1,9 @@
 #include "instance.h"
 
+#include "step.h"
+
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 void memory_start(Memory *m, int model_exchange, int own_events) {
@@ -30,7 +31,7 @@ int memory_initialise(Memory *m, char *text, size_t size) {
         return 1;
     }
     m->shown = 0;
-    return 0;
+    return memory_indefinite(m, text, size);
 }
 
 int memory_group(unsigned reference) { return MODEL(group)(reference); }
@@ -60,11 +61,30 @@ void memory_show(Memory *m, int groups) {
     m->shown |= groups;
 }
 
-int memory_advance(Memory *m, double duration) {
-    int failed = MODEL(advance)(&m->model, duration);
-    m->shown = 0;
-    m->fed = 0;
-    return failed;
+int memory_indefinite(Memory *m, char *text, size_t size) {
+#ifdef MODEL_PLANT
+    if (!plant_indefinite(&m->model)) return 0;
+    m->phase = BROKEN;
+    snprintf(text, size, "The mass matrix is not positive definite at %g s: check masses, first moments and moments of "
+                         "inertia.", m->start + m->model.time);
+    return 1;
+#else
+    return (void)m, (void)text, (void)size, 0;
+#endif
+}
+
+int memory_finite(const double *values, size_t n) {
+    size_t i;
+    for (i = 0; i < n; ++i)
+        if (!isfinite(values[i])) return 0;
+    return 1;
+}
+
+int memory_sound(const Memory *m) {
+    const int phases[] = {INSTANTIATED, INITIALIZING, EVENT, CONTINUOUS, STEPPING, TERMINATED, BROKEN};
+    size_t i, known = 0;
+    for (i = 0; i < sizeof phases / sizeof *phases; ++i) known |= (int)m->phase == phases[i];
+    return known && isfinite(m->start) && MODEL(sound)(&m->model);
 }
 
 int memory_elsewhere(const Memory *m, double time, char *text, size_t size) {
@@ -96,7 +116,8 @@ int memory_slope(Memory *m, unsigned vr, int order, double *slope, char *text, s
 
 void memory_tolerate(Memory *m, double tolerance) {
 #ifdef MODEL_PLANT
-    if (tolerance > 0 && tolerance < 1e-6) m->model.refinement = pow(tolerance / 1e-6, 0.25);
+    const double finest = 1e-14; /* below it, rounding decides */
+    if (tolerance > 0 && tolerance < 1e-6) m->model.refinement = pow(fmax(tolerance, finest) / 1e-6, 0.25);
 #else
     (void)m, (void)tolerance;
 #endif
@@ -122,41 +143,19 @@ int memory_refuses(const Memory *m, unsigned vr, double value, char *text, size_
     return 1;
 }
 
-/* ---- saved states ---------------------------------------------------------------------------- */
-
-static const char *copy_to(void **state, const void *from) {
-    if (!*state) *state = malloc(sizeof(Memory));
-    if (!*state) return "Out of memory.";
-    memcpy(*state, from, sizeof(Memory));
-    return NULL;
-}
-
-const char *memory_save(const Memory *m, void **state) { return copy_to(state, m); }
-
-void memory_restore(Memory *m, const void *state) { memcpy(m, state, sizeof *m); }
-
-void memory_forget(void **state) {
-    free(*state);
-    *state = NULL;
-}
-
-const char *memory_serialise(const void *state, char *bytes, size_t size) {
-    if (size < sizeof(Memory)) return "The buffer is too small for the state.";
-    memcpy(bytes, state, sizeof(Memory));
-    return NULL;
-}
-
-const char *memory_deserialise(const char *bytes, size_t size, void **state) {
-    if (size != sizeof(Memory)) return "These bytes are not a state of this FMU.";
-    return copy_to(state, bytes);
-}
-
 /* ---- events ---------------------------------------------------------------------------------- */
 
 #ifdef MODEL_PLANT
-void memory_set_time(Memory *m, double time) {
-    m->model.time = time - m->start;
+int memory_set_time(Memory *m, double time, char *text, size_t size) {
+    double there = time - m->start, sampled = plant_next_sample(&m->model);
+    double last = isfinite(sampled) && sampled < m->model.time ? sampled : m->model.time;
+    if (!isfinite(time) || (there > last && memory_too_long(m, there - last, text, size))) {
+        snprintf(text, size, "The time %g s cannot be reached from %g s.", time, m->start + m->model.time);
+        return 1;
+    }
+    m->model.time = there;
     m->shown = 0;
+    return 0;
 }
 
 int memory_handle_events(Memory *m) {

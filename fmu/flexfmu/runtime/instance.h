@@ -56,19 +56,17 @@ int memory_elsewhere(const Memory *memory, double time, char *text, size_t size)
 int memory_slope(Memory *memory, unsigned reference, int order, double *slope, char *text, size_t size);
 /* A tolerance below 1e-6 shortens the solver's step, as its fourth root. */
 void memory_tolerate(Memory *memory, double tolerance);
-/* Co-simulation by `duration` >= 0 seconds. 0 when the state stayed finite. */
-int memory_advance(Memory *memory, double duration);
+/* 0 when the mass matrix is positive definite; else `text` says that it is not, and the instance is BROKEN. */
+int memory_indefinite(Memory *memory, char *text, size_t size);
+int memory_finite(const double *values, size_t n);
+/* Whether it is one that this code can have reached: foreign bytes may hold anything. */
+int memory_sound(const Memory *memory);
 /* 0 when the variable may take the value; else `text` says why not. */
 int memory_refuses(const Memory *memory, unsigned reference, double value, char *text, size_t size);
-/* Saved states; each is a copy, for the memory holds no pointers. The result is NULL, or why it failed. */
-const char *memory_save(const Memory *memory, void **state);
-void memory_restore(Memory *memory, const void *state);
-void memory_forget(void **state);
-const char *memory_serialise(const void *state, char *bytes, size_t size);
-const char *memory_deserialise(const char *bytes, size_t size, void **state);
 
 #ifdef MODEL_PLANT
-void memory_set_time(Memory *memory, double time);
+/* 0 when the time can be reached; else `text` says why not. */
+int memory_set_time(Memory *memory, double time, char *text, size_t size);
 /* Event mode: due samples and crossed modes. 1 when a state, a mode or a torque changed. */
 int memory_handle_events(Memory *memory);
 double memory_next_event(const Memory *memory);

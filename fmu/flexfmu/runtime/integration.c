@@ -143,15 +143,3 @@ int plant_run(Plant *s, double until) {
         if (!isfinite(s->value[AT_STATE + i])) return 1;
     return 0;
 }
-
-int plant_advance(Plant *s, double duration) {
-    double start = s->time, end = start + duration;
-    while (plant_sample_before(s, end)) {
-        double tick = plant_next_sample(s), late = tick > start ? tick - start : 0;
-        if (!plant_sample_due(s, s->time) && plant_run(s, tick)) return 1;
-        plant_sample(s, late);
-    }
-    if (plant_run(s, end)) return 1;
-    memset(s->input_rate, 0, sizeof s->input_rate);
-    return 0;
-}

@@ -36,6 +36,13 @@ void pid_sample(Pid *pid, const double gain[N_GAINS], const double reference[N_J
     ++pid->ticks;
 }
 
+int pid_sound(const Pid *pid) {
+    int j;
+    for (j = 0; j < N_JOINTS; ++j)
+        if (!isfinite(pid->integral[j]) || !isfinite(pid->error[j])) return 0;
+    return pid->ticks >= 0;
+}
+
 PidSlopes pid_slopes(const Pid *pid, const double gain[N_GAINS], int j, double error, double feedforward) {
     PidSlopes d = {0, 0, 0, 0, 0, 0, 0};
     double period = gain[PID_PERIOD], integral, torque = wanted(pid, gain, j, error, feedforward, &integral);

@@ -21,6 +21,8 @@ void pid_start(Pid *pid, const double torque[N_JOINTS]);
 double pid_next_sample(const Pid *pid, const double gain[N_GAINS]);
 double pid_tolerance(const double gain[N_GAINS]);
 int pid_due(const Pid *pid, const double gain[N_GAINS], double time);
+/* Whether it is such as this code leaves behind. */
+int pid_sound(const Pid *pid);
 /* One sample: `position` of the motor hinges as the sensors see them. */
 void pid_sample(Pid *pid, const double gain[N_GAINS], const double reference[N_JOINTS],
                 const double feedforward[N_JOINTS], const double position[N_JOINTS], double torque[N_JOINTS]);

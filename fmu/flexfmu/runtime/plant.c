@@ -147,6 +147,35 @@ void plant_reset(Plant *s) {
     s->refinement = 1;
 }
 
+static int all_finite(const double *values, int n) {
+    int i;
+    for (i = 0; i < n; ++i)
+        if (!isfinite(values[i])) return 0;
+    return 1;
+}
+
+int plant_indefinite(const Plant *s) {
+    double pivot[N_COORDINATES];
+    int i;
+    model_pivots(s->value + AT_STATE, s->value + AT_PARAMETER, pivot);
+    for (i = 0; i < N_COORDINATES; ++i)
+        if (!(pivot[i] > 0)) return 1;
+    return 0;
+}
+
+int plant_sound(const Plant *s) {
+    int j;
+    for (j = 0; j < N_JOINTS; ++j)
+        if (s->mode[j] != 0 && fabs(s->mode[j]) != 1) return 0;
+#ifdef MODEL_CONTROLLER
+    if (!(s->value[AT_GAIN + PID_PERIOD] > 0) || !pid_sound(&s->pid)) return 0;
+#elif defined MODEL_SERVO
+    if (s->servo.ticks < 0) return 0;
+#endif
+    return all_finite(s->value, N_VALUES) && all_finite(s->input_rate, N_INPUTS) && isfinite(s->time) &&
+           s->value[AT_STEP] > 0 && s->refinement > 0 && s->refinement <= 1;
+}
+
 int plant_initialise(Plant *s) {
     double *x = s->value + AT_STATE, *v = x + N_COORDINATES, force[N_COORDINATES];
     int j, lost;
@@ -161,7 +190,7 @@ int plant_initialise(Plant *s) {
     s->time = 0;
     start_torque(s, force);
     plant_settle(s);
-    return lost;
+    return lost || !all_finite(x, N_STATES) || !all_finite(force, N_COORDINATES);
 }
 
 /* ---- values on demand ------------------------------------------------------------------------ */

@@ -77,6 +77,10 @@ int plant_group(unsigned reference);
 void plant_reset(Plant *plant);
 /* Static equilibrium at the start; a sample of the controller is then due. 0 when it was found. */
 int plant_initialise(Plant *plant);
+/* 1 when the mass matrix at the state is not positive definite. */
+int plant_indefinite(const Plant *plant);
+/* Whether numbers, modes and counts are such as this code leaves behind. */
+int plant_sound(const Plant *plant);
 /* Release stuck hinges until every reaction is within its level; the rates of the state are then up to date. */
 void plant_settle(Plant *plant);
 /* How values answer to inputs: the torque is held (continuous time); a sample that is due answers, without being taken
@@ -93,10 +97,8 @@ void plant_sample(Plant *plant, double late);
 /* The same without looking what the torques set free: the plant is then unsettled. */
 void plant_command(Plant *plant, double late);
 
-/* Co-simulation, 0 when the state stayed finite: to a time [s] with the torque held, */
+/* Co-simulation to a time [s] with the torque held. 0 when the state stayed finite. */
 int plant_run(Plant *plant, double until);
-/* and by `duration` >= 0 seconds with every sample before its end; one that is due at the end waits for its inputs. */
-int plant_advance(Plant *plant, double duration);
 /* One step of the solver with the torque held, friction events inside it included; how many a duration takes. */
 void plant_substep(Plant *plant, double h);
 int plant_steps(const Plant *plant, double duration);

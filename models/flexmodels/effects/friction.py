@@ -156,3 +156,16 @@ viscous_drift = Effect(
     confounders=("viscous", "coulomb"),
     experiment="the same motion after a cold and after a warm start",
 )
+
+directional_drift = Effect(
+    name="directional_drift",
+    title="Direction-dependent viscous friction that changes in the course of the log",
+    forces={e: _drift.symbol * time * Abs(de)},
+    parameters=(_drift,),
+    excess_over="asymmetric_coulomb",
+    citation="Bittencourt and Gunnarsson 2012, for each direction on its own",
+    needs="a motion in both directions that repeats from the beginning to the end of the log",
+    coverage=Coverage(Abs(de) > 0.01, 0.5),
+    confounders=("asymmetric_coulomb", "offset", "viscous_drift"),
+    experiment="the same motion after a cold and after a warm start",
+)

@@ -1,7 +1,7 @@
-"""Rigid-body mechanics of a tree of links in CasADi: inverse dynamics (Newton-Euler), forward dynamics.
+"""Rigid-body mechanics of a tree of links in CasADi: kinematics, inverse dynamics (Newton-Euler).
 
 Recursions in link axes with 6-vectors [angular; linear] (Featherstone, Rigid Body Dynamics Algorithms,
-2008: RNEA table 5.1, ABA table 7.1). Deliberately not the finite elements of pyident: that both agree is
+2008: RNEA table 5.1). Deliberately not the finite elements of pyident: that both agree is
 a test. Motor inertias are not in here; they enter as armature of the motor coordinates.
 """
 
@@ -97,56 +97,18 @@ def inverse_dynamics(m: Mechanism, a: SX) -> SX:
     What the passive joints of the tree would need is put upon the coordinates that they follow.
     """
     a = m.tree @ a
-    force, motions = ca.SX.zeros(a.numel()), _motions(m)
+    force, moving = ca.SX.zeros(a.numel()), motions(m)
     accelerations, wrenches = [], []
-    for hinge, (X, velocity, bias) in zip(m.hinges, motions, strict=True):
-        before = _base_acceleration(m) if hinge.parent is None else accelerations[hinge.parent]
+    for hinge, (X, velocity, bias) in zip(m.hinges, moving, strict=True):
+        before = base_acceleration(m) if hinge.parent is None else accelerations[hinge.parent]
         accelerations.append(X @ before + bias + hinge.S @ a[hinge.coordinates])
-        wrenches.append(_wrench(hinge, velocity, accelerations[-1]))
+        wrenches.append(wrench(hinge, velocity, accelerations[-1]))
     for i in reversed(range(len(m.hinges))):
-        hinge, (X, _, _) = m.hinges[i], motions[i]
+        hinge, (X, _, _) = m.hinges[i], moving[i]
         force[hinge.coordinates] = hinge.S.T @ wrenches[i]
         if hinge.parent is not None:
             wrenches[hinge.parent] = wrenches[hinge.parent] + X.T @ wrenches[i]
     return m.tree.T @ force
-
-
-def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[SX, SX]:
-    """Accelerations of a tree without passive joints under generalised forces, and the torque imbalance.
-
-    force, armature, free   [n]; free = 0 holds a (motor) coordinate at constant speed, 1 lets it move.
-    The imbalance at a held coordinate is the torque that a brake must take there.
-    """
-    motions = _motions(m)
-    n = len(m.hinges)
-    inertia = [ca.SX.zeros(6, 6) if h.inertia is None else h.inertia for h in m.hinges]
-    bias_force = [
-        _wrench(h, velocity, ca.SX.zeros(6)) for h, (_, velocity, _) in zip(m.hinges, motions, strict=True)
-    ]
-    reduced: list[tuple[SX, SX, SX]] = []
-    for i in reversed(range(n)):
-        hinge, (X, _, c) = m.hinges[i], motions[i]
-        IA, pA, S, at = inertia[i], bias_force[i], hinge.S, hinge.coordinates
-        U = IA @ S
-        D = S.T @ U + ca.diag(armature[at])
-        u = force[at] - S.T @ pA
-        gain = _inverse(D) * (free[at] if len(at) == 1 else 1)
-        reduced.insert(0, (U, gain, u))
-        if hinge.parent is not None:
-            Ia = _symmetric(IA - U @ gain @ U.T)
-            pa = pA + Ia @ c + U @ gain @ u
-            inertia[hinge.parent] = _symmetric(inertia[hinge.parent] + X.T @ Ia @ X)
-            bias_force[hinge.parent] = bias_force[hinge.parent] + X.T @ pa
-    accelerations = []
-    qdd, imbalance = ca.SX.zeros(m.q.numel()), ca.SX.zeros(m.q.numel())
-    for hinge, (X, _, c), (U, gain, u) in zip(m.hinges, motions, reduced, strict=True):
-        before = _base_acceleration(m) if hinge.parent is None else accelerations[hinge.parent]
-        acceleration = X @ before + c
-        net = u - U.T @ acceleration
-        qdd[hinge.coordinates] = gain @ net
-        imbalance[hinge.coordinates] = net
-        accelerations.append(acceleration + hinge.S @ qdd[hinge.coordinates])
-    return qdd, imbalance
 
 
 def tip_position(m: Mechanism) -> SX:
@@ -162,7 +124,7 @@ def tip_motion(m: Mechanism) -> tuple[SX, SX, SX]:
     """Of the tip in base axes: velocity [m/s], orientation (x, y, z, w), angular velocity [rad/s]."""
     if m.tip_hinge is None:
         return ca.SX.zeros(3), quaternions.NONE, ca.SX.zeros(3)
-    _, motion, _ = _motions(m)[m.tip_hinge]
+    _, motion, _ = motions(m)[m.tip_hinge]
     spin, at = motion[:3], m.tip_hinge
     velocity, turn = motion[3:] + ca.cross(spin, ca.SX(m.tip)), quaternions.NONE
     while at is not None:
@@ -184,23 +146,23 @@ def skeleton(m: Mechanism) -> SX:
     return ca.horzcat(*columns, origin, tip_position(m))
 
 
-def _motions(m: Mechanism) -> list[tuple[SX, SX, SX]]:
+def motions(m: Mechanism) -> list[tuple[SX, SX, SX]]:
     """Per hinge: motion transform from the parent, velocity, velocity-product acceleration."""
     v, out = m.tree @ m.v, []
     for hinge in m.hinges:
-        X = _motion_transform(hinge)
+        X = motion_transform(hinge)
         relative = hinge.S @ v[hinge.coordinates]
         velocity = relative if hinge.parent is None else X @ out[hinge.parent][1] + relative
         out.append((X, velocity, hinge.c + _cross_motion(velocity, relative)))
     return out
 
 
-def _base_acceleration(m: Mechanism) -> SX:
+def base_acceleration(m: Mechanism) -> SX:
     """Gravity as an upward acceleration of the base."""
     return ca.vertcat(ca.SX.zeros(3), -m.gravity)
 
 
-def _motion_transform(hinge: Hinge) -> SX:
+def motion_transform(hinge: Hinge) -> SX:
     Et = hinge.E.T
     return ca.blockcat([[Et, ca.SX.zeros(3, 3)], [-Et @ ca.skew(hinge.r), Et]])
 
@@ -210,7 +172,7 @@ def _cross_motion(a: SX, b: SX) -> SX:
     return ca.vertcat(ca.cross(w, b[:3]), ca.cross(w, b[3:]) + ca.cross(v, b[:3]))
 
 
-def _wrench(hinge: Hinge, velocity: SX, acceleration: SX) -> SX:
+def wrench(hinge: Hinge, velocity: SX, acceleration: SX) -> SX:
     """Newton-Euler force of the frame's body: I a + v x* I v."""
     if hinge.inertia is None:
         return ca.SX.zeros(6)
@@ -225,15 +187,6 @@ def _inertia(body: SX) -> SX:
     xx, xy, xz, yy, yz, zz = (body[i] for i in range(4, 10))
     J = ca.blockcat([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return ca.blockcat([[J, ca.skew(ms)], [-ca.skew(ms), m * ca.SX.eye(3)]])
-
-
-def _inverse(D: SX) -> SX:
-    return 1 / D if D.numel() == 1 else _symmetric(ca.inv_minor(D))
-
-
-def _symmetric(A: SX) -> SX:
-    """A symmetric matrix by its upper half alone: the lower half's operations are never generated."""
-    return ca.triu2symm(ca.triu(A))
 
 
 def _turning_hinge(joint: Joint | PassiveJoint, parent: int | None, i: int, e: SX, body: SX | None) -> Hinge:

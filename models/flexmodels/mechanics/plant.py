@@ -11,7 +11,7 @@ import casadi as ca
 
 from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
-from flexmodels.mechanics import dynamics, projected
+from flexmodels.mechanics import articulated, dynamics, projected
 from flexmodels.mechanics.payload import PAYLOAD, carried
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import Robot
@@ -29,6 +29,7 @@ class Equations:
     laws(x, u, p, mode, dx) -> force          what the laws take at each coordinate, inertia included
     balance(x, p) -> force                    generalised forces at rest that the motors must supply
     start(x, u, p) -> z                       the laws' states at rest
+    pivots(x, p) -> d                         n, all positive where the mass matrix is positive definite
     tip(x) -> position                        [m]
     shown(x) -> tip velocity, orientation (x, y, z, w), angular velocity; links' positions and velocities
     skeleton(x) -> lines                      3 x 2 lines, from hinge to hinge and to the tip [m]
@@ -54,6 +55,7 @@ class Equations:
     laws: ca.Function
     balance: ca.Function
     start: ca.Function
+    pivots: ca.Function
     tip: ca.Function
     shown: ca.Function
     skeleton: ca.Function
@@ -77,9 +79,11 @@ def equations(robot: Robot) -> Equations:
     applied = ca.vertcat(u, ca.SX.zeros(n - joints)) - resisting
     if robot.passive or laws.coupled:
         a, imbalance = projected.forward_dynamics(m, applied, laws.armature, free)
+        pivots = projected.pivots(m, laws.armature)
     else:
-        a, imbalance = dynamics.forward_dynamics(m, applied, ca.diag(laws.armature), free)
-    a, imbalance = ca.substitute([a, imbalance[:joints]], [m.bodies], [bodies])
+        a, imbalance = articulated.forward_dynamics(m, applied, ca.diag(laws.armature), free)
+        pivots = articulated.pivots(m, ca.diag(laws.armature))
+    a, imbalance, pivots = ca.substitute([a, imbalance[:joints], pivots], [m.bodies], [bodies])
     dx, dx_in = ca.vertcat(m.v, a, laws.rates(mode)), ca.SX.sym("dx", x.numel())
 
     at_rest = {s: ca.substitute(laws.forces(ca.SX.ones(joints) * s), m.v, rest) for s in (1, 0, -1)}
@@ -111,6 +115,7 @@ def equations(robot: Robot) -> Equations:
             "laws", [x, u, p, mode, dx_in], [ca.cse(resisting + laws.armature @ dx_in[n : 2 * n])]
         ),
         start=ca.Function("start", [x, u, p], [ca.cse(start)]),
+        pivots=ca.Function("pivots", [x, p], [ca.cse(pivots)]),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
         tip=ca.Function("tip", [x], [ca.cse(dynamics.tip_position(m))]),
         shown=ca.Function("shown", [x], [ca.cse(ca.vertcat(*dynamics.tip_motion(m), *_links(robot, m)))]),

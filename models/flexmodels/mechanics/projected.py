@@ -13,14 +13,25 @@ from flexmodels.mechanics.dynamics import SX, Mechanism, inverse_dynamics
 def forward_dynamics(m: Mechanism, force: SX, armature: SX, free: SX) -> tuple[SX, SX]:
     """Accelerations under generalised forces, and the torque imbalance at each coordinate that is held.
 
-    force, free   [n] as in `mechanics.dynamics.forward_dynamics`;  armature   n x n. With F = diag(free)
+    force, free   [n] as in `mechanics.articulated.forward_dynamics`;  armature   n x n. With F = diag(free)
     (F M F + I − F) a = F (force − h)   and the imbalance is   force − h − M a.
     """
-    a = ca.SX.sym("a", m.q.numel())
-    total = inverse_dynamics(m, a)
-    M = ca.jacobian(total, a) + armature
+    a, total, M = _mass_matrix(m, armature)
     net = force - ca.substitute(total, a, ca.SX.zeros(a.numel()))
     F = ca.diag(free)
     D, LT, order = ca.ldl(F @ M @ F + ca.SX.eye(a.numel()) - F)
     found = ca.ldl_solve(F @ net, D, LT, order)
     return found, net - M @ found
+
+
+def pivots(m: Mechanism, armature: SX) -> SX:
+    """n pivots of the mass matrix, all positive where it is definite; armature n x n."""
+    _, _, M = _mass_matrix(m, armature)
+    return ca.ldl(ca.densify(M))[0]
+
+
+def _mass_matrix(m: Mechanism, armature: SX) -> tuple[SX, SX, SX]:
+    """Symbols a [n], the forces M a + h without the motors' inertias, and M with them."""
+    a = ca.SX.sym("a", m.q.numel())
+    total = inverse_dynamics(m, a)
+    return a, total, ca.jacobian(total, a) + armature

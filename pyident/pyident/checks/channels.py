@@ -8,8 +8,7 @@ from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_o
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect, Severity
 from pyident.checks.jumps import jumps, spikes
-from pyident.checks.quantisation import coarse, step_of
-from pyident.checks.runs import Runs, runs
+from pyident.checks.quantisation import Runs, coarse, runs, step_of
 from pyident.logs.log import Log
 from pyident.rules.log_checks import LOG_CHECKS
 

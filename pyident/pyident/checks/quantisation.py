@@ -1,6 +1,7 @@
-"""The step in which a channel comes, and whether it is too coarse for accelerations."""
+"""Where a channel repeats its value, and the step in which it comes: too coarse for accelerations?"""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +12,19 @@ from pyident.logs.log import Log
 from pyident.rules.log_checks import LOG_CHECKS
 
 _STANDING = 30  # steps: an axis that moves by less stands still
+
+
+@dataclass(frozen=True)
+class Runs:
+    """First sample and number of samples of every run of equal values."""
+
+    start: np.ndarray
+    length: np.ndarray
+
+
+def runs(x: np.ndarray) -> Runs:
+    start = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
+    return Runs(start, np.diff(np.append(start, len(x))))
 
 
 def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:

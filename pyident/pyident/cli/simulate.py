@@ -73,10 +73,11 @@ def export(
     "--experiment", required=True, help="identification, line, or a file with time and joint{k}.r columns."
 )
 @mapping_option
-@output_option(LOG)
+@output_option(LOG, default="simulation.parquet")
 @effects_option
 @set_option
 @click.option("--time-limit", type=float, default=60.0, show_default=True, help="Silence of an FMU [s].")
+@click.option("--window", type=int, default=20, show_default=True, help="Samples before a free run.")
 @json_option
 @reported
 def simulate(
@@ -86,12 +87,14 @@ def simulate(
     output: str,
     parameters: dict[str, float],
     time_limit: float,
+    window: int,
     json_file: str | None,
 ) -> None:
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
     MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
-    experiment is then a file. A recorded log is replayed under its own commands.
+    experiment is then a file. A recorded log is replayed under its own commands. A robot that nothing
+    controls runs freely under a log's torques, from where the first samples of its positions say.
 
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """
@@ -102,9 +105,12 @@ def simulate(
             parameters=parameters,
             mapping=mapping,
             time_limit=time_limit,
+            window=window,
             progress=progress,
         )
     pi.write_log(log, output)
     duration = log.period * (len(log) - 1)
+    for note in log.notes:
+        show(note)
     show(f"wrote {output}: {len(log)} samples, {duration:g} s")
     write_json(json_file, {"log": output, "samples": len(log), "duration_s": duration})

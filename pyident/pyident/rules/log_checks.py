@@ -1,88 +1,101 @@
-"""Every threshold by which a log is called wrong or doubtful. None was tuned on a case of the test bench."""
+"""Thresholds by which a log is called wrong or doubtful; those that one check alone needs stand beside it."""
 
 from dataclasses import dataclass
+
+from pyident.rules.rule import in_range, rule
+
+_BENCH = "the wrong and the good logs of studies/log_checks, while these were written"
+_KNOWN = "no data: what robots and recorders do"
 
 
 @dataclass(frozen=True)
 class LogCheckRules:
-    """Thresholds of the checks of a log; shares are of one, times in samples unless a unit is named.
+    """When a log is doubted and when it is refused; shares are of one."""
 
-    gap_rows              a value that stays for more samples than this may be stuck
-    freeze                how many times longer a stuck run is than those around it
-    catch_up              times its largest other step that a stuck channel jumps by when it goes on
-    at_limit              share of the samples at a channel's extreme that makes a limit
-    crowded               times the mean of the next bins: the crest of a sine gives 3.4
-    limit_gross           share of the samples at the limit from which a torque is useless
-    limit_bin             width of a bin at the extreme, as a share of a channel's range
-    odd                   robust standard deviations of fourth differences that make a jump
-    beyond                times what all but one in a hundred of the fourth differences are
-    coarse                times the acceleration's rms that rounding may make: with more, it is mostly noise
-    slowest_update        slowest update of a channel that is looked for
-    on_the_beat           share of a channel's changes that fall on every m-th sample
-    spike                 times the spread of a torque that a single sample must stick out
-    drift                 samples that a clock may be away from a uniform one
-    shortest_period       [s] a faster sampled log of a robot is not believed without asking
-    longest_period        [s] a slower one neither
-    impossible_period     [s] slower than this no motion of a robot is sampled
-    rate_ratio            times slower or faster than the robot's controller that a log may be
-    shuffled              rms of a channel's steps, as a share of its spread, where rows are out of order
-    same                  relative difference below which two channels are one and the same
-    fastest               [rad/s or m/s] a joint that moves faster is doubted
-    impossible_speed      [rad/s or m/s] and one that moves faster than this refused
-    beyond_limits         times the range of a joint's position limits that a log may cover
-    sure                  standard deviations by which a friction, inertia or stiffness is negative
-    friction_share        share of the exchanged power that friction must take to show a sign
-    better                share of the residual's energy that a right transformation of channels leaves
-    far_better            the same where the log is refused
-    material              relative residual (rms) below which no transformation is looked for
-    torque_scale          times that one joint's torque may be off what the other joints' torques say
-    prior_doubtful        times that masses and inertias may be off the robot file's before it is said
-    prior_gross           the same where the log is refused: units are off by 57.3 or more
-    stiffness_doubtful    times that a stiffness may be off the robot file's before it is said
-    stiffness_gross       the same where the log is refused
-    delay                 samples: a torque that is later or earlier is named
-    delay_gross           [s] and one that is off by more refused
-    delay_material        relative residual (rms) that must be due to the delay
-    unexplained           share of the torques' variance that no motion explains: they are of another log
-    """
+    gap_rows: int = rule(10, "samples that a value stays", "fewer are an encoder's at slow speed", _KNOWN)
+    freeze: float = rule(8.0, "a stuck run over those around it", "less is a joint that slows down", _BENCH)
+    catch_up: float = rule(
+        2.0, "the jump after a stuck run over the largest other step", "less is a motion that goes on", _BENCH
+    )
+    at_limit: float = rule(0.003, "the samples at a channel's extreme", "less are a crest", _BENCH)
+    crowded: float = rule(
+        6.0, "samples in the last bin over the mean of the next", "the crest of a sine gives 3.4", _BENCH
+    )
+    limit_gross: float = rule(0.1, "the samples at the limit", "with more, the torque says little", _KNOWN)
+    limit_bin: float = rule(1e-3, "a channel's range, width of a bin", "wider, and a crest fills it", _BENCH)
+    odd: float = rule(25.0, "robust deviations of fourth differences", "less is noise with tails", _BENCH)
+    beyond: float = rule(
+        4.0, "the 99th percentile of fourth differences", "less is a motion with sharp ends", _BENCH
+    )
+    coarse: float = rule(
+        1.0, "the acceleration's rms that rounding makes", "with more, it is mostly rounding", _KNOWN
+    )
+    slowest_update: int = rule(20, "samples between updates", "slower ones are seen as stuck", _KNOWN)
+    on_the_beat: float = rule(
+        0.98, "a channel's changes that fall on every m-th sample", "fewer are chance", _BENCH
+    )
+    spike: float = rule(12.0, "the usual distance of a torque from its neighbours", "less is noise", _BENCH)
+    drift: float = rule(0.5, "samples that a clock is off a uniform one", "less is its rounding", _KNOWN)
+    shortest_period: float = rule(2e-5, "s", "no recorder of a robot samples faster than 50 kHz", _KNOWN)
+    longest_period: float = rule(0.15, "s", "a motion of a few Hz is lost beyond", _KNOWN)
+    impossible_period: float = rule(0.5, "s", "no motion of a robot is sampled so slowly", _KNOWN)
+    rate_ratio: float = rule(
+        40.0, "the log's rate over the controller's, either way", "less is a thinned log, more a unit", _BENCH
+    )
+    shuffled: float = rule(
+        0.6, "rms of a channel's steps over its spread", "shuffled rows give 1.4, motions far less", _BENCH
+    )
+    same: float = rule(1e-9, "relative difference of two channels", "more is not one and the same", _KNOWN)
+    fastest: float = rule(40.0, "rad/s or m/s", "few robots' joints are faster", _KNOWN)
+    impossible_speed: float = rule(150.0, "rad/s or m/s", "no robot's joint is faster", _KNOWN)
+    beyond_limits: float = rule(
+        1.5, "the range of a joint's position limits", "limits of files are often narrow", _BENCH
+    )
+    sure: float = rule(
+        6.0, "standard deviations below zero", "residuals are not white, so deviations are too small", _BENCH
+    )
+    friction_share: float = rule(
+        0.05, "the exchanged power that friction takes", "with less, its sign is not known", _BENCH
+    )
+    better: float = rule(
+        0.5,
+        "the residual's energy that another reading leaves",
+        "a model that lacks a law gains some",
+        _BENCH,
+    )
+    far_better: float = rule(0.25, "the same, to refuse the log", "less is doubtful only", _BENCH)
+    material: float = rule(0.05, "relative residual (rms)", "with less, no other reading is needed", _BENCH)
+    torque_scale: float = rule(
+        4.0, "one joint's torque over what the others say, either way", "less may be a wrong inertia", _BENCH
+    )
+    prior_doubtful: float = rule(
+        8.0, "masses and inertias over the robot file's, either way", "files are off by a few times", _BENCH
+    )
+    prior_gross: float = rule(40.0, "the same, to refuse the log", "units are off by 57.3 or more", _KNOWN)
+    stiffness_doubtful: float = rule(
+        15.0, "a stiffness over the robot file's, either way", "files guess stiffnesses", _BENCH
+    )
+    stiffness_gross: float = rule(
+        50.0, "the same, to refuse the log", "units are off by 57.3 or more", _KNOWN
+    )
+    delay: float = rule(0.75, "samples", "a hold and a derivative make half a sample", _BENCH)
+    delay_gross: float = rule(0.03, "s", "less is a filter or a bus, more another clock", _BENCH)
+    delay_material: float = rule(0.02, "relative residual (rms)", "with less, a delay is no matter", _BENCH)
+    unexplained: float = rule(
+        0.5, "the torques' variance that no motion explains", "with more, they are of another log", _BENCH
+    )
 
-    gap_rows: int = 10
-    freeze: float = 8.0
-    catch_up: float = 2.0
-    at_limit: float = 0.003
-    crowded: float = 6.0
-    limit_gross: float = 0.1
-    limit_bin: float = 1e-3
-    odd: float = 25.0
-    beyond: float = 4.0
-    coarse: float = 1.0
-    slowest_update: int = 20
-    on_the_beat: float = 0.98
-    spike: float = 12.0
-    drift: float = 0.5
-    shortest_period: float = 2e-5
-    longest_period: float = 0.15
-    impossible_period: float = 0.5
-    rate_ratio: float = 40.0
-    shuffled: float = 0.6
-    same: float = 1e-9
-    fastest: float = 40.0
-    impossible_speed: float = 150.0
-    beyond_limits: float = 1.5
-    sure: float = 6.0
-    friction_share: float = 0.05
-    better: float = 0.5
-    far_better: float = 0.25
-    material: float = 0.05
-    torque_scale: float = 4.0
-    prior_doubtful: float = 8.0
-    prior_gross: float = 40.0
-    stiffness_doubtful: float = 15.0
-    stiffness_gross: float = 50.0
-    delay: float = 0.75
-    delay_gross: float = 0.03
-    delay_material: float = 0.02
-    unexplained: float = 0.5
+    def __post_init__(self) -> None:
+        shares = (
+            "at_limit",
+            "limit_gross",
+            "on_the_beat",
+            "friction_share",
+            "better",
+            "far_better",
+            "material",
+        )
+        in_range(self, "log_checks", 0, 1, *shares, "unexplained", "delay_material")
 
 
 LOG_CHECKS = LogCheckRules()

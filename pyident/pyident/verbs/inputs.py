@@ -68,9 +68,14 @@ def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_ef
     return with_settings(robot, parameters) if parameters else robot
 
 
+def driven(robot: Robot) -> bool:
+    """Whether its file says what drives its joints."""
+    return robot.controller is not None or robot.servo is not None
+
+
 def simulable(robot: Robot) -> Robot:
     """The robot itself. Raises RobotError where nothing drives its joints."""
-    if robot.controller is None and robot.servo is None:
+    if not driven(robot):
         raise RobotError(
             f"robot {robot.name} has no [controller] and no [servo], so it cannot be simulated; add one"
         )

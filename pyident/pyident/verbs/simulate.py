@@ -11,10 +11,12 @@ from flexmodels.files.robot_file import robot_text
 from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import RobotError
+from pyident.logs.foreign import robot_log
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import simulate_robot
+from pyident.simulation.free_run import WINDOW, run_freely
 from pyident.simulation.references import load_experiment, read_experiment
-from pyident.verbs.inputs import Columns, Model, mapping_of, robot_of, simulable
+from pyident.verbs.inputs import Columns, Model, driven, mapping_of, robot_of, simulable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,6 +32,7 @@ def simulate(
     mapping: Columns | None = None,
     allow_effects: bool = False,
     time_limit: float = SILENCE,
+    window: int = WINDOW,
     progress: Progress | None = None,
 ) -> Log:
     """Simulate a robot as an FMU, or an FMU of any tool, and return its log.
@@ -40,16 +43,21 @@ def simulate(
     parameters   values that replace the model's own, by name, in SI units
     mapping      of the experiment's columns: a log of other names is replayed under its own commands
     time_limit   seconds without progress after which an FMU, which runs in a process of its own, is stopped
+    window       a robot without [controller] and [servo] runs freely under the torques of a recorded log,
+                 from where its first `window` positions say; they stand in the result as they were measured
     Raises RobotError, ExperimentError, LogError, SimulationError, BuildError.
     """
     if not isinstance(model, str | Path) or Path(model).suffix != ".fmu":
-        robot = simulable(robot_of(model, parameters, allow_effects))
+        robot = robot_of(model, parameters, allow_effects)
+        if not driven(robot) and not isinstance(experiment, Experiment) and Path(experiment).is_file():
+            recording = robot_log(experiment, robot, mapping_of(mapping))
+            return run_freely(robot, recording, window, progress)
         plan = (
             experiment
             if isinstance(experiment, Experiment)
-            else load_experiment(robot, str(experiment), mapping_of(mapping))
+            else load_experiment(simulable(robot), str(experiment), mapping_of(mapping))
         )
-        frame = simulate_robot(robot, plan, progress=progress)
+        frame = simulate_robot(simulable(robot), plan, progress=progress)
         return Log(frame.assign(time=frame["time"] + plan.began), f"simulation of {robot.name}")
     if mapping is not None:
         raise RobotError(f"{model}: a mapping needs a robot file; import the log first (pyident log import)")

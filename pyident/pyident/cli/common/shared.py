@@ -111,13 +111,17 @@ def write_json(path: str | None, content: Any) -> None:
             file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
-def output_option(kind: Kind, required: bool = True) -> Callable[[Command], Command]:
-    """`-o FILE` of one kind."""
+def output_option(
+    kind: Kind, required: bool = True, default: str | None = None
+) -> Callable[[Command], Command]:
+    """`-o FILE` of one kind; with a default it need not be given."""
     endings = " or ".join(kind.endings)
     option = click.option(
         "-o",
         "--output",
-        required=required,
+        required=required and default is None,
+        default=default,
+        show_default=default is not None,
         type=Output(kind),
         help=f"{kind.what.capitalize()} ({endings}) to write.",
     )
