@@ -45,7 +45,11 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         depends_on=tuple(
             f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
         ),
-        notes=(*(_orders_of(step) for step in steps if step.orders), *_warnings(search, verdict, places)),
+        notes=(
+            *(_orders_of(step) for step in steps if step.orders),
+            *_warnings(search, verdict, places),
+            *_quiet(search, places, selection),
+        ),
         noise=ex.setting.noise,
         stages=stages,
         places=places,
@@ -148,6 +152,20 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
             f"the residual of {p.joint}, {p.balance} side, is {p.over_floor[0]:.2g} times its floor: the "
             "replicas are noisier than the log, and hide what is smaller than their floor"
         )
+
+
+def _quiet(search: Search, places: Sequence[Place], selection: Selection) -> Iterator[str]:
+    """What no replica shows where nothing stands out, and why it is not named."""
+    for refusal in selection.refusals:
+        if any(places[row].state == "unexplained" for row in refusal.rows):
+            continue
+        c = refusal.candidate
+        found = search.best(c.effect, c.joint)
+        if found is None:
+            continue
+        n = named(search, found)
+        values = ", ".join(f"{k} {v:.3g} ± {n.std[k]:.2g} {n.units[k]}" for k, v in n.values.items())
+        yield f"{c.effect} at joint{c.joint} ({values}) is more than any replica shows, but {refusal.reason}"
 
 
 def _orders_of(step: Step) -> str:
