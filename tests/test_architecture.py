@@ -21,6 +21,7 @@ ROOMS = (
     "checks",
     "inspection",
     "comparison",
+    "excitation",
     "diagnosis",
     "extension",
     "report",

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
+    from pyident.verbs.excite import check_plan as check_plan
+    from pyident.verbs.excite import excite as excite
+    from pyident.verbs.excite import export_plan as export_plan
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -31,12 +34,15 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Added as Added
     from pyident.verbs.judged import Compared as Compared
     from pyident.verbs.judged import Diagnosed as Diagnosed
+    from pyident.verbs.planned import Checked as Checked
+    from pyident.verbs.planned import Planned as Planned
     from pyident.verbs.simulate import export_fmu as export_fmu
     from pyident.verbs.simulate import parameter_study as parameter_study
     from pyident.verbs.simulate import simulate as simulate
 
 _HOME = {
     "Added": "pyident.verbs.judged",
+    "Checked": "pyident.verbs.planned",
     "Compared": "pyident.verbs.judged",
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
@@ -44,12 +50,16 @@ _HOME = {
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
     "Robot": "flexmodels.robot",
+    "Planned": "pyident.verbs.planned",
     "RobotError": "flexmodels.robot",
     "add_effect": "pyident.verbs.judge",
     "check_log": "pyident.checks.check_log",
+    "check_plan": "pyident.verbs.excite",
     "compare": "pyident.verbs.judge",
     "diagnose": "pyident.verbs.judge",
+    "excite": "pyident.verbs.excite",
     "export_fmu": "pyident.verbs.simulate",
+    "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",

@@ -12,12 +12,16 @@ COMMANDS = {
     "effects": Entry(
         "pyident.cli.effects", "effects", "List the laws that a robot file may name, or show one."
     ),
+    "excite": Entry(
+        "pyident.cli.excite", "excite_command", "Design the motion that tells the most about MODEL."
+    ),
     "export": Entry("pyident.cli.simulate", "export", "Write MODEL as an FMU."),
     "identify": Entry(
         "pyident.cli.identify", "identify_command", "Identify the parameters of MODEL from logs."
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
     "open": Entry("pyident.cli.open", "open_command", "Open the workbench on a folder."),
+    "plan": Entry("pyident.cli.excite", "plan", "Check a planned motion, or write it for a controller."),
     "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),

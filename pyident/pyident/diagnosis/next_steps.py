@@ -39,11 +39,12 @@ def with_experiments(
         if len(finding.tie) < 2 or any(candidate_of(search, n).describes for n in finding.tie[:2]):
             continue
         others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
+        offer = f"{finding.experiment}; {_designed(search.robot, finding)}"
         try:
             sentence = _separating(search, finding, others, open_rivals, progress)
         except (RobotError, LogError, SimulationError):
-            continue  # no experiment to vary, or a rival that cannot run: the laws' own words stay
-        findings[i] = replace(finding, experiment=f"{sentence}; {finding.experiment}")
+            sentence = ""  # no experiment to vary, or a rival that cannot run: the laws' own words stay
+        findings[i] = replace(finding, experiment=f"{sentence}; {offer}" if sentence else offer)
     return replace(found, findings=tuple(findings))
 
 
@@ -58,6 +59,16 @@ def with_revealing(
             return replace(found, limits=tuple(revealing(search, found.limits, workers, progress)))
     except (RobotError, LogError):
         return found  # no experiment to vary: the laws' own words stay
+
+
+def _designed(robot: Robot, finding: Finding) -> str:
+    """How to get the motion that separates a tie as a file."""
+    rivals = []
+    for named in finding.tie[:2]:
+        joint = joint_number(named.joint)
+        first = robot.joints[joint - 1].law(named.effect).linear[0].name
+        rivals.append(f"{named.effect}@{joint}={named.values[first]:.4g}")
+    return f"`pyident excite MODEL --separate {' '.join(rivals)} -o plan.parquet` designs a motion for it"
 
 
 def _separating(

@@ -77,14 +77,21 @@ class FmuRuns:
 
 
 @contextmanager
-def runs_here(
-    robot: Robot,
-) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
-    """`FmuRuns` in this very process: for short experiments, which are over before others have started."""
+def fmu_here(robot: Robot) -> Iterator[LoadedFmu]:
+    """The robot's FMU in this very process: for short experiments, over before others have started."""
     with scratch_folder() as folder:
         path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
-            yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
+            yield fmu
+
+
+@contextmanager
+def runs_here(
+    robot: Robot,
+) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
+    """`FmuRuns` in this very process."""
+    with fmu_here(robot) as fmu:
+        yield lambda experiment, parameters: (fmu.simulate(experiment, p) for p in parameters)
 
 
 class RivalRuns:

@@ -158,6 +158,12 @@ def _is_json(path: Path) -> bool:
     return isinstance(json.loads(path.read_text(encoding="utf-8")), dict | list)
 
 
+def _is_trajectory(path: Path) -> bool:
+    if path.suffix == ".csv":
+        return _is_log(path)
+    return b"joint_names" in _head(path)
+
+
 ROBOT = Kind("robot file", (".toml",), _is_robot)
 MAPPING = Kind("mapping", (".toml",), _is_mapping)
 LOG = Kind("log", (".csv", ".parquet", ".mat"), _is_log)
@@ -166,3 +172,4 @@ MODEL = Kind("model for other simulators", (".urdf", ".xml", ".json"), _is_model
 PAGE = Kind("page", (".html",), lambda path: b'content="flexident"' in _head(path))
 DRAFT = Kind("file of effects", (".py",), lambda path: False)
 JSON = Kind("JSON file", (".json",), _is_json)
+TRAJECTORY = Kind("trajectory", (".csv", ".json", ".yaml"), _is_trajectory)

@@ -163,26 +163,31 @@ def mapping_option(command: Command) -> Command:
 
 def set_option(command: Command) -> Command:
     """`--set NAME=VALUE`, wherever something is simulated; a dictionary in `parameters`."""
+    return assignments("--set", "parameters", "joint1.coulomb=3.5", "Another value of a parameter, SI units")(
+        command
+    )
+
+
+def assignments(flag: str, name: str, example: str, text: str) -> Callable[[Command], Command]:
+    """An option NAME=VALUE that may be given again; a dictionary in `name`."""
     return click.option(
-        "--set",
-        "parameters",
+        flag,
+        name,
         multiple=True,
         metavar="NAME=VALUE",
-        callback=lambda context, option, given: dict(map(_assignment, given)),
-        help="Another value of a parameter, SI units; may be given again.",
-    )(command)
+        callback=lambda context, option, given: dict(_assignment(one, example) for one in given),
+        help=f"{text}; may be given again.",
+    )
 
 
-def _assignment(text: str) -> tuple[str, float]:
+def _assignment(text: str, example: str) -> tuple[str, float]:
     name, _, value = text.partition("=")
     try:
         number = float(value)
     except ValueError:
         number = math.nan
     if not name.strip() or not math.isfinite(number):
-        raise click.BadParameter(
-            f"{text!r} is not NAME=VALUE with a finite number, such as joint1.coulomb=3.5"
-        )
+        raise click.BadParameter(f"{text!r} is not NAME=VALUE with a finite number, such as {example}")
     return name.strip(), number
 
 

@@ -1,0 +1,142 @@
+"""What the joints of a robot may do: from its file, from what is given, else from its own experiment."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.coordinate import joint_number
+from flexmodels.experiment import identification
+from flexmodels.robot import Robot, RobotError
+from pyident.excitation.followed import followed, torques
+
+QUANTITIES = ("lower", "upper", "speed", "acceleration", "torque")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Per joint, (joints,), SI units; inf where nothing limits.
+
+    lower, upper, speed, acceleration, torque
+    home     where every motion sets out, at rest
+    notes    where the numbers come from, a sentence each
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    speed: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    home: np.ndarray
+    notes: tuple[str, ...] = ()
+
+    def within(self, share: float, torque_share: float) -> "Limits":
+        """Narrower ones about home: a share of every range, and one of the torque."""
+        return replace(
+            self,
+            lower=self.home + share * (self.lower - self.home),
+            upper=self.home + share * (self.upper - self.home),
+            speed=share * self.speed,
+            acceleration=share * self.acceleration,
+            torque=torque_share * self.torque,
+        )
+
+
+def limits_of(robot: Robot, given: Mapping[str, float] | None = None) -> Limits:
+    """Limits by `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque`, then those of the file.
+
+    What is left open is taken from the motion of the robot's [identification]; accelerations and torques may
+    stay open. Raises RobotError.
+    """
+    values = {name: np.full(len(robot.joints), np.nan) for name in QUANTITIES}
+    _from_file(robot, values)
+    _from_call(robot, values, given or {})
+    notes = _from_experiment(robot, values)
+    for name in ("lower", "upper", "speed"):
+        for k in np.flatnonzero(np.isnan(values[name])) + 1:
+            raise RobotError(
+                f"robot {robot.name} has no limit joint{k}.{name}; add [joint.limits] to its file, or give "
+                f"--limit joint{k}.{name}=NUMBER"
+            )
+    for name in ("acceleration", "torque"):
+        if np.isnan(values[name]).any():
+            notes += (f"nothing limits the {name} of {_listed(np.isnan(values[name]))}",)
+            values[name] = np.where(np.isnan(values[name]), np.inf, values[name])
+    _check(robot, values)
+    inside = (values["lower"] <= 0) & (values["upper"] >= 0)
+    if not inside.all() and robot.controller is not None:
+        k = int(np.flatnonzero(~inside)[0]) + 1
+        raise RobotError(
+            f"robot {robot.name}: the zero pose, where a simulation begins, is outside the limits of joint{k}"
+        )
+    home = np.where(inside, 0.0, (values["lower"] + values["upper"]) / 2)
+    return Limits(**values, home=home, notes=notes)
+
+
+def _from_file(robot: Robot, values: dict[str, np.ndarray]) -> None:
+    for k, joint in robot.numbered:
+        limits = joint.limits
+        if limits is None:
+            continue
+        if limits.position is not None:
+            values["lower"][k - 1], values["upper"][k - 1] = limits.position
+        if limits.speed is not None:
+            values["speed"][k - 1] = limits.speed
+        if limits.effort is not None:
+            values["torque"][k - 1] = limits.effort
+
+
+def _from_call(robot: Robot, values: dict[str, np.ndarray], given: Mapping[str, float]) -> None:
+    names = {f"joint{k}" for k, _ in robot.numbered}
+    for name, value in given.items():
+        joint, _, quantity = name.partition(".")
+        if joint not in names or quantity not in QUANTITIES:
+            raise RobotError(
+                f"there is no limit {name}; limits are joint1.{', joint1.'.join(QUANTITIES)} and so on, up "
+                f"to joint{len(robot.joints)}"
+            )
+        values[quantity][joint_number(joint) - 1] = value
+
+
+def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, ...]:
+    """What the robot's own identification experiment shows that it may do, where nothing else tells."""
+    open_ = {name: np.isnan(v) for name, v in values.items()}
+    if robot.identification is None or not any(v.any() for v in open_.values()):
+        return ()
+    plan = identification(robot)
+    period = float(plan.time[1] - plan.time[0])
+    q = plan.reference
+    dq = np.gradient(q, period, axis=0)
+    ddq = np.gradient(dq, period, axis=0)
+    coarse = slice(None, None, max(1, len(q) // 400))
+    tau = torques(robot, followed(robot, plan.time[coarse], q[coarse], dq[coarse], ddq[coarse]))
+    reached = {
+        "lower": q.min(axis=0),
+        "upper": q.max(axis=0),
+        "speed": np.abs(dq).max(axis=0),
+        "acceleration": np.abs(ddq).max(axis=0),
+        "torque": np.abs(tau).max(axis=0) + np.abs(plan.feedforward).max(axis=0),
+    }
+    notes = []
+    for name, value in reached.items():
+        if open_[name].any():
+            values[name] = np.where(open_[name], value, values[name])
+            notes.append(
+                f"the limit {name} of {_listed(open_[name])} is that of the robot's [identification]"
+            )
+    return tuple(notes)
+
+
+def _check(robot: Robot, values: Mapping[str, np.ndarray]) -> None:
+    for k, _ in robot.numbered:
+        if not values["lower"][k - 1] < values["upper"][k - 1]:
+            raise RobotError(f"robot {robot.name}: joint{k}.lower must be below joint{k}.upper")
+        for name in ("speed", "acceleration", "torque"):
+            if not values[name][k - 1] > 0:
+                raise RobotError(f"robot {robot.name}: the limit joint{k}.{name} must be above zero")
+
+
+def _listed(which: np.ndarray) -> str:
+    if which.all():
+        return "every joint"
+    return ", ".join(f"joint{k + 1}" for k in np.flatnonzero(which))

@@ -1,0 +1,192 @@
+"""Two explanations of the same robot, and how far apart a motion brings what they predict.
+
+The distance is what is left of one rival's forces after the other has been refitted to them: all its linear
+parameters freely, its nonlinear ones over their grid. It is counted in standard deviations of the sensors'
+noise, so that its square is the expected fall of the weighted sum of squares.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot, RobotError
+from pyident.conditioning.weak_form import condition
+from pyident.excitation.criterion import Along, Yardstick
+from pyident.logs.log import Log
+from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
+from pyident.regression.spectrum import Equations, equations
+
+_SIZE = 0.05  # rms of an effect of unknown size, of the rms torque or moment on its row
+_SUSPECT = re.compile(r"([a-z_]+)@(\d+)(?:=(.+))?")
+_CUT = 1e-10  # of the largest eigenvalue of a scaled Gram matrix: below is arithmetic
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect at a joint (from 1). size: of its first linear parameter, None where nothing is known."""
+
+    effect: str
+    joint: int
+    size: float | None = None
+
+    @property
+    def name(self) -> str:
+        return f"{self.effect}@{self.joint}"
+
+
+def suspect(text: str) -> Suspect:
+    """`stribeck@2` or `backlash@3=1e-4`. Raises RobotError."""
+    parts = _SUSPECT.fullmatch(text.strip())
+    try:
+        if parts is None:
+            raise ValueError
+        return Suspect(parts[1], int(parts[2]), None if parts[3] is None else float(parts[3]))
+    except ValueError:
+        raise RobotError(f"{text!r} is not EFFECT@JOINT or EFFECT@JOINT=SIZE, such as stribeck@2") from None
+
+
+def having(robot: Robot, who: Suspect, log: Log) -> Robot:
+    """The robot with the effect; sizes that are not known are small beside what acts along a log.
+
+    log   of the robot without the effect, by which the sizes are taken
+    Raises RobotError where the law cannot act.
+    """
+    has = 1 <= who.joint <= len(robot.joints) and who.effect in robot.joints[who.joint - 1].values
+    if has:
+        if who.size is None:
+            return robot
+        first = robot.joints[who.joint - 1].law(who.effect).linear[0].name
+        return robot.with_parameters({parameter_name(who.joint, who.effect, first): who.size})
+    extended = robot.with_effect(who.joint, who.effect)
+    law = extended.joints[who.joint - 1].law(who.effect)
+    part = condition(log, robot)
+    grid = nonlinear_grid(robot, who.joint, who.effect, [part.motion])
+    chosen = grid[len(grid) // 2]
+    sizes = dict(chosen)
+    columns = effect_columns(robot, who.joint, who.effect, part.motion, chosen)
+    for p in law.linear:
+        row, force = max(columns[p.name].items(), key=lambda item: float(np.mean(item[1] ** 2)))
+        stiffness = robot.q[row].stiffness
+        own = part.target[:, row]
+        if stiffness is not None:
+            own = robot.parameters[stiffness] * part.motion.q[:, row]
+        rms = float(np.sqrt(np.mean(force**2)))
+        natural = _SIZE * float(np.sqrt(np.mean(own**2))) / max(rms, 1e-300) / len(law.linear)
+        sizes[p.name] = min(max(natural, p.lower), p.upper)
+    if who.size is not None:
+        sizes[law.linear[0].name] = who.size
+    return extended.with_parameters({parameter_name(who.joint, who.effect, n): v for n, v in sizes.items()})
+
+
+@dataclass(frozen=True)
+class Rivals:
+    """The robot without either effect, the two suspects with their robots; a suspect None has no effect."""
+
+    base: Robot
+    suspects: tuple[Suspect | None, Suspect | None]
+    robots: tuple[Robot, Robot]
+
+    def score(self, grids: Sequence[Sequence[Mapping[str, float]]]) -> "Score":
+        """Of candidates along their references. grids: nonlinear values of each suspect to refit over."""
+        return Score(self, grids)
+
+    def grids(self, log: Log) -> list[list[dict[str, float]]]:
+        """Nonlinear values of each suspect: those of the grid and its own."""
+        part = condition(log, self.base)
+        out = []
+        for who, robot in zip(self.suspects, self.robots, strict=True):
+            if who is None:
+                out.append([{}])
+                continue
+            values = nonlinear_grid(self.base, who.joint, who.effect, [part.motion])
+            out.append([*values, _own(robot, who)[1]])
+        return out
+
+
+@dataclass(frozen=True)
+class Score:
+    """Distance of the closer of the two ways round, of what a candidate motion would tell."""
+
+    rivals: Rivals
+    grids: Sequence[Sequence[Mapping[str, float]]]
+
+    def __call__(self, found: Along) -> float:
+        sides = []
+        for own, other in ((0, 1), (1, 0)):
+            who, robot = self.rivals.suspects[own], self.rivals.robots[own]
+            if who is None:
+                continue
+            linear, nonlinear = _own(robot, who)
+            X = found.force(self.rivals.base, who.joint, who.effect, nonlinear)
+            y = X @ np.array(list(linear.values()))
+            sides.append(self._left(found, y, other))
+        return float(np.sqrt(min(sides)))
+
+    def _left(self, found: Along, y: np.ndarray, other: int) -> float:
+        """Least energy that the other rival leaves of forces y (n, E)."""
+        rival, base = self.rivals.suspects[other], found.A.reshape(-1, found.A.shape[2])
+        if rival is None:
+            return remaining(base, y.ravel())
+        left = []
+        for values in self.grids[other]:
+            X = found.force(self.rivals.base, rival.joint, rival.effect, values)
+            left.append(remaining(np.hstack([base, X.reshape(len(base), -1)]), y.ravel()))
+        return min(left)
+
+
+def remaining(A: np.ndarray, y: np.ndarray) -> float:
+    """|y − A x|² of the best x, without ever being negative."""
+    size = np.linalg.norm(A, axis=0)
+    A = A[:, size > 0] / size[size > 0]
+    w, V = np.linalg.eigh(A.T @ A)
+    kept = w > _CUT * w[-1]
+    x = V[:, kept] @ ((V[:, kept].T @ (A.T @ y)) / w[kept])
+    rest = y - A @ x
+    return float(rest @ rest)
+
+
+def distance(rivals: Rivals, own: int, log: Log, level: Yardstick) -> float:
+    """Of rival `own`'s forces along its own log from what the other makes of them after a refit."""
+    robot, other, rival = rivals.robots[own], rivals.robots[1 - own], rivals.suspects[1 - own]
+    part = condition(log, robot)
+    mine = equations(robot, [part], [log.period])[0]
+    forces = mine.A @ np.array(list(robot.linear_parameters.values()))
+    grid = [{}] if rival is None else rivals.grids(log)[1 - own]
+    return float(np.sqrt(min(_refitted(other, rival, values, log, forces, level) for values in grid)))
+
+
+def _refitted(
+    other: Robot,
+    rival: Suspect | None,
+    values: Mapping[str, float],
+    log: Log,
+    y: np.ndarray,
+    level: Yardstick,
+) -> float:
+    robot = other
+    if rival is not None and values:
+        robot = other.with_parameters(
+            {parameter_name(rival.joint, rival.effect, name): v for name, v in values.items()}
+        )
+    found = equations(robot, [condition(log, robot)], [log.period])[0]
+    asked: Equations = replace(found, y=y).over(level.floor.at(found.band))
+    return remaining(asked.A.reshape(-1, asked.A.shape[2]), asked.y.ravel())
+
+
+def fall(rivals: Rivals, own: int, log: Log, level: Yardstick) -> float:
+    """How much more of a noisy log the wrong rival leaves than the right one, both refitted."""
+    robot, who = rivals.robots[own], rivals.suspects[own]
+    other, rival = rivals.robots[1 - own], rivals.suspects[1 - own]
+    y = equations(robot, [condition(log, robot)], [log.period])[0].y
+    right = _refitted(robot, who, {}, log, y, level)
+    grid = [{}] if rival is None else rivals.grids(log)[1 - own]
+    return min(_refitted(other, rival, values, log, y, level) for values in grid) - right
+
+
+def _own(robot: Robot, who: Suspect) -> tuple[dict[str, float], dict[str, float]]:
+    """Linear and nonlinear values of the effect."""
+    law, values = robot.joints[who.joint - 1].law(who.effect), robot.joints[who.joint - 1].values[who.effect]
+    return {p.name: values[p.name] for p in law.linear}, {p.name: values[p.name] for p in law.nonlinear}

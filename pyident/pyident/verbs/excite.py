@@ -1,0 +1,180 @@
+"""The next experiment: a motion that tells the most, checked before a machine runs it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from flexmodels.inputs import Experiment
+from flexmodels.robot import Robot, RobotError
+from pyident.excitation.capsules import Geometry, geometry_of
+from pyident.excitation.criterion import Yardstick
+from pyident.excitation.design import Design, Drawing, Task, designed, informative, measure, starts
+from pyident.excitation.limits import Limits, limits_of
+from pyident.excitation.prediction import predicted
+from pyident.excitation.rehearsal import Rehearsal, others_like, rehearsal, violations
+from pyident.excitation.rivals import Rivals, Suspect, distance, having, suspect
+from pyident.excitation.search import Budget
+from pyident.excitation.tables import write_table
+from pyident.simulation.references import load_experiment
+from pyident.verbs.inputs import Model, robot_of
+from pyident.verbs.planned import Checked, Planned, Promise
+
+Progress = Callable[[float], None]
+Pair = tuple[Suspect | None, Suspect | None]
+ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
+_TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
+_RATE = 250.0  # Hz, of robots without a controller
+_OTHERS = 24
+
+
+def excite(
+    model: Model,
+    *,
+    separate: Sequence[str] = (),
+    reveal: str | None = None,
+    duration: float = 10.0,
+    rate: float | None = None,
+    limits: Mapping[str, float] | None = None,
+    noise: Mapping[str, float] | None = None,
+    radius: float | None = None,
+    floor: float | None = 0.0,
+    evaluations: int = 1500,
+    seconds: float = 120.0,
+    seed: int = 0,
+    allow_effects: bool = False,
+    progress: Progress | None = None,
+) -> Planned:
+    """A motion that determines the parameters best, or tells two effects apart, or shows one.
+
+    model       as in `identify`; its own parameters predict what the motion takes
+    separate    two of `EFFECT@JOINT` (or `EFFECT@JOINT=SIZE`) that should be told apart
+    reveal      one of them that should be seen
+    duration    [s];  rate  [Hz] of the plan, none: the controller's
+    limits      `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque` beside the file's, SI units
+    noise       channel -> standard deviation of its sensor, beside an encoder noise of 1e-5
+    radius      [m] of the links as capsules;  floor  its height [m] over the base, None: there is none
+    evaluations, seconds   what the search may cost; an interrupt ends it with the best so far
+    Raises RobotError, SimulationError, BuildError.
+    """
+    robot = robot_of(model, allow_effects=allow_effects)
+    asked = tuple(suspect(text) for text in separate)
+    if asked and (len(asked) != 2 or reveal):
+        raise RobotError("separate takes two effects, and reveal one; ask for one of them")
+    pair: Pair | None = (asked[0], asked[1]) if asked else None
+    if reveal:
+        pair = (suspect(reveal), None)
+    task = _task(robot, duration, rate, limits, noise, radius, floor)
+    budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
+    with rehearsal(robot) as own:
+        level = measure(task, drawing, own)
+        if pair is not None:
+            found, promise = _apart(task, drawing, level, own, pair, budget, progress)
+        else:
+            score, promise = informative(task, drawing, level), None
+            found = designed(task, drawing, score, level, own, budget, progress)
+        prediction = predicted(robot, own.log(found.plan), task.noise)
+    return Planned(robot, found, _notes(task), prediction, promise)
+
+
+def check_plan(
+    plan: Experiment | str | Path,
+    model: Model,
+    *,
+    limits: Mapping[str, float] | None = None,
+    noise: Mapping[str, float] | None = None,
+    radius: float | None = None,
+    floor: float | None = 0.0,
+    others: int = _OTHERS,
+    allow_effects: bool = False,
+) -> Checked:
+    """Whether a robot may run a plan: limits, torques in simulation, its own links and the floor.
+
+    plan     an Experiment, or what `simulate` takes as one
+    others   robots with parameters off by 10 to 25 % that rehearse it too
+    The others as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
+    """
+    robot = robot_of(model, allow_effects=allow_effects)
+    read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
+    rate = 1 / float(read.time[1] - read.time[0])
+    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor)
+    with rehearsal(robot) as own:
+        found = violations(own, task.limits, task.geometry, read, others_like(robot, others, seed=2))
+        prediction = predicted(robot, own.log(read), task.noise)
+    return Checked(robot, tuple(found), _notes(task), prediction, others)
+
+
+def export_plan(
+    plan: Experiment | str | Path,
+    model: Model,
+    path: str | Path,
+    *,
+    rate: float | None = None,
+    degrees: bool = False,
+    allow_effects: bool = False,
+) -> Path:
+    """Write a plan's references as a table (.csv) or a ROS JointTrajectory (.json, .yaml); its path.
+
+    rate      points a second, none: the plan's own;  degrees  and mm in a table, instead of SI units
+    Raises RobotError, ExperimentError.
+    """
+    robot = robot_of(model, allow_effects=allow_effects)
+    read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
+    own = 1 / float(read.time[1] - read.time[0])
+    return write_table(robot, read, path, own if rate is None else rate, degrees)
+
+
+def _apart(
+    task: Task,
+    drawing: Drawing,
+    level: Yardstick,
+    own: Rehearsal,
+    pair: Pair,
+    budget: Budget,
+    progress: Progress | None,
+) -> tuple[Design, Promise]:
+    """The motion that brings two rivals apart; None of a pair is the robot as it is."""
+    drawn = (drawing.reference(x, 1 / task.rate) for x in starts(drawing.family, 20))
+    log = own.log(drawing.plan(next(reference for reference in drawn if reference is not None)))
+    first, second = (task.robot if who is None else having(task.robot, who, log) for who in pair)
+    rivals = Rivals(task.robot, pair, (first, second))
+    score = rivals.score(rivals.grids(log))
+    with ExitStack() as stack:
+        theirs = [stack.enter_context(rehearsal(robot)) for robot in rivals.robots]
+        found = designed(task, drawing, score, level, own, budget, progress, rivals=theirs)
+        sides = [i for i, who in enumerate(pair) if who is not None]
+        sigmas = min(distance(rivals, i, theirs[i].log(found.plan), level) for i in sides)
+    names = ["nothing" if who is None else who.name for who in pair]
+    return found, Promise((names[0], names[1]), sigmas)
+
+
+def _task(
+    robot: Robot,
+    duration: float,
+    rate: float | None,
+    limits: Mapping[str, float] | None,
+    noise: Mapping[str, float] | None,
+    radius: float | None,
+    floor: float | None,
+) -> Task:
+    driven = robot.controller or robot.servo
+    own = 1 / driven.period if driven else _RATE
+    if rate is not None and driven and abs(rate - own) > 1e-6 * own:
+        raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the rate of the plan at that")
+    if not duration > 0:
+        raise RobotError("the duration of a motion must be above zero")
+    allowed: Limits = limits_of(robot, limits)
+    known = {name: ENCODER for name in robot.coordinates}
+    if robot.controller is None:
+        sizes = zip(robot.torques, allowed.torque, strict=True)
+        known |= {name: _TORQUE * float(size) for name, size in sizes if size < float("inf")}
+    unknown = set(noise or {}) - {*robot.coordinates, *robot.torques}
+    if unknown:
+        raise RobotError(
+            f"robot {robot.name} has no sensor {min(unknown)}; noise is of {robot.coordinates[0]} and so on"
+        )
+    shape: Geometry = geometry_of(robot, radius, floor)
+    return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own)
+
+
+def _notes(task: Task) -> tuple[str, ...]:
+    return (*task.limits.notes, *task.geometry.notes)

@@ -1,0 +1,174 @@
+"""What `excite` and `check_plan` return."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pyident.verbs.result import Result
+from pyident.verbs.text import Text, table, wrapped
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from flexmodels.inputs import Experiment
+    from flexmodels.robot import Robot
+    from pyident.excitation.design import Design
+    from pyident.excitation.prediction import Prediction
+    from pyident.excitation.violations import Violation
+
+_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
+ENOUGH = 5.0  # standard deviations that settle a question
+
+
+@dataclass(frozen=True)
+class Promise:
+    """How far apart two rivals will be, in standard deviations of the sensors' noise, after a refit."""
+
+    rivals: tuple[str, str]
+    sigmas: float
+
+    @property
+    def sentence(self) -> str:
+        which = "which settles it" if self.sigmas >= ENOUGH else "which does not settle it"
+        return f"{' and '.join(self.rivals)} will differ by {self.sigmas:.3g} standard deviations, {which}"
+
+
+@dataclass(frozen=True, repr=False)
+class Planned(Result):
+    """A motion that the robot can run, and what it will tell.
+
+    design      plan, search and rehearsals
+    prediction  of the parameters' standard deviations;  promise  of a separation, None where none was asked
+    """
+
+    robot: "Robot"
+    design: "Design"
+    notes: tuple[str, ...]
+    prediction: "Prediction"
+    promise: Promise | None
+
+    @property
+    def plan(self) -> "Experiment":
+        """What `simulate` runs."""
+        return self.design.plan
+
+    def save(self, path: str | Path) -> Path:
+        """Write the plan: time, joint{k}.r and joint{k}.tau_ff (.csv, .parquet or .mat). Raises LogError."""
+        from pyident.excitation.rehearsal import plan_frame
+        from pyident.logs.log import Log, write_log
+
+        write_log(Log(plan_frame(self.plan), "the plan"), path)
+        return Path(path)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per parameter: value, predicted standard deviation, unit."""
+        return _parameters(self.robot, self.prediction)
+
+    def to_dict(self) -> dict[str, Any]:
+        found = _prediction(self.robot, self.prediction) | {
+            "duration_s": float(self.plan.time[-1]),
+            "evaluations": self.design.best.evaluations,
+            "stopped": self.design.best.stopped,
+            "scale": self.design.scale,
+            "rehearsed": self.design.rehearsed,
+            "notes": list(self.notes),
+        }
+        if self.promise is not None:
+            found |= {"separation": {"rivals": list(self.promise.rivals), "sigmas": self.promise.sigmas}}
+        return found
+
+    def headline(self) -> str:
+        what = self.promise.sentence if self.promise else _rank(self.prediction)
+        return f"{self.robot.name}, a motion of {self.plan.time[-1]:g} s: {what}"
+
+    def summary(self) -> Text:
+        search = self.design.best
+        lines = [wrapped(self.headline(), "  "), _told(self.robot, self.prediction)]
+        ended = ", stopped early" if search.stopped else ""
+        lines.append(
+            f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
+            f"parameters off by 10 to 25 %, at {100 * self.design.scale:.0f} % of its first size"
+        )
+        return Text("\n".join(lines))
+
+
+@dataclass(frozen=True, repr=False)
+class Checked(Result):
+    """Whether a robot may run a plan: violations, none where it may.
+
+    others   robots with other parameters that rehearsed it
+    """
+
+    robot: "Robot"
+    violations: "tuple[Violation, ...]"
+    notes: tuple[str, ...]
+    prediction: "Prediction"
+    others: int
+
+    @property
+    def safe(self) -> bool:
+        return not self.violations
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per violation: what, where, whose, value, limit, unit, time."""
+        import pandas as pd
+
+        heads = ["what", "where", "of", "value", "limit", "unit", "time"]
+        rows = [[getattr(v, head) for head in heads] for v in self.violations]
+        return pd.DataFrame(rows, columns=heads)
+
+    def to_dict(self) -> dict[str, Any]:
+        return _prediction(self.robot, self.prediction) | {
+            "safe": self.safe,
+            "violations": self.to_frame().to_dict("records"),
+            "rehearsed": self.others,
+            "notes": list(self.notes),
+        }
+
+    def headline(self) -> str:
+        if self.safe:
+            return f"{self.robot.name} keeps every limit, and so do {self.others} robots like it"
+        return f"{self.robot.name} must not run this: {len(self.violations)} limits are broken"
+
+    def summary(self) -> Text:
+        lines = [self.headline(), *(wrapped(f"  {v.sentence}", "    ") for v in self.violations)]
+        return Text("\n".join([*lines, _told(self.robot, self.prediction)]))
+
+
+def _parameters(robot: "Robot", found: "Prediction") -> "pd.DataFrame":
+    import pandas as pd
+
+    rows = [(name, found.values[name], std, robot.units[name]) for name, std in found.std.items()]
+    return pd.DataFrame(rows, columns=["parameter", "value", "std", "unit"]).set_index("parameter")
+
+
+def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
+    return {
+        "parameters": {
+            name: {
+                "value": found.values[name],
+                "std": std if np.isfinite(std) else None,
+                "unit": robot.units[name],
+            }
+            for name, std in found.std.items()
+        },
+        "rank": found.rank,
+        "singular_values": found.singular_values.tolist(),
+        "condition_number": found.condition,
+    }
+
+
+def _rank(found: "Prediction") -> str:
+    return f"rank {found.rank} of {len(found.std)} parameters, condition number {found.condition:.3g}"
+
+
+def _told(robot: "Robot", found: "Prediction") -> str:
+    rows = [
+        (name, f"{found.values[name]:.5g}", f"{_CONFIDENCE * std:.2g}", robot.units[name])
+        for name, std in found.std.items()
+        if np.isfinite(std)
+    ]
+    heads = ("parameter", "value", "± 95 %", "unit")
+    return f"{table(heads, rows, numbers=(1, 2))}\n{_rank(found)}; the others only in combinations"
