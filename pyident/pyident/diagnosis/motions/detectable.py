@@ -80,7 +80,9 @@ def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, fl
     of = slopes(robot, c, log.part.motion)
     found = []
     for name, amplitude in smallest.items():
-        row, column = max(of[name].items(), key=lambda pair: float(np.square(pair[1]).sum()))
+        rows = of[name]
+        row = max(rows, key=lambda r: float(np.square(rows[r]).sum())) if c.describes else next(iter(rows))
+        column = rows[row]
         stiffness = robot.q[row].stiffness
         if stiffness is None:
             own = log.part.target[:, row]
