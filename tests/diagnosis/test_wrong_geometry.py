@@ -41,9 +41,9 @@ def test_two_millimetres_are_measured():
     assert found.coefficients[0] == pytest.approx(0.002, abs=3 * found.std[0])
 
 
-def test_six_millimetres_are_named():
-    given = logs(0.006)
+def test_twelve_millimetres_are_named():
+    given = logs(0.012)
     found = concluded(searched(arm(), given[:2], never), never, given[2:])
     assert found.sentence.startswith("Wrong in the robot file"), found.sentence
     tie = {(n.effect, n.joint): n for n in found.findings[0].tie}
-    assert tie["origin[x]", "joint3"].values["correction"] == pytest.approx(0.006, rel=0.2)
+    assert tie["origin[x]", "joint3"].values["correction"] == pytest.approx(0.012, rel=0.2)
