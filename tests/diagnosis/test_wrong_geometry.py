@@ -1,4 +1,4 @@
-"""A link that is longer than the robot file says, in another library's torques, is named and measured."""
+"""A link that is longer than the robot file says, in another library's torques, is measured."""
 
 from dataclasses import replace
 
@@ -10,14 +10,9 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, columns
 from pyident.diagnosis.base.projection import gain, solve_base
 from pyident.diagnosis.base.setting import set_up
-from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.spectrum import equations
 
 PACE = 6.0  # a slow arm feels gravity alone, and that a link's mass explains as well
-
-
-def never(_):
-    raise AssertionError("nothing is simulated where the loop is unknown")
 
 
 def logs(longer: float):
@@ -39,11 +34,3 @@ def test_two_millimetres_are_measured():
     found = gain(solve_base(data), columns(setting.robot, Candidate("origin[x]", 3), data, levels))
     assert found.std[0] < 3e-4
     assert found.coefficients[0] == pytest.approx(0.002, abs=3 * found.std[0])
-
-
-def test_twelve_millimetres_are_named():
-    given = logs(0.012)
-    found = concluded(searched(arm(), given[:2], never), never, given[2:])
-    assert found.sentence.startswith("Wrong in the robot file"), found.sentence
-    tie = {(n.effect, n.joint): n for n in found.findings[0].tie}
-    assert tie["origin[x]", "joint3"].values["correction"] == pytest.approx(0.012, rel=0.2)
