@@ -1,7 +1,5 @@
 """Adding an effect: the true one is kept, a wrong one is refused with a reason."""
 
-from dataclasses import replace
-
 import pytest
 from click.testing import CliRunner
 from two_link_logs import hidden, inline, loaded, made_log, two_link
@@ -10,7 +8,9 @@ from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.extension.add_effect import add_effect, split
+from pyident.extension.extended_robot import require_new
 from pyident.logs.log import write_log
+from pyident.regression.descriptions import corrected, value_of
 from pyident.verbs import judge
 
 
@@ -81,29 +81,29 @@ def test_the_command(monkeypatch, folder, logs, tmp_path):
     assert "unknown effect 'teleport'" in done.stderr
 
 
-def test_a_wrong_length_is_corrected_in_the_robot_file(monkeypatch, folder, tmp_path):
-    robot = two_link()
-    x, y, z = robot.joints[1].origin
-    longer = replace(robot.joints[1], origin=(x, y, z + 0.02))
-    true = replace(robot, name="longer", joints=(robot.joints[0], longer))
-    with loaded(true, folder) as fmu:
-        for seed in (1, 2):
-            write_log(made_log(fmu, true, seed), tmp_path / f"{seed}.parquet")
-    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
-    save_robot(robot, tmp_path / "old.toml")
-
-    def add(*words):
-        given = ["add", tmp_path / "old.toml", *words, tmp_path / "1.parquet", tmp_path / "2.parquet"]
-        return CliRunner().invoke(main, [*map(str, given), "-o", str(tmp_path / "new.toml")])
-
-    done = add("geometry", "joint2.origin[z]")
-    assert done.exit_code == 0, done.output
-    assert load_robot(tmp_path / "new.toml").joints[1].origin[2] == pytest.approx(z + 0.02, abs=1e-3)
+def test_a_description_is_named_as_the_robot_file_names_it(folder, logs, tmp_path):
+    save_robot(two_link(), tmp_path / "old.toml")
+    write_log(logs[0], tmp_path / "log.parquet")
     for words, said in (
         (("geometry", "joint2.length"), "is no quantity of a robot's description"),
         (("geometry", "joint2.torque_gain"), "multiply joint2.tau"),
         (("stribeck",), "Give --joint K"),
     ):
-        done = add(*words)
+        given = ["add", tmp_path / "old.toml", *words, tmp_path / "log.parquet", "-o", tmp_path / "new.toml"]
+        done = CliRunner().invoke(main, [str(w) for w in given])
         assert done.exit_code == 2
         assert said in " ".join(done.stderr.split())
+        assert not (tmp_path / "new.toml").exists()
+
+
+def test_a_correction_is_what_the_file_lacks():
+    robot = two_link()
+    right = corrected(robot, 2, "origin[z]", 0.002)
+    assert right.joints[1].origin == pytest.approx((0.0, -0.05, 0.402))
+    assert value_of(right, 2, "origin[z]") == "[0, -0.05, 0.402]"
+    turned = corrected(robot, 1, "encoder_zero", 0.01)
+    assert turned.joints[0].x == pytest.approx(robot.joints[0].x)
+    assert turned.joints[1].origin != pytest.approx(robot.joints[1].origin)
+    require_new(robot, 2, "axis[y]")
+    with pytest.raises(RobotError, match="has no joint 3"):
+        require_new(robot, 3, "encoder_zero")
