@@ -15,8 +15,9 @@ from benchmarks.measure import on_one_core, peak_memory
 from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.estimation.least_squares import reduce, solve
+from pyident.estimation.least_squares import solve
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor_blocks
 
 TOOLS = ("ours", "numpy lstsq", "scipy lstsq")

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from pyident.logs.log import Log
+from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.replica import Repeat
 
 TWO_LINK = Path(__file__).parent / "robots" / "two_link.toml"
@@ -55,17 +55,4 @@ def loaded(robot: Robot, folder: Path) -> Iterator[LoadedFmu]:
         yield fmu
 
 
-def inline(folder: Path):
-    """`pipeline.FmuRuns` without processes."""
-
-    @contextmanager
-    def open_workers(robot: Robot):
-        with loaded(robot, folder) as fmu:
-
-            def submit(work, *arguments):
-                result = work(fmu, *arguments)
-                return SimpleNamespace(result=lambda: result)
-
-            yield SimpleNamespace(submit=submit)
-
-    return open_workers
+in_process = runs_here  # what opens a pool, without processes

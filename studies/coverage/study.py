@@ -12,10 +12,11 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified
 from pyident.logs.log import Log
-from pyident.refinement.auxiliary_model import OpenWorkers, identify_by_instruments
+from pyident.refinement.auxiliary_model import identify_by_instruments
 from pyident.refinement.output_error import output_error
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.replica import with_noise
+from pyident.simulation.simulator import OpenPool
 from pyident.sweep.studies import StudyResult, row
 
 LEVELS = (2e-6, 1e-5)  # rad, of the encoders at the motors; those behind the gears have half of it
@@ -46,7 +47,7 @@ def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> St
     return StudyResult(rows, [folder / "coverage.csv"])
 
 
-def _shared(robot: Robot, simulate: FmuRuns) -> OpenWorkers:
+def _shared(robot: Robot, simulate: FmuRuns) -> OpenPool:
     """The processes that are there already, for every model under the robot's own controller."""
     return lambda simulated: (
         nullcontext(simulate) if simulated.controller is robot.controller else FmuRuns(simulated)

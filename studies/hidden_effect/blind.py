@@ -2,11 +2,10 @@
 
 import hashlib
 import json
-import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, as_completed
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Sequence
+from concurrent.futures import as_completed
+from contextlib import nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -16,18 +15,15 @@ from threadpoolctl import threadpool_limits
 import flexfmu
 import flexmodels
 import pyident
-from flexfmu.build import export_fmu
-from flexfmu.simulate import LoadedFmu
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import load_robot
-from flexmodels.mechanics.plant import equations
-from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
+from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.workers import workers_with
 
 from .generator import LOGS, generate
@@ -76,8 +72,8 @@ def _unseen(case: Case, folder: Path, replicas: int, of: str) -> None:
 def _diagnosed(folder: Path, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
     """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
     logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
-    search = searched(load_robot(ROBOT), logs[:2], _in_process, rules=_rules(replicas))
-    return search, logs[2:], concluded(search, _in_process, logs[2:])
+    search = searched(load_robot(ROBOT), logs[:2], runs_here, rules=_rules(replicas))
+    return search, logs[2:], concluded(search, runs_here, logs[2:])
 
 
 def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) -> Bound | None:
@@ -91,26 +87,6 @@ def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) 
 
 def _rules(replicas: int) -> Rules:
     return replace(RULES, replicas=replace(RULES.replicas, count=replicas))
-
-
-class _Here:
-    """Does at once what processes that hold an FMU would do."""
-
-    def __init__(self, fmu: LoadedFmu):
-        self._fmu = fmu
-
-    def submit(self, work: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        future.set_result(work(self._fmu, *arguments))
-        return future
-
-
-@contextmanager
-def _in_process(robot: Robot) -> Iterator[_Here]:
-    with tempfile.TemporaryDirectory() as folder:
-        path = export_fmu(equations(robot), Path(folder) / "plant.fmu", light=True)
-        with LoadedFmu(path) as fmu:
-            yield _Here(fmu)
 
 
 def _finished(name: str, folder: Path, of: str) -> bool:

@@ -10,7 +10,7 @@ from pyident.conditioning import weak_form as conditioning
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
-from pyident.estimation.least_squares import Solution, reduce, solve
+from pyident.estimation.least_squares import Solution, solve
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 
@@ -50,7 +50,7 @@ def _row(name: str, robot: Robot, part: Conditioned, leave_out: bool, weighted: 
     if weighted:
         _, solution = estimate(problem)
     else:
-        solution = solve(reduce(problem.blocks(), problem.rows, problem.columns))
+        solution = solve(problem.reduced())
     joints = slice(0, len(robot.joints))
     left = 100 * solution.residual[joints] / solution.signal[joints]
     worst = {f"{kind} [%]": f"{_worst(robot, solution, kind):.2g}" for kind in _KINDS}

@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.estimation.identify import Identified
-from pyident.estimation.least_squares import reduce, solve
+from pyident.estimation.least_squares import solve
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 
 

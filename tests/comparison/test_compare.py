@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from two_link_logs import hidden, inline, loaded, made_log, two_link
+from two_link_logs import hidden, in_process, loaded, made_log, two_link
 
 from flexmodels.files.robot_file import load_robot, save_robot
 from pyident.cli.main import main
@@ -38,7 +38,7 @@ def logs(folder):
 
 @pytest.fixture(scope="module")
 def found(folder, logs):
-    return [compare(two_link(), [log], inline(folder), lambda _: None) for log in logs]
+    return [compare(two_link(), [log], in_process, lambda _: None) for log in logs]
 
 
 def test_the_true_model_is_at_its_floor(found):
@@ -83,7 +83,7 @@ def test_json_and_page(found, tmp_path):
 
 def test_wrong_values_are_told_from_a_wrong_structure(folder, logs):
     stiff = {"joint1.k[1]": 0.9 * two_link().parameters["joint1.k[1]"]}
-    c = compare(two_link().with_parameters(stiff), [logs[0]], inline(folder), lambda _: None)
+    c = compare(two_link().with_parameters(stiff), [logs[0]], in_process, lambda _: None)
     assert not c.structural
     assert "joint 1" in c.sentence
     assert c.where is not None
@@ -94,7 +94,7 @@ def test_a_measured_axis_without_controller(data, folder):
     robot = load_robot("emps")
     log = read_log(data / "emps" / "DATA_EMPS.mat", robot.columns)
     fitted = identify(robot, [log])
-    c = compare(fitted.robot, [log], inline(folder), lambda _: None, FEW)
+    c = compare(fitted.robot, [log], in_process, lambda _: None, FEW)
     error = c.logs[0].equations["joint1.e"]
     assert error.nrmse_percent == pytest.approx(fitted.relative_error["joint1"], rel=1e-6)
     assert c.tracks
@@ -102,7 +102,7 @@ def test_a_measured_axis_without_controller(data, folder):
 
 
 def test_the_command(monkeypatch, folder, logs, tmp_path):
-    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
+    monkeypatch.setattr(judge, "FmuRuns", in_process)
     write_log(logs[1], tmp_path / "log.parquet")
     save_robot(replace(two_link(), name="old"), tmp_path / "old.toml")
     words = ["compare", tmp_path / "old.toml", tmp_path / "log.parquet", "--json", tmp_path / "c.json"]

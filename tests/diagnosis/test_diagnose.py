@@ -1,13 +1,12 @@
 """Diagnoses of the two-joint robot, whose hidden law is known here."""
 
 import json
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from two_link_logs import TWO_LINK, hidden, inline, loaded, made_log, two_link
+from two_link_logs import TWO_LINK, hidden, in_process, loaded, made_log, two_link
 
 from flexmodels.robot import Robot
 from pyident.cli.main import main
@@ -40,8 +39,8 @@ def with_law(effect: str, joint: int, **values: float) -> Robot:
 
 def diagnosed(robot: Robot, folder) -> tuple[Search, Diagnosis]:
     logs = logs_of(robot, folder)
-    search = searched(two_link(), logs[:2], inline(folder))
-    return search, concluded(search, inline(folder), logs[2:])
+    search = searched(two_link(), logs[:2], in_process)
+    return search, concluded(search, in_process, logs[2:])
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +80,11 @@ def test_a_true_law_keeps_its_coefficients(asymmetric):
 def test_an_imitator_does_not(folder):
     """A torque that grows with the square of the speed is no ripple of constant size."""
     logs = [_with_torque(log) for log in logs_of(two_link(), folder)]
-    search = searched(two_link(), logs[:2], inline(folder))
+    search = searched(two_link(), logs[:2], in_process)
     candidate = Candidate("torque_ripple", 1, (("order", 9.0),))
     search = search.resting_on([candidate])
     assert changes_with(search, candidate) == "speed"
-    found = concluded(search, inline(folder), logs[2:])
+    found = concluded(search, in_process, logs[2:])
     assert "torque_ripple" not in {n.effect for f in found.findings for n in f.tie}
 
 
@@ -102,11 +101,11 @@ def foreign(folder):
 
 
 def test_a_law_that_leaves_a_foreign_signal_stands_in_for_it(foreign, folder):
-    search = searched(two_link(), foreign[:2], inline(folder))
+    search = searched(two_link(), foreign[:2], in_process)
     candidate = Candidate("load_dependent_friction", 1)
     search = search.resting_on([candidate])
     assert stands_in_for(search, candidate) == "friction with deformation 2 of joint 2"
-    found = concluded(search, inline(folder), foreign[2:])
+    found = concluded(search, in_process, foreign[2:])
     assert found.verdict == "unexplained"
 
 
@@ -116,7 +115,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
         bending = log.frame["joint1.eps[2]"].to_numpy()
         tau = log.frame["joint2.tau"] + 5 * np.tanh(bending / bending.std())
         logs.append(replace(log, frame=log.frame.assign(**{"joint2.tau": tau})))
-    search = searched(two_link(), logs[:2], inline(folder))
+    search = searched(two_link(), logs[:2], in_process)
     candidate = Candidate("asymmetric_coulomb", 2)
     search = search.resting_on([candidate])
     row = search.robot.coordinates.index("joint2.e")
@@ -144,7 +143,7 @@ def test_a_gap_must_take_the_stiffness_to_be_backlash(folder):
     assert proper(robot, gap, [0.9 * stiffness], robot.linear_parameters)
     assert not proper(robot, gap, [0.3 * stiffness], robot.linear_parameters)
     logs = logs_of(with_law("backlash", 2, stiffness=stiffness, gap=2e-4), folder, 2)
-    best = searched(robot, logs, inline(folder)).step().best.candidate
+    best = searched(robot, logs, in_process).step().best.candidate
     assert (best.effect, best.joint) == ("backlash", 2)
     assert dict(best.values)["gap"] == pytest.approx(2e-4, rel=0.4)
 
@@ -153,8 +152,8 @@ def test_the_signature_of_the_missing_law_is_the_residual(folder):
     robot = two_link()
     cubic = robot.parameters["joint2.k[1]"] / (4e-4) ** 2
     logs = logs_of(with_law("hardening_stiffness", 2, cubic=cubic), folder)
-    search = searched(robot, logs[:2], inline(folder))
-    judge = _Judge(search, logs[2:], inline(folder))
+    search = searched(robot, logs[:2], in_process)
+    judge = _Judge(search, logs[2:], in_process)
     true, false = (judge.trace(Candidate(name, 2)) for name in ("hardening_stiffness", "stiffness_coupling"))
     assert true is not None
     assert false is not None
@@ -168,15 +167,8 @@ def test_rivals_get_an_experiment(asymmetric, folder):
     search, found = asymmetric
     rival = next(n for n in found.ranking if n.effect == "nonlinear_viscous" and n.joint == "joint2")
     tied = replace(found.findings[0], tie=(*found.findings[0].tie, rival))
-
-    @contextmanager
-    def open_rivals(robots):
-        fmus = [loaded(replace(robot, name=f"rival{i}"), folder) for i, robot in enumerate(robots)]
-        with fmus[0] as first, fmus[1] as second:
-            yield lambda plan: [first.simulate(plan), second.simulate(plan)]
-
     (finding,) = with_experiments(
-        search, replace(found, findings=(tied,)), open_rivals, lambda _: None
+        search, replace(found, findings=(tied,)), in_process, lambda _: None
     ).findings
     assert finding.experiment.startswith("run ")
     assert "standard deviations" in finding.experiment
@@ -187,7 +179,7 @@ def test_the_command(monkeypatch, folder, tmp_path):
     for log in logs_of(hidden(), folder):
         paths.append(str(tmp_path / f"{log.source.replace(' ', '')}.parquet"))
         write_log(log, paths[-1])
-    monkeypatch.setattr("pyident.verbs.judge.FmuRuns", inline(folder))
+    monkeypatch.setattr("pyident.verbs.judge.FmuRuns", in_process)
     page, answer = tmp_path / "page.html", tmp_path / "answer.json"
     ran = CliRunner().invoke(
         main, ["diagnose", str(TWO_LINK), *paths, "-o", str(page), "--json", str(answer)]

@@ -11,7 +11,8 @@ from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.motions.separating import Separation, distance, separating, variants
 from pyident.estimation.identify import identify
 from pyident.logs.log import Log
-from pyident.simulation.fmu_runs import RivalRuns
+from pyident.simulation.fmu_runs import runs_here
+from pyident.simulation.simulator import rivals as simulated
 
 NOISE = {"joint1.e": 2e-6}
 
@@ -29,7 +30,7 @@ def having(effect: str, **values: float) -> Robot:
 def found(*rivals: Robot) -> tuple[Separation, dict[str, list[Log]]]:
     logs: dict[str, list[Log]] = {}
     plans = variants(arm(), duration=4.0)
-    with RivalRuns(rivals) as runs:
+    with simulated(runs_here, rivals) as runs:
         frames = {name: runs(plan) for name, plan in plans.items()}
     for name, each in frames.items():
         logs[name] = [Log(frame, name) for frame in each]
@@ -57,7 +58,7 @@ def test_each_joint_of_several_moves_alone(four_link):
 
 def test_a_robot_without_an_experiment_takes_the_logs():
     robot = arm()
-    with RivalRuns([robot]) as runs:
+    with simulated(runs_here, [robot]) as runs:
         log = Log(runs(variants(robot, duration=4.0)["the identification experiment"])[0], "own.csv")
     plans = variants(replace(robot, identification=None), log, duration=2.0)
     assert plans["the motion of own.csv at half the speed"].reference[-1] == pytest.approx(
@@ -105,6 +106,6 @@ def test_the_best_motion_determines_the_effect_best():
 
 def test_distance_to_itself_is_nothing():
     robot = having("stribeck", level=0.5, velocity=0.03)
-    with RivalRuns([robot]) as runs:
+    with simulated(runs_here, [robot]) as runs:
         log = Log(runs(variants(robot, duration=2.0)["the identification experiment"])[0], "log")
     assert distance(robot, robot, log, NOISE) == pytest.approx(0, abs=1e-6)

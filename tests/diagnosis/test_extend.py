@@ -2,7 +2,7 @@
 
 import pytest
 from click.testing import CliRunner
-from two_link_logs import hidden, inline, loaded, made_log, two_link
+from two_link_logs import hidden, in_process, loaded, made_log, two_link
 
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import RobotError
@@ -26,7 +26,7 @@ def logs(folder):
 
 
 def test_the_true_effect_is_accepted(folder, logs):
-    found = add_effect(two_link(), 2, "asymmetric_coulomb", logs, [], inline(folder), lambda _: None)
+    found = add_effect(two_link(), 2, "asymmetric_coulomb", logs, [], in_process, lambda _: None)
     assert found.accepted, found.reason
     true = hidden().parameters
     for name in ("coulomb", "viscous"):
@@ -39,7 +39,7 @@ def test_the_true_effect_is_accepted(folder, logs):
 
 
 def test_a_wrong_effect_is_refused(folder, logs):
-    found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], inline(folder), lambda _: None)
+    found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
     assert not found.accepted
     assert found.reason.startswith("stribeck at joint 1 is refused: ")
     assert found.asked.admission.reason in found.reason  # the gate of the diagnosis, in its words
@@ -56,11 +56,11 @@ def test_what_is_held_out(logs):
 
 def test_an_effect_is_not_added_twice(folder, logs):
     with pytest.raises(RobotError, match="has the effect asymmetric_coulomb at joint 2 already"):
-        add_effect(hidden(), 2, "asymmetric_coulomb", logs, [], inline(folder), lambda _: None)
+        add_effect(hidden(), 2, "asymmetric_coulomb", logs, [], in_process, lambda _: None)
 
 
 def test_the_command(monkeypatch, folder, logs, tmp_path):
-    monkeypatch.setattr(judge, "FmuRuns", inline(folder))
+    monkeypatch.setattr(judge, "FmuRuns", in_process)
     save_robot(two_link(), tmp_path / "old.toml")
     write_log(logs[0], tmp_path / "log.parquet")
 

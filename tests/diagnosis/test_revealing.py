@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from one_joint import PERIOD, one_joint
-from two_link_logs import inline, loaded
+from two_link_logs import in_process, loaded
 
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
@@ -51,14 +51,14 @@ def recorded(robot: Robot, plan: Experiment, folder, seed: int) -> Log:
 
 
 def shown(known: Robot, log: Log, folder) -> Limit:
-    search = searched(known, [log], inline(folder), rules=FEW)
-    with inline(folder)(search.examination.setting.simulated) as workers:
+    search = searched(known, [log], in_process, rules=FEW)
+    with in_process(search.examination.setting.simulated) as workers:
         found = revealing(search, list(limits(search)), workers)
     return next(x for x in found if x.effect == LAW)
 
 
 def seen(logs: list[Log], folder) -> bool:
-    search = searched(arm(), logs, inline(folder))
+    search = searched(arm(), logs, in_process)
     best = search.best(LAW, 1)
     return best is not None and search.p_value(best) <= search.rules.level
 

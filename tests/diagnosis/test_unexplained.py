@@ -1,6 +1,5 @@
 """Hidden torques of known form, and what is said about them."""
 
-from concurrent.futures import Future
 from dataclasses import replace
 
 import numpy as np
@@ -21,20 +20,9 @@ from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
+from pyident.simulation.fmu_runs import runs_here
 
 NOISE = 1e-5
-
-
-class InPlace:
-    """Workers without processes."""
-
-    def __init__(self, tool):
-        self.tool = tool
-
-    def submit(self, work, *arguments):
-        done = Future()
-        done.set_result(work(self.tool, *arguments))
-        return done
 
 
 def arm() -> Robot:
@@ -69,25 +57,25 @@ def recorded(fmu, hidden, position_error=lambda e: 0 * e) -> Log:
     return Log(frame, "hidden.csv")
 
 
-def said(fmu, log: Log) -> tuple[Examination, Unexplained]:
+def said(log: Log) -> tuple[Examination, Unexplained]:
     setting = set_up(arm(), [log])
-    with_fmu = InPlace(fmu)
-    examination = examine(setting, with_fmu, lambda _: None)
-    return examination, depends_on(examination, workers=with_fmu)
+    with runs_here(arm()) as pool:
+        examination = examine(setting, pool, lambda _: None)
+        return examination, depends_on(examination, pool)
 
 
 @pytest.fixture(scope="module")
 def bumpy(fmu):
-    return said(fmu, recorded(fmu, lambda e, de, t: bump(e)))
+    return said(recorded(fmu, lambda e, de, t: bump(e)))
 
 
 def test_nothing_hidden_depends_on_nothing(fmu):
-    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0 * t))
+    _, found = said(recorded(fmu, lambda e, de, t: 0 * t))
     assert found.dependences == ()
 
 
 def test_a_hum_is_found_at_its_frequency(fmu):
-    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0.8 * np.sin(2 * np.pi * 6.37 * t + 1)))
+    _, found = said(recorded(fmu, lambda e, de, t: 0.8 * np.sin(2 * np.pi * 6.37 * t + 1)))
     first = found.dependences[0]
     assert (first.on, first.form) == ("time", "frequency")
     assert first.at == pytest.approx(6.37, abs=0.01)
@@ -107,7 +95,7 @@ def test_a_force_over_the_position_is_drawn(bumpy):
 
 
 def test_an_order_of_the_angle_is_found(fmu):
-    _, found = said(fmu, recorded(fmu, lambda e, de, t: 0.6 * np.cos(37 * e)))
+    _, found = said(recorded(fmu, lambda e, de, t: 0.6 * np.cos(37 * e)))
     first = found.dependences[0]
     assert (first.on, first.form) == ("joint1.e", "order")
     assert first.at == pytest.approx(37, abs=0.3)
@@ -115,7 +103,7 @@ def test_an_order_of_the_angle_is_found(fmu):
 
 def test_a_misread_angle_is_told_from_a_torque(fmu):
     log = recorded(fmu, lambda e, de, t: 0 * t, position_error=lambda e: 2e-3 * np.sin(9 * e))
-    _, found = said(fmu, log)
+    _, found = said(log)
     first = found.dependences[0]
     assert (first.on, first.form) == ("joint1.e", "misread")
     assert first.at == pytest.approx(9, abs=0.2)

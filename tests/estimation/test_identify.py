@@ -5,8 +5,9 @@ from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import central_differences, hat_means
 from pyident.estimation.identify import identify
-from pyident.estimation.least_squares import reduce, solve, solve_weighted
+from pyident.estimation.least_squares import solve, solve_weighted
 from pyident.logs.log import Log
+from pyident.regression.reduced import reduce
 
 
 def test_central_differences_are_of_eighth_order():

@@ -8,7 +8,7 @@ from analytic_joint import COULOMB, INERTIA, VISCOUS, analytic_log, free_joint
 
 from flexmodels.link import LINK_PARAMETERS
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import reduce, solve_weighted
+from pyident.estimation.least_squares import solve_weighted
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.regression.equations import Problem
 
@@ -17,7 +17,7 @@ from pyident.regression.equations import Problem
 def fitted():
     robot = free_joint()
     problem = Problem(robot, (condition(analytic_log(torque_noise=0.5), robot),))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     return robot, reduced, solve_weighted(reduced)
 
 

@@ -89,3 +89,14 @@ def test_names_in_a_table_are_kept_apart_at_any_width(monkeypatch):
 
 def test_text_is_escaped_in_a_notebook():
     assert "<script>" not in Text("<script>")._repr_html_()
+
+
+def test_the_figure_shows_each_base_parameters_interval(fit):
+    (axes,) = fit.plot().axes
+    drawn = {
+        t.get_text(): bar.get_width() for t, bar in zip(axes.get_yticklabels(), axes.patches, strict=True)
+    }
+    base = fit.base_frame()
+    for name, width in drawn.items():
+        assert width == pytest.approx(1.96 * base.loc[name, "std"] / abs(base.loc[name, "value"]))
+    assert len(drawn) > 5

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from statsmodels.sandbox.regression.gmm import IV2SLS
-from two_link_logs import inline, loaded, two_link
+from two_link_logs import in_process, loaded, two_link
 
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
@@ -13,11 +13,11 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import identify
 from pyident.estimation.instrumental_variables import Rows, fading, solve_instrumental, spectral
-from pyident.estimation.least_squares import reduce
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
 from pyident.refinement.estimators import ESTIMATORS
 from pyident.refinement.noise_scatter import noise_scatter
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 from pyident.simulation.replica import with_noise
 
@@ -51,7 +51,7 @@ def logs(folder) -> list[Log]:
 
 @pytest.fixture(scope="module")
 def found(folder, logs):
-    return identify_by_instruments(two_link(), [logs[1]], inline(folder))
+    return identify_by_instruments(two_link(), [logs[1]], in_process)
 
 
 def errors(robot: Robot, p: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
@@ -142,7 +142,7 @@ def test_what_cannot_be_simulated_gets_no_intervals_and_says_so(logs):
 @pytest.mark.parametrize("name", ["ols", "wls", "irls", "tls"])
 def test_every_estimator_finds_a_quiet_log_and_says_its_name(name, logs, folder):
     robot = two_link()
-    result = ESTIMATORS[name](robot, [logs[0]], inline(folder))
+    result = ESTIMATORS[name](robot, [logs[0]], in_process)
     assert errors(robot, result.solution.p, ("coulomb", "J_m")).max() < 0.02
     assert "least squares" in result.estimator
     assert result.json()["estimator"] == result.estimator

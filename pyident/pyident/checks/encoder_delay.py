@@ -12,9 +12,10 @@ from flexmodels.coordinate import deformation_of, motor_of, of_joint
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import reduce, solve_weighted
+from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.foreign import delayed
 from pyident.logs.log import Log
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 
 _CERTAIN = 3.0  # standard deviations from which a delay is corrected

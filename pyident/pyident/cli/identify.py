@@ -12,6 +12,7 @@ from pyident.cli.common.shared import (
     output_option,
     progress_bar,
     reported,
+    scheduler_option,
     show,
     show_notes,
     write_json,
@@ -35,6 +36,7 @@ from pyident.cli.common.shared import (
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported

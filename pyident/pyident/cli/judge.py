@@ -18,6 +18,7 @@ from pyident.cli.common.shared import (
     output_option,
     progress_bar,
     reported,
+    scheduler_option,
     set_option,
     show,
     show_notes,
@@ -35,6 +36,7 @@ _holdout = click.option(
 @output_option(PAGE, required=False)
 @effects_option
 @mapping_option
+@scheduler_option
 @force_option
 @set_option
 @json_option
@@ -89,6 +91,7 @@ def compare_command(
 @output_option(PAGE, required=False)
 @effects_option
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported
@@ -143,6 +146,7 @@ def diagnose_command(
 @output_option(ROBOT)
 @effects_option
 @mapping_option
+@scheduler_option
 @force_option
 @json_option
 @reported

@@ -16,16 +16,14 @@ from pyident.cli.common.shared import (
     json_option,
     progress_bar,
     reported,
+    scheduler_option,
     set_option,
     show,
     write_json,
 )
-from pyident.simulation.workers import scheduler_configured
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
-
-scheduler_option = click.option("--scheduler", metavar="ADDRESS", help="Dask cluster, as tcp://host:8786.")
 
 
 @click.command()
@@ -34,7 +32,7 @@ scheduler_option = click.option("--scheduler", metavar="ADDRESS", help="Dask clu
 @scheduler_option
 @json_option
 @reported
-def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file: str | None) -> None:
+def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
     """Run studies and print one table. Example: pyident study paper -o out"""
     chosen = [(name, find_study(name)) for name in names]
     for name, run in chosen:
@@ -46,7 +44,7 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
         assert run is not None
         folder = Path(output) / name
         folder.mkdir(parents=True, exist_ok=True)
-        with scheduler_configured(scheduler), progress_bar(name) as progress:
+        with progress_bar(name) as progress:
             result = run(folder, progress)
         figures += result.figures
         rows += [{"study": name} | row for row in result.rows]
@@ -75,7 +73,6 @@ def study(names: tuple[str, ...], output: str, scheduler: str | None, json_file:
 def sweep(
     plan: str,
     output: str,
-    scheduler: str | None,
     workers: int | None,
     parameters: dict[str, float],
     yes: bool,
@@ -90,9 +87,7 @@ def sweep(
     ask_first(plan, workers, yes)
     read = load_study_plan(plan, parameters)
     with progress_bar(f"{len(read.design)} runs") as progress:
-        found = pi.parameter_study(
-            plan, output, parameters=parameters, scheduler=scheduler, workers=workers, progress=progress
-        )
+        found = pi.parameter_study(plan, output, parameters=parameters, workers=workers, progress=progress)
     described = summary(found, read.ranges)
     table = Table("result", *described.columns)
     for name, values in described.iterrows():

@@ -17,7 +17,7 @@ from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers
+from pyident.simulation.simulator import OpenPool
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Comparison:
 
 
 def compare(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress, rules: Rules = RULES
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress, rules: Rules = RULES
 ) -> Comparison:
     """Hold an identified robot, with the parameters that it has, against logs.
 

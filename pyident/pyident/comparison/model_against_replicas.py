@@ -7,24 +7,28 @@ with the scatter of the fits among replicas.
 """
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve_weighted
+from pyident.estimation.least_squares import Solution, solve_weighted
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import regressor_blocks
 from pyident.simulation import replica
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.simulator import Simulator, Workers
 
+R = TypeVar("R")
 Progress = Callable[[float], None]
 TIP = ("tip.x", "tip.y", "tip.z")
 
@@ -73,7 +77,7 @@ class Trial:
 def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     """A model with its own parameters against logs. Raises LogError."""
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     noise = sensor_noise(robot, logs, solve_weighted(reduced).p)
     simulated, made_again = repeats(robot, logs)
     return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
@@ -94,7 +98,7 @@ class Refit:
 
 
 def run_trial(
-    trial: Trial, workers: Any, progress: Progress, replicas: int
+    trial: Trial, workers: Workers, progress: Progress, replicas: int
 ) -> tuple[list[Part], list[list[Part]]]:
     """What the model leaves of the judged logs, and of each of their replicas.
 
@@ -111,18 +115,18 @@ def run_trial(
     return data, [_counted(job, progress, (i + 2 + replicas) * share) for i, job in enumerate(jobs)]
 
 
-def _counted(job: Any, progress: Progress, fraction: float) -> Any:
+def _counted(job: "Future[R]", progress: Progress, fraction: float) -> R:
     result = job.result()
     progress(fraction)
     return result
 
 
-def _of_logs(fmu: Any, trial: Trial) -> list[Part]:
+def _of_logs(fmu: Simulator, trial: Trial) -> list[Part]:
     found = _fit(trial, [r.log for r in trial.fitted], [r.log for r in trial.judged])
     return _judge(fmu, trial, trial.robot, found)
 
 
-def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
+def _refit(fmu: Simulator, trial: Trial, seed: int) -> Refit:
     rng = np.random.default_rng(seed)
     parameters = trial.robot.parameters
     repeats = {id(r): r for r in (*trial.fitted, *trial.judged)}
@@ -133,7 +137,7 @@ def _refit(fmu: Any, trial: Trial, seed: int) -> Refit:
     return _fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged])
 
 
-def _of_replica(fmu: Any, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
+def _of_replica(fmu: Simulator, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
     """scatter (P,): of the fit among those of all replicas."""
     own = np.array(list(trial.robot.linear_parameters.values()))
     robot = refit.robot(trial.robot, own + seen(refit.solution, scatter))
@@ -142,7 +146,7 @@ def _of_replica(fmu: Any, trial: Trial, refit: Refit, scatter: np.ndarray) -> li
 
 def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
     problem = Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     return Refit(judged, reduced, solve_weighted(reduced))
 
 
@@ -160,7 +164,7 @@ def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
     return replace(trial, noise=trial.noise | {name: float(np.mean(s)) for name, s in found.items()})
 
 
-def _judge(fmu: Any, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
+def _judge(fmu: Simulator, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
     fitted = refit.robot(robot, refit.solution.p)
     found = []
     for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):

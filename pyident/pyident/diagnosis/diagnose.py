@@ -8,7 +8,6 @@ what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_de
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
@@ -17,7 +16,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
-from pyident.diagnosis.next_steps import OpenRivals, with_dependences, with_experiments, with_revealing
+from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search, search_of
@@ -26,7 +25,7 @@ from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, trac
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers
+from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
@@ -35,8 +34,7 @@ _ALONG = "the controller is not known: replicas go along the measured motion, wi
 def diagnose(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenWorkers,
-    open_rivals: OpenRivals,
+    open_workers: OpenPool,
     heldout: Sequence[Log] = (),
     progress: Progress = lambda _: None,
     draft: bool = False,
@@ -45,7 +43,6 @@ def diagnose(
     """What `robot` lacks in `logs`; its own dynamic parameters are never used.
 
     open_workers   gives processes that hold a robot's FMU (pyident.simulation.fmu_runs.FmuRuns)
-    open_rivals    gives simulations of several robots at once (pyident.simulation.fmu_runs.RivalRuns)
     heldout        logs on which the findings must hold
     draft          look for a formula where no law explains the residual
     rules          every threshold
@@ -62,7 +59,7 @@ def diagnose(
         steps += [
             (
                 "motions that separate",
-                lambda d: with_experiments(search, d, open_rivals, _part(progress, 0.85)),
+                lambda d: with_experiments(search, d, open_workers, _part(progress, 0.85)),
             ),
             ("motions that show", lambda d: with_revealing(search, d, open_workers, _part(progress, 0.95))),
         ]
@@ -88,14 +85,14 @@ def _part(progress: Progress, start: float, width: float = 0.05) -> Progress:
     return lambda share: progress(start + width * share)
 
 
-def _with_leads(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
+def _with_leads(search: Search, found: Diagnosis, open_workers: OpenPool, draft: bool) -> Diagnosis:
     return with_dependences(search, found, open_workers, draft) if found.verdict == "unexplained" else found
 
 
 def searched(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenWorkers,
+    open_workers: OpenPool,
     progress: Progress = lambda _: None,
     rules: Rules = RULES,
 ) -> Search:
@@ -106,7 +103,7 @@ def searched(
     setting = set_up(robot, logs, rules)
     progress(0.05)
 
-    def examined(start: Setting, adjust: Callable[[Setting, Any], Setting]) -> Search:
+    def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
         with workers_of(start, open_workers) as workers:
             found = adjust(start, workers)
             progress(0.2)
@@ -125,7 +122,7 @@ def searched(
         ) from None
 
 
-def concluded(search: Search, open_workers: OpenWorkers, heldout: Sequence[Log] = ()) -> Diagnosis:
+def concluded(search: Search, open_workers: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
     """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.
@@ -140,7 +137,7 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> Diagnosis:
 
 
 def _from_signatures(
-    search: Search, found: Diagnosis, open_workers: OpenWorkers, heldout: Sequence[Log]
+    search: Search, found: Diagnosis, open_workers: OpenPool, heldout: Sequence[Log]
 ) -> Diagnosis:
     if found.verdict != "unexplained" or not search.examination.setting.simulates:
         return found

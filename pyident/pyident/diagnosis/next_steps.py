@@ -1,7 +1,6 @@
 """What a verdict leads to: experiments that separate rivals or show a law, leads on the unexplained."""
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from flexmodels.coordinate import joint_number
@@ -10,15 +9,13 @@ from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
-from pyident.diagnosis.motions.separating import SimulateAll, separating, variants
+from pyident.diagnosis.motions.separating import separating, variants
 from pyident.diagnosis.result import Diagnosis, Finding, Named
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import depends_on
 from pyident.logs.log import LogError
-from pyident.simulation.replica import OpenWorkers
-
-OpenRivals = Callable[[Sequence[Robot]], AbstractContextManager[SimulateAll]]
+from pyident.simulation.simulator import OpenPool, rivals
 
 
 def candidate_of(search: Search, name: Named) -> Candidate:
@@ -31,7 +28,7 @@ def candidate_of(search: Search, name: Named) -> Candidate:
 
 
 def with_experiments(
-    search: Search, found: Diagnosis, open_rivals: OpenRivals, progress: Callable[[float], None]
+    search: Search, found: Diagnosis, open_pool: OpenPool, progress: Callable[[float], None]
 ) -> Diagnosis:
     """Every tie with the motion that separates its first two rivals best, found by simulating both."""
     findings = list(found.findings)
@@ -41,7 +38,7 @@ def with_experiments(
         others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
         offer = f"{finding.experiment}; {_designed(search.robot, finding)}"
         try:
-            sentence = _separating(search, finding, others, open_rivals, progress)
+            sentence = _separating(search, finding, others, open_pool, progress)
         except (RobotError, LogError, SimulationError):
             sentence = ""  # no experiment to vary, or a rival that cannot run: the laws' own words stay
         findings[i] = replace(finding, experiment=f"{sentence}; {offer}" if sentence else offer)
@@ -49,7 +46,7 @@ def with_experiments(
 
 
 def with_revealing(
-    search: Search, found: Diagnosis, open_workers: OpenWorkers, progress: Callable[[float], None]
+    search: Search, found: Diagnosis, open_workers: OpenPool, progress: Callable[[float], None]
 ) -> Diagnosis:
     """Every law that these logs cannot show with the motion that would, found by simulating the model."""
     if not any(limit.reason for limit in found.limits):
@@ -75,14 +72,14 @@ def _separating(
     search: Search,
     finding: Finding,
     others: Sequence[Candidate],
-    open_rivals: OpenRivals,
+    open_pool: OpenPool,
     progress: Callable[[float], None],
 ) -> str:
     setting = search.examination.setting
-    rivals = [_having(search, [*others, candidate_of(search, n)]) for n in finding.tie[:2]]
-    plans = variants(rivals[0], setting.logs[0])
-    with open_rivals(rivals) as simulate:
-        return separating(rivals, plans, simulate, setting.noise, progress).sentence
+    robots = [_having(search, [*others, candidate_of(search, n)]) for n in finding.tie[:2]]
+    plans = variants(robots[0], setting.logs[0])
+    with rivals(open_pool, robots) as simulate:
+        return separating(robots, plans, simulate, setting.noise, progress).sentence
 
 
 def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
@@ -94,11 +91,11 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
     return steadied(set_up(robot, setting.logs)).simulated
 
 
-def with_dependences(search: Search, found: Diagnosis, open_workers: OpenWorkers, draft: bool) -> Diagnosis:
+def with_dependences(search: Search, found: Diagnosis, open_workers: OpenPool, draft: bool) -> Diagnosis:
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
     with workers_of(examination.setting, open_workers) as workers:
-        leads = depends_on(examination, search.base, workers)
+        leads = depends_on(examination, workers, search.base)
     if not draft or not leads.dependences:
         return replace(found, depends_on=(*found.depends_on, *leads.sentences))
     proposal = symbolic_law(examination, leads.dependences)

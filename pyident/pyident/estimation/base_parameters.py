@@ -6,7 +6,8 @@ from typing import Literal, cast
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from pyident.estimation.least_squares import ROUNDING, Reduced, Solution
+from pyident.estimation.least_squares import ROUNDING, Solution
+from pyident.regression.reduced import Reduced
 
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]

@@ -5,20 +5,21 @@ from dataclasses import replace
 import numpy as np
 
 from pyident.conditioning.weak_form import REACH
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve_weighted
+from pyident.estimation.least_squares import Solution, solve_weighted
 from pyident.estimation.newey_west import LongRun
 from pyident.regression.equations import Problem, predicted
+from pyident.regression.reduced import Reduced
 
 _ROBUST_ROUNDS = 5
 
 
 def estimate(problem: Problem, robust: bool = False) -> tuple[Reduced, Solution]:
     """Weighted least squares; with `robust` single equations that stick out count less (Huber)."""
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     solution, weights = solve_weighted(reduced), None
     for _ in range(_ROBUST_ROUNDS if robust else 0):
         weights = [_huber(r) for r in problem.residuals(solution.p)]
-        reduced = reduce(problem.blocks(weights), problem.rows, problem.columns)
+        reduced = problem.reduced(weights)
         solution = solve_weighted(reduced)
     return reduced, replace(solution, covariance=_coloured(problem, solution, weights, reduced.samples))
 

@@ -11,11 +11,12 @@ from flexmodels.robot import Robot
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
 from pyident.estimation.estimate import estimate
-from pyident.estimation.least_squares import Reduced, Solution, residual_squares
+from pyident.estimation.least_squares import Solution, residual_squares
 from pyident.estimation.physical import consistent
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import Reduced
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.estimation.least_squares import ROUNDING, Reduced, Solution, reduce, residual_squares
+from pyident.estimation.least_squares import ROUNDING, Solution, residual_squares
+from pyident.regression.reduced import Reduced, reduce
 
 FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed

@@ -13,7 +13,8 @@ import numpy as np
 from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
-from pyident.estimation.least_squares import Reduced, Solution
+from pyident.estimation.least_squares import Solution
+from pyident.regression.reduced import Reduced
 
 if TYPE_CHECKING:
     import cvxpy as cp

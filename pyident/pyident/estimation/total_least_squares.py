@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyident.estimation.least_squares import Reduced, Solution, residual_squares
+from pyident.estimation.least_squares import Solution, residual_squares
+from pyident.regression.reduced import Reduced
 
 
 def total_least_squares(reduced: Reduced, like: Solution) -> Solution:

@@ -9,10 +9,11 @@ from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Rows
-from pyident.estimation.least_squares import ROUNDING, reduce
+from pyident.estimation.least_squares import ROUNDING
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it

@@ -24,7 +24,8 @@ from pyident.extension.extended_robot import Correction, extended_robot, require
 from pyident.logs.log import Log, LogError
 from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
+from pyident.simulation.replica import Repeat, repeat_like
+from pyident.simulation.simulator import OpenPool
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ def add_effect(
     effect: str,
     logs: Sequence[Log],
     heldout: Sequence[Log],
-    open_workers: OpenWorkers,
+    open_workers: OpenPool,
     progress: Progress,
     rules: Rules = RULES,
 ) -> Extended:
@@ -158,7 +159,7 @@ class _Fit:
         )
 
 
-def _fitted(robot: Robot, parts: Split, open_workers: OpenWorkers, rules: Rules, progress: Progress) -> _Fit:
+def _fitted(robot: Robot, parts: Split, open_workers: OpenPool, rules: Rules, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
     setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
     with open_workers(setting.simulated) as workers:

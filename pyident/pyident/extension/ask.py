@@ -15,7 +15,7 @@ from pyident.diagnosis.search.search import Found, Search, search_of
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.descriptions import describes
-from pyident.simulation.replica import OpenWorkers
+from pyident.simulation.simulator import OpenPool
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def ask(
     joint: int,
     effect: str,
     heldout: Sequence[Log],
-    open_workers: OpenWorkers,
+    open_workers: OpenPool,
     progress: Callable[[float], None],
 ) -> Asked:
     """setting: of the model without the effect, its bias removed. Raises LogError, RobotError."""

@@ -7,9 +7,7 @@ al. 1993). At the fixed point log and simulation agree in every sum that the ins
 """
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -29,14 +27,16 @@ from pyident.estimation.instrumental_variables import (
     spectral,
     unknown,
 )
-from pyident.estimation.least_squares import Reduced, Solution
+from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem, predicted
+from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.simulator import OpenPool, Simulator, Workers
 
 NAME = "instrumental variables with a simulated model"
 START = "instrumental variables with filtered signals"
@@ -49,7 +49,6 @@ _SMALL_STEP = 1e-4  # s
 _FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 _EXCESS = 1.2  # times what the sensors' noise leaves in the instruments' band: more is not noise alone
 
-OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]
 Progress = Callable[[float], None]
 
 
@@ -64,7 +63,7 @@ class _Data:
 
 
 def identify_by_instruments(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Identify `robot`; its own parameters are never used. Raises LogError.
 
@@ -93,7 +92,7 @@ def identify_by_instruments(
     return replace(identified(robot, reduced, solution), estimator=NAME, notes=notes)
 
 
-def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Any) -> Identified:
+def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers) -> Identified:
     """The start whose simulation follows the logs best. Raises SimulationError when none can be made."""
     errors: list[float] = []
     failure = None
@@ -133,7 +132,7 @@ def _rounds(
     best: Identified,
     data: list[_Data],
     again: Sequence[Repeat],
-    workers: Any,
+    workers: Workers,
     progress: Progress | None,
 ) -> tuple[Solution, str | None]:
     """The solution at which the rounds settle, or why there is none."""
@@ -240,14 +239,14 @@ def _low_power(values: np.ndarray) -> float:
     return float(spectrum[: len(spectrum) * 2 // 5].sum())
 
 
-def _simulated(fmu: Any, again: Repeat, parameters: dict[str, float]) -> pd.DataFrame:
+def _simulated(fmu: Simulator, again: Repeat, parameters: dict[str, float]) -> pd.DataFrame:
     try:
         return again.simulated(fmu.simulate, parameters)
     except SimulationError:  # what a poor start makes of a small inertia may vibrate fast
         return again.simulated(fmu.simulate, parameters | {"solver.step": _SMALL_STEP})
 
 
-def _frames(again: Sequence[Repeat], workers: Any, parameters: dict[str, float]) -> list[pd.DataFrame]:
+def _frames(again: Sequence[Repeat], workers: Workers, parameters: dict[str, float]) -> list[pd.DataFrame]:
     jobs = [workers.submit(_simulated, r, parameters) for r in again]
     return [job.result() for job in jobs]
 

@@ -5,7 +5,7 @@ whose positions come nearest to the measured ones (robust least squares, as stic
 large). Intervals are a jackknife over the logs, linearised at the optimum: what a log leaves out moves.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,9 +19,9 @@ from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
 from pyident.simulation.references import experiment_of
+from pyident.simulation.simulator import Simulate
 
 # Such as `FmuRuns`: a frame per set of parameters.
-Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
 
 _ROUGH = 0.03  # [rad or m] error from which on it counts by its size and no longer by its square
 _STEP = 1e-3  # finite difference, of a parameter's scale

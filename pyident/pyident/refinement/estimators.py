@@ -8,13 +8,14 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
 from pyident.estimation.identify import Identified, identified, without_intervals
-from pyident.estimation.least_squares import reduce, solve
+from pyident.estimation.least_squares import solve
 from pyident.estimation.total_least_squares import total_least_squares
 from pyident.logs.log import Log, LogError
-from pyident.refinement.auxiliary_model import OpenWorkers, identify_by_instruments
+from pyident.refinement.auxiliary_model import identify_by_instruments
 from pyident.refinement.output_error import output_error
 from pyident.regression.equations import Problem
 from pyident.simulation.recorded import loop_of
+from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
 
@@ -29,29 +30,29 @@ class Estimator(Protocol):
         self,
         robot: Robot,
         logs: Sequence[Log],
-        open_workers: OpenWorkers,
+        open_workers: OpenPool,
         progress: Progress | None = None,
     ) -> Identified: ...
 
 
 def ordinary(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, every equation alike."""
     problem = _problem(robot, logs)
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     return replace(identified(robot, reduced, solve(reduced)), estimator="least squares")
 
 
 def weighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, each coordinate's equations weighted by what they leave."""
     return identified(robot, *estimate(_problem(robot, logs)))
 
 
 def reweighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Weighted least squares in which single equations that stick out count less (Huber)."""
     found = identified(robot, *estimate(_problem(robot, logs), robust=True))
@@ -59,7 +60,7 @@ def reweighted(
 
 
 def total(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Total least squares."""
     reduced, solution = estimate(_problem(robot, logs))
@@ -68,7 +69,7 @@ def total(
 
 
 def refined(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenWorkers, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
     for log in logs:

@@ -14,10 +14,12 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified, identified
 from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve
+from pyident.estimation.least_squares import Solution, solve
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
-from pyident.simulation.replay import Progress, Replay, Simulate, replay_of
+from pyident.regression.reduced import Reduced, reduce
+from pyident.simulation.replay import Progress, Replay, replay_of
+from pyident.simulation.simulator import Simulate
 
 NAME = "output error in closed loop"
 _STEP = 1e-6  # of the length of the scaled parameters: finite difference

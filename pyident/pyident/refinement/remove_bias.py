@@ -18,10 +18,11 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimate import estimate
 from pyident.estimation.identify import Identified, identified
-from pyident.estimation.least_squares import Solution, reduce, solve
+from pyident.estimation.least_squares import Solution, solve
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.simulation.replay import Progress, Replay, Simulate, replay_of
+from pyident.simulation.replay import Progress, Replay, replay_of
+from pyident.simulation.simulator import Simulate
 
 _ROUNDS = 20
 _SETTLED = 0.1  # of a standard deviation: change at which the rounds end
@@ -66,7 +67,7 @@ def _replica(
 
 
 def _found(problem: Problem, like: Solution) -> Solution:
-    return solve(reduce(problem.blocks(), problem.rows, problem.columns), like.weights)
+    return solve(problem.reduced(), like.weights)
 
 
 def seen(solution: Solution, change: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.samples import Piece
+from pyident.regression.reduced import Reduced, reduce
 from pyident.regression.regressor import regressor_blocks
 
 Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)
@@ -44,6 +45,10 @@ class Problem:
         """
         for i, part in enumerate(self.parts):
             yield from self._blocks(part, None if weights is None else weights[i])
+
+    def reduced(self, weights: Sequence[np.ndarray] | None = None) -> Reduced:
+        """The equations folded into triangles; weights as of `blocks`."""
+        return reduce(self.blocks(weights), self.rows, self.columns)
 
     def residuals(self, p: np.ndarray) -> list[np.ndarray]:
         """y − A p per log, (N, n)."""

@@ -10,8 +10,8 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
 from pyident.simulation.recorded import Recorded, loop_of, recorded
+from pyident.simulation.simulator import Simulate
 
-Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
 Progress = Callable[[float], None]
 
 

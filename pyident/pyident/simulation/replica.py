@@ -6,9 +6,7 @@ the measured motion under a stabilising controller with the measured torque fed 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,7 +22,6 @@ from pyident.regression.regressor import regressor
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import Recorded, loop_of, recorded
 
-OpenWorkers = Callable[[Robot], AbstractContextManager[Any]]  # processes that hold a robot's FMU
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
 _NOISE_BAND = 0.8  # of the Nyquist frequency: above, a log that differs from its simulation differs by noise

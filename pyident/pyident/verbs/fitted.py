@@ -4,16 +4,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyident.verbs.plots import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from flexmodels.robot import Robot
     from pyident.estimation.identify import Identified
-
-_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,6 +54,12 @@ class Fit(Result):
         rows = [(b.expression, b.value, b.std, units[b.terms[0][1]]) for b in self.identified.base]
         return pd.DataFrame(rows, columns=["expression", "value", "std", "unit"]).set_index("expression")
 
+    def plot(self) -> "Figure":
+        """How well the data tell each base parameter: its 95 % interval over its value."""
+        from pyident.verbs.plots import determination
+
+        return determination(self.identified.base)
+
     def to_dict(self) -> dict[str, Any]:
         return self.identified.json() | {"notes": list(self.notes)}
 
@@ -85,7 +91,7 @@ class Fit(Result):
 
 
 def _interval(std: float) -> str:
-    return f"{_CONFIDENCE * std:.2g}" if std == std else "-"  # not a number: nothing is claimed
+    return f"{CONFIDENCE * std:.2g}" if std == std else "-"  # not a number: nothing is claimed
 
 
 def _percentages(errors: dict[str, float]) -> str:

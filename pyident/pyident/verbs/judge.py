@@ -7,7 +7,7 @@ from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.add_effect import split
-from pyident.simulation.fmu_runs import FmuRuns, RivalRuns
+from pyident.simulation.fmu_runs import FmuRuns
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
@@ -54,7 +54,7 @@ def diagnose(
     """
     read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
-    found = diagnosed(read.robot, parts.fitted, FmuRuns, RivalRuns, parts.unseen, progress or _silent, draft)
+    found = diagnosed(read.robot, parts.fitted, FmuRuns, parts.unseen, progress or _silent, draft)
     notes = (*read.notes, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
 

@@ -167,6 +167,12 @@ class Added(Result):
             values.append(f"{c.place}: {c.before} becomes {c.after}")
         return Text("\n".join([table(heads, rows, numbers=(1, 2, 3)), *values, wrapped(self.headline())]))
 
+    def plot(self) -> "Figure":
+        """Errors on held-out data over their floors, without and with the effect."""
+        from pyident.verbs.plots import waterfall
+
+        return waterfall(self.extended.waterfall)
+
     def save(self, path: str | Path) -> Path:
         """Write the robot file. Raises RobotError where the effect was refused."""
         from flexmodels.files.robot_file import save_robot

@@ -9,6 +9,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pyident.diagnosis.result import Row
+    from pyident.estimation.base_parameters import BaseParameter
+    from pyident.extension.add_effect import Step
+
+CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 
 
 def over_floor(panels: Mapping[str, Sequence[tuple[str, float]]]) -> "Figure":
@@ -22,6 +26,36 @@ def over_floor(panels: Mapping[str, Sequence[tuple[str, float]]]) -> "Figure":
         axes.axvline(1.0, color="k", lw=1)
         axes.invert_yaxis()
         axes.set(title=title, xlabel="error over the floor", xscale="log")
+    return figure
+
+
+def determination(base: Sequence["BaseParameter"]) -> "Figure":
+    """Bars of the 95 % interval over the value of every base parameter; beyond 1 its sign is open."""
+    from matplotlib.figure import Figure
+
+    told = [b for b in base if np.isfinite(b.std) and b.value]
+    figure = Figure(figsize=(7, 0.8 + 0.22 * len(told)), layout="constrained")
+    axes = figure.subplots()
+    axes.barh([b.expression for b in told], [CONFIDENCE * b.std / abs(b.value) for b in told])
+    axes.axvline(1.0, color="k", lw=1)
+    axes.invert_yaxis()
+    axes.set(xlabel="half of the 95 % interval over the value", xscale="log")
+    return figure
+
+
+def waterfall(steps: Sequence["Step"]) -> "Figure":
+    """Errors over their floors, without and with an effect."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 0.8 + 0.5 * len(steps)), layout="constrained")
+    axes, at = figure.subplots(), np.arange(len(steps))
+    axes.barh(at - 0.2, [s.before / s.floor for s in steps], height=0.4, label="without", color="0.7")
+    axes.barh(at + 0.2, [s.after / s.floor for s in steps], height=0.4, label="with")
+    axes.axvline(1.0, color="k", lw=1)
+    axes.set_yticks(at, [s.name for s in steps])
+    axes.invert_yaxis()
+    axes.set(xlabel="error on held-out data over the floor", xscale="log")
+    axes.legend()
     return figure
 
 

@@ -27,7 +27,7 @@ from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputErro
 from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
-from pyident.simulation.workers import WorkersError
+from pyident.simulation.workers import WorkersError, scheduler_configured
 from pyident.sweep.store import StudyError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -145,6 +145,24 @@ def effects_option(command: Command) -> Command:
         callback=lambda context, _, value: value and context.with_resource(code_allowed()),
         help="Run the Python files that the files given here name.",
     )(command)
+
+
+def scheduler_option(command: Command) -> Command:
+    """`--scheduler ADDRESS`, wherever many simulations are made."""
+    return click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        expose_value=False,
+        callback=_configure_scheduler,
+        help="Simulate on this Dask cluster, such as tcp://host:8786.",
+    )(command)
+
+
+def _configure_scheduler(context: click.Context, _: click.Parameter, address: str | None) -> None:
+    try:
+        context.with_resource(scheduler_configured(address))
+    except WorkersError as error:
+        raise click.UsageError(str(error)) from None
 
 
 def force_option(command: Command) -> Command:

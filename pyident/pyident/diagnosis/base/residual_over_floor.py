@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.diagnosis.base.settled import settled
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
+from pyident.simulation.simulator import Simulator, Workers
 
 _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
@@ -53,7 +53,7 @@ class Examination:
 
 
 def examine(
-    setting: Setting, workers: Any, progress: Progress, listed: Sequence[Candidate] | None = None
+    setting: Setting, workers: Workers, progress: Progress, listed: Sequence[Candidate] | None = None
 ) -> Examination:
     """Run the replicas and hold the data against them.
 
@@ -118,7 +118,7 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
     return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
 
 
-def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
+def replicated(fmu: Simulator, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
     """Logs of one replica, their bands and the residuals that the regression leaves."""
     made = replica_of(fmu, setting, setting.repeats, seed)
     logs = _equations(setting.robot, made)
@@ -128,7 +128,7 @@ def replicated(fmu: Any, setting: Setting, seed: int) -> tuple[list[Log], list[B
 
 
 def _judged(
-    _: Any, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]
+    _: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]
 ) -> tuple[list[float], list[np.ndarray], np.ndarray]:
     """Gains, residual and its energy in a replica."""
     data = whitened(robot, logs, level)

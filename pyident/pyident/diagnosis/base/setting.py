@@ -3,22 +3,23 @@
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import Reduced, Solution, reduce, solve, solve_weighted
+from pyident.estimation.least_squares import Solution, solve, solve_weighted
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
+from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
 from pyident.simulation.recorded import loop_of
-from pyident.simulation.replica import OpenWorkers, Repeat, repeats
+from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise, torque_noise
+from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 from pyident.simulation.workers import inline
 
 
@@ -54,7 +55,7 @@ class Setting:
 def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
     problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = reduce(problem.blocks(), problem.rows, problem.columns)
+    reduced = problem.reduced()
     solution = solve_weighted(reduced)
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
@@ -74,12 +75,18 @@ def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     return replace(setting, simulated=simulated, repeats=made_again)
 
 
-def workers_of(setting: Setting, open_workers: OpenWorkers) -> AbstractContextManager[Any]:
+def _unsimulated() -> AbstractContextManager[Simulator]:
+    return nullcontext(Unsimulated())
+
+
+def workers_of(setting: Setting, open_workers: OpenPool) -> AbstractContextManager[Workers]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
-    return open_workers(setting.simulated) if setting.simulates else inline(nullcontext)
+    return open_workers(setting.simulated) if setting.simulates else inline(_unsimulated)
 
 
-def unbiased(setting: Setting, workers: Any, rounds: int | None = None, probes: int | None = None) -> Setting:
+def unbiased(
+    setting: Setting, workers: Workers, rounds: int | None = None, probes: int | None = None
+) -> Setting:
     """The setting with the parameters whose replicas the regression finds where it found the data.
 
     Noise and sampling bias a regression; replicas of what it found show by how much, as in
@@ -117,7 +124,9 @@ def steadied(setting: Setting) -> Setting:
     )
 
 
-def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int) -> list[Log]:
+def replica_of(
+    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int
+) -> list[Log]:
     """Logs as the setting's robot would have made them."""
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
     seeds = rng.integers(2**31, size=len(repeats))
@@ -132,10 +141,10 @@ def replica_of(fmu: Any, setting: Setting, repeats: Sequence[Repeat | AlongMotio
     return made
 
 
-def _refitted(fmu: Any, setting: Setting, seed: int) -> np.ndarray:
+def _refitted(fmu: Simulator, setting: Setting, seed: int) -> np.ndarray:
     """What the regression finds in a replica."""
     robot = setting.robot
     problem = Problem(
         robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
     )
-    return solve(reduce(problem.blocks(), problem.rows, problem.columns), setting.solution.weights).p
+    return solve(problem.reduced(), setting.solution.weights).p

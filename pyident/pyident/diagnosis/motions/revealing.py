@@ -7,7 +7,6 @@ the motion is left out, and how the search would fare there is taken from the lo
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -25,12 +24,13 @@ from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import floor
 from pyident.simulation.replica import Repeat
+from pyident.simulation.simulator import Simulator, Workers
 
 
 def revealing(
     search: Search,
     limits: Sequence[Limit],
-    workers: Any,
+    workers: Workers,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[Limit]:
     """The limits; those with a reason why the law cannot be seen with the motion that would show it best.
@@ -57,7 +57,7 @@ def revealing(
 
 
 def _along(
-    fmu: Any, setting: Setting, plan: Experiment, asked: Sequence[tuple[str, int]], needed: float
+    fmu: Simulator, setting: Setting, plan: Experiment, asked: Sequence[tuple[str, int]], needed: float
 ) -> list[Limit]:
     """Of every law, by its name and joint; none where the model cannot run the motion.
 

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
 from flexmodels.experiment import Experiment, identification
@@ -24,12 +23,11 @@ from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
 from pyident.regression.spectrum import Band, equations
 from pyident.simulation.replay import replay_of
+from pyident.simulation.simulator import SimulateRivals
 
 DURATION = 8.0  # s: of every variant
 LARGER, SMALLER = 1.5, 0.5  # of the multisine
 _SMOOTH = 31  # bins over which the noise of an equation is averaged
-
-SimulateAll = Callable[[Experiment], Sequence[pd.DataFrame]]
 
 
 @dataclass(frozen=True)
@@ -82,14 +80,14 @@ def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -
 def separating(
     rivals: Sequence[Robot],
     variants: Mapping[str, Experiment],
-    simulate: SimulateAll,
+    simulate: SimulateRivals,
     noise: Mapping[str, float],
     progress: Callable[[float], None] = lambda _: None,
 ) -> Separation:
     """The variant under which the two closest rivals are farthest apart.
 
     rivals     fitted robots, each with its own effect
-    simulate   one frame per rival, in their order (pyident.simulation.fmu_runs.RivalRuns)
+    simulate   one frame per rival, in their order (pyident.simulation.simulator.rivals)
     noise      channel -> standard deviation of its sensor
     A variant that a rival cannot run is left out. Raises SimulationError when all are.
     """

@@ -10,7 +10,6 @@ itself starts from noise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -26,7 +25,8 @@ from pyident.diagnosis.base.setting import Setting, replica_of, set_up, unbiased
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
-from pyident.simulation.replica import OpenWorkers, Repeat, repeat_like
+from pyident.simulation.replica import Repeat, repeat_like
+from pyident.simulation.simulator import OpenPool, Simulator
 
 _REPLICAS = 4  # of which a signature is the mean
 _ROUNDS, _PROBES = 4, 2  # of the removal of the bias
@@ -59,7 +59,7 @@ class Trace:
         return shown and (self.heldout is None or self.heldout > 0)
 
 
-def traces(search: Search, heldout: Sequence[Log], open_workers: OpenWorkers) -> list[Trace]:
+def traces(search: Search, heldout: Sequence[Log], open_workers: OpenPool) -> list[Trace]:
     """The laws whose signature is the data's residual, best first; empty when there is none.
 
     Only where a deformation's equation exceeds its floor most: a motor's laws can be evaluated. Raises
@@ -93,7 +93,7 @@ def _suspects(search: Search) -> list[Candidate]:
 class _Judge:
     """Holds signatures against the data's residual."""
 
-    def __init__(self, search: Search, heldout: Sequence[Log], open_workers: OpenWorkers):
+    def __init__(self, search: Search, heldout: Sequence[Log], open_workers: OpenPool):
         self.search, self.open_workers = search, open_workers
         ex = search.examination
         self.setting, self.level, self.heldout = ex.setting, ex.floor, tuple(heldout)
@@ -143,7 +143,7 @@ class _Judge:
 
 
 def _signature(
-    fmu: Any, setting: Setting, plain: Robot, level: Floor, others: Sequence[Repeat], seed: int
+    fmu: Simulator, setting: Setting, plain: Robot, level: Floor, others: Sequence[Repeat], seed: int
 ) -> tuple[Residuals, Residuals, np.ndarray]:
     """Residuals of the model without the law in a replica of the one with it: fitted, elsewhere; energy."""
     data = whitened(plain, replica_of(fmu, setting, setting.repeats, seed), level)

@@ -7,7 +7,6 @@ method itself pretends of the splines; a peak counts against its own neighbours.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
 from pyident.regression.spectrum import Floor
+from pyident.simulation.simulator import Simulator, Workers
 
 _FIRST_SEED = 1_000_000
 
@@ -32,11 +32,11 @@ class Unexplained:
     spectra: tuple[Spectrum, ...]
 
 
-def depends_on(examination: Examination, base: Base | None = None, workers: Any = None) -> Unexplained:
+def depends_on(examination: Examination, workers: Workers, base: Base | None = None) -> Unexplained:
     """What the residual of an examination depends on.
 
     base      the examination's own, or with accepted candidates joined to it
-    workers   processes that hold the fitted robot's FMU; none: replicas are taken as noise of their floor
+    workers   processes that hold the fitted robot's FMU
     """
     base, rules = base or examination.base, examination.setting.rules.unexplained
     replicas = examination.setting.rules.replicas.splines
@@ -52,7 +52,7 @@ def depends_on(examination: Examination, base: Base | None = None, workers: Any 
         if row in rows or excess[row] < rules.equation * total:
             break
         rows.append(row)
-        pretended = _pretended_by_replicas(examination, workers, row, replicas) if workers else None
+        pretended = _pretended_by_replicas(examination, workers, row, replicas)
         search = RowSearch(examination, base, row, total, pretended)
         own = search.run(float(floor.sum()))
         base = search.base
@@ -62,14 +62,14 @@ def depends_on(examination: Examination, base: Base | None = None, workers: Any 
     return Unexplained(tuple(sentences), tuple(found), tuple(spectra))
 
 
-def _pretended_by_replicas(examination: Examination, workers: Any, row: int, count: int) -> np.ndarray:
+def _pretended_by_replicas(examination: Examination, workers: Workers, row: int, count: int) -> np.ndarray:
     """(count, variables) energies that the splines explain of replicas."""
     arguments = examination.setting, examination.floor, row
     jobs = [workers.submit(_pretended, *arguments, _FIRST_SEED + i) for i in range(count)]
     return np.array([job.result() for job in jobs])
 
 
-def _pretended(fmu: Any, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
+def _pretended(fmu: Simulator, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
     """The energies of one replica."""
     data = whitened(setting.robot, replica_of(fmu, setting, setting.repeats, seed), level)
     listed = variables(setting.robot, data, row)

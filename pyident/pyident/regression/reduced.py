@@ -1,0 +1,46 @@
+"""Equations y = A p folded into triangles, without ever storing A.
+
+Blocks of rows go into one triangular factor per coordinate (QR), so memory does not grow with the log.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.regression.threads import each
+from pyident.regression.triangle import Triangle
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What a least-squares problem is made of: per coordinate the triangle of [A_c, y_c].
+
+    triangles  (n, P + 1, P + 1);  samples per coordinate;  names of rows (n) and columns (P)
+    """
+
+    triangles: np.ndarray
+    samples: int
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+    def stacked(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A (n (P + 1), P) and y of the weighted problem, of the same normal equations."""
+        weighted = self.triangles * weights[:, None, None]
+        return weighted[:, :, :-1].reshape(-1, len(self.columns)), weighted[:, :, -1].ravel()
+
+    def terms(self, p: np.ndarray) -> np.ndarray:
+        """(n,) root of the summed mean squares of the single terms A_ci p_i per coordinate."""
+        squares = (self.triangles[:, :, :-1] ** 2).sum(axis=1) / self.samples
+        return np.sqrt(squares @ p**2)
+
+
+def reduce(
+    blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
+) -> Reduced:
+    """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
+    triangles, samples = [Triangle(len(columns)) for _ in rows], 0
+    for A, y in blocks:
+        samples += len(A)
+        each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
+    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)

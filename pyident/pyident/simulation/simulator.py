@@ -1,0 +1,75 @@
+"""What simulates a robot, and many of them at work: the faces by which every room knows the FMUs.
+
+`fmu_runs.FmuRuns` is the pool that is used; with `workers.inline` it works in its caller's own process.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from typing import Concatenate, ParamSpec, Protocol, TypeVar
+
+import pandas as pd
+
+from flexmodels.inputs import Experiment, SimulationError
+from flexmodels.robot import Robot
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
+
+
+class Simulator(Protocol):
+    """A robot that can be simulated, such as a loaded FMU."""
+
+    def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
+        """The log of an experiment, with other values of some parameters. Raises SimulationError."""
+        ...
+
+
+class Workers(Protocol):
+    """Simulators of one robot at work, in this process, in others or on a cluster."""
+
+    def submit(
+        self, work: Callable[Concatenate[Simulator, P], R], *arguments: P.args, **named: P.kwargs
+    ) -> "Future[R]":
+        """Call `work(simulator, *arguments)` with one of them; `work` is a function of a module."""
+        ...
+
+
+class Pool(Workers, Protocol):
+    """Workers that also simulate many sets of parameters."""
+
+    def __call__(
+        self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
+    ) -> Iterable[pd.DataFrame]:
+        """One log per set of parameters, in their order. Raises SimulationError."""
+        ...
+
+
+class Unsimulated:
+    """Stands where replicas go along a measured motion, and nothing is simulated."""
+
+    def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
+        raise SimulationError("this motion was measured and cannot be simulated")
+
+
+OpenPool = Callable[[Robot], AbstractContextManager[Pool]]
+
+
+@contextmanager
+def rivals(open_pool: OpenPool, robots: Sequence[Robot]) -> Iterator[SimulateRivals]:
+    """Several robots over the same experiments: one log per robot, in their order."""
+    with ExitStack() as stack:
+        pools = [stack.enter_context(open_pool(robot)) for robot in robots]
+
+        def simulate(experiment: Experiment) -> list[pd.DataFrame]:
+            jobs = [pool.submit(_simulated, experiment) for pool in pools]
+            return [job.result() for job in jobs]
+
+        yield simulate
+
+
+def _simulated(simulator: Simulator, experiment: Experiment) -> pd.DataFrame:
+    return simulator.simulate(experiment)
