@@ -17,7 +17,7 @@ coverage: .venv/dev
 	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
 
 # Thousands of hostile inputs; what it counts goes to docs/reliability.md.
-fuzz: export HOSTILE_EXAMPLES ?= 250
+fuzz: export HOSTILE_EXAMPLES ?= 200
 fuzz: .venv/dev
 	$(BIN)/pytest tests/hostile
 

@@ -21,9 +21,17 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
+    from pyident.verbs.any_model import compare_fmu as compare_fmu
+    from pyident.verbs.any_model import diagnose_fmu as diagnose_fmu
+    from pyident.verbs.any_model import identify_fmu as identify_fmu
+    from pyident.verbs.any_model_results import FmuCompared as FmuCompared
+    from pyident.verbs.any_model_results import FmuDiagnosed as FmuDiagnosed
+    from pyident.verbs.any_model_results import FmuFit as FmuFit
     from pyident.verbs.excite import check_plan as check_plan
     from pyident.verbs.excite import excite as excite
     from pyident.verbs.excite import export_plan as export_plan
+    from pyident.verbs.explain import Explained as Explained
+    from pyident.verbs.explain import explain as explain
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
@@ -46,7 +54,11 @@ _HOME = {
     "Compared": "pyident.verbs.judged",
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
+    "Explained": "pyident.verbs.explain",
     "Fit": "pyident.verbs.fitted",
+    "FmuCompared": "pyident.verbs.any_model_results",
+    "FmuDiagnosed": "pyident.verbs.any_model_results",
+    "FmuFit": "pyident.verbs.any_model_results",
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
     "Robot": "flexmodels.robot",
@@ -56,11 +68,15 @@ _HOME = {
     "check_log": "pyident.checks.check_log",
     "check_plan": "pyident.verbs.excite",
     "compare": "pyident.verbs.judge",
+    "compare_fmu": "pyident.verbs.any_model",
     "diagnose": "pyident.verbs.judge",
+    "diagnose_fmu": "pyident.verbs.any_model",
     "excite": "pyident.verbs.excite",
+    "explain": "pyident.verbs.explain",
     "export_fmu": "pyident.verbs.simulate",
     "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",
+    "identify_fmu": "pyident.verbs.any_model",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",

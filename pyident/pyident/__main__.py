@@ -10,6 +10,7 @@ def main() -> None:
         raise SystemExit(128 + signal.SIGTERM)
 
     signal.signal(signal.SIGTERM, terminate)
+    sys.unraisablehook = _once_more
     try:
         from pyident.cli.main import main
 
@@ -18,6 +19,25 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         print("stopped", file=sys.stderr)
         raise SystemExit(128 + signal.SIGINT) from None
+
+
+def _once_more(lost: "sys.UnraisableHookArgs") -> None:  # noqa: F821
+    """Ask again for a Ctrl-C, or a request to terminate, that Python lost.
+
+    What is raised in a destructor, or in a callback of an import or of C, is only reported there.
+    """
+    import os
+    import signal
+    import sys
+    import threading
+
+    asked = {KeyboardInterrupt: signal.SIGINT, SystemExit: signal.SIGTERM}.get(lost.exc_type)
+    if asked is None:
+        sys.__unraisablehook__(lost)
+        return
+    again = threading.Timer(0.05, os.kill, (os.getpid(), asked))
+    again.daemon = True
+    again.start()
 
 
 if __name__ == "__main__":

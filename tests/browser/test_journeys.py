@@ -1,13 +1,57 @@
 """What a person does with the workbench, done by a browser."""
 
 import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from zipfile import ZipFile
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from conftest import PATIENCE, served
+from fmpy.validation import validate_fmu
 
+from flexmodels.files.robot_file import load_robot
 from pyident.logs.log import read_log, write_log
 
 pytestmark = pytest.mark.browser
+
+
+CURVES = "([id, n]) => document.querySelector(`[data-testid=${id}]`).data?.length === n"
+
+
+def curves(tab, name: str) -> int:
+    """How many curves a figure has, once it is drawn."""
+    tab.wait_for_function("id => document.querySelector(`[data-testid=${id}]`)?.data", arg=name)
+    return tab.evaluate("id => document.querySelector(`[data-testid=${id}]`).data.length", name)
+
+
+def pictured(tab, name: str) -> None:
+    """A picture of the page, where PICTURES names a folder for them."""
+    if "PICTURES" in os.environ:
+        tab.wait_for_timeout(1500)
+        tab.screenshot(path=f"{os.environ['PICTURES']}/{name}.png", full_page=True)
+
+
+def accessible(tab) -> None:
+    """No violation that axe-core calls serious or critical."""
+    results = Axe().run(tab).response["violations"]
+    serious = [v for v in results if v["impact"] in ("serious", "critical")]
+    words = [f"{v['id']}: {v['help']}: {[n['html'][:200] for n in v['nodes'][:3]]}" for v in serious]
+    assert not words, "\n".join(words)
+
+
+def compared(tab, url: str) -> None:
+    """Check, compare, and wait until every law has been asked."""
+    checked(tab, url)
+    tab.get_by_test_id("place-where").click()
+    tab.get_by_test_id("compare").click()
+    tab.get_by_test_id("where-sentence").wait_for(timeout=PATIENCE)
+    tab.get_by_test_id("job-ask").wait_for(state="detached", timeout=PATIENCE)
+    curves(tab, "states")
 
 
 def checked(tab, url: str) -> None:
@@ -18,32 +62,147 @@ def checked(tab, url: str) -> None:
 
 
 def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
-    """Eight clicks: check, where, compare, a bump, why, diagnose, add, undo."""
+    """Nine clicks: check, where, compare, a bump, why, try, diagnose, add, undo."""
     with served(project) as url:
         checked(tab, url)
         tab.get_by_test_id("place-where").click()
         tab.get_by_test_id("compare").click()
         tab.get_by_test_id("where-sentence").wait_for(timeout=PATIENCE)
         assert "joint 2, motor side" in tab.get_by_test_id("where-sentence").inner_text()
+        tab.get_by_test_id("job-ask").wait_for(state="detached", timeout=PATIENCE)
         tab.get_by_test_id("bump-1").click()
         tab.get_by_test_id("whole").wait_for()
         assert "from=" in tab.url
-        tab.get_by_test_id("place-why").click()
+        pictured(tab, "where")
+        accessible(tab)
+        tab.get_by_test_id("to-why").click()
+        first = tab.get_by_test_id("tie").get_by_test_id("law-1")
+        first.wait_for(timeout=PATIENCE)
+        assert "asymmetric_coulomb at joint2" in tab.get_by_test_id("tie").inner_text()
+        assert tab.get_by_test_id("verdict").inner_text() == "no diagnosis yet"
+        assert curves(tab, "waveform") == 3
+        tab.get_by_test_id("try-1").click()
+        tab.wait_for_function(CURVES, arg=["waveform", 4])
+        before, after = re.findall(r"rms ([\d.e-]+) → ([\d.e-]+)", tab.get_by_test_id("tried").inner_text())[
+            0
+        ]
+        assert float(after) < 0.5 * float(before)
+        pictured(tab, "why")
+        accessible(tab)
         tab.get_by_test_id("diagnose").click()
         tab.get_by_test_id("sentence").wait_for(timeout=PATIENCE)
         assert tab.get_by_test_id("verdict").inner_text() == "an effect is missing"
         assert "asymmetric_coulomb at joint2" in tab.get_by_test_id("finding-1").inner_text()
         tab.get_by_test_id("add-1-1").click()
         tab.get_by_test_id("version-1").wait_for(timeout=PATIENCE)
+        assert tab.get_by_test_id("outcome").inner_text() == "accepted"
+        fall = tab.get_by_test_id("fall-1").inner_text()
+        pictured(tab, "added")
         tab.get_by_test_id("undo").click()
         tab.get_by_test_id("undo").wait_for(state="detached")
         assert tab.errors == []
         assert tab.hosts == {"127.0.0.1"}
     diagnosis = json.loads((project / "results" / "diagnose_v0.json").read_text())
     assert diagnosis["findings"][0]["tie"][0]["effect"] == "asymmetric_coulomb"
-    added = json.loads((project / "results" / "add_asymmetric_coulomb_2_v0.json").read_text())
-    assert added["accepted"]
     assert (project / "with_asymmetric_coulomb_2.toml").is_file()
+    assert fall == by_command_line(project, "asymmetric_coulomb", 2)
+
+
+def by_command_line(project, effect: str, joint: int) -> str:
+    """The first fall of the same law's waterfall, from the command that the page names."""
+    lines = json.loads((project / "workbench.json").read_text())["commands"]
+    line = next(c for c in lines if c.startswith(f"pyident add robot.toml {effect} --joint {joint}"))
+    words = [w if not w.endswith(".json") else "again.json" for w in shlex.split(line)[1:]]
+    words[words.index("-o") + 1] = "again.toml"
+    subprocess.run([sys.executable, "-m", "pyident", *words], cwd=project, check=True, capture_output=True)
+    step = json.loads((project / "again.json").read_text())["waterfall"][0]
+    errors = f"{step['before']:.4g} → {step['after']:.4g} {step['unit']}, floor {step['floor']:.4g}"
+    return f"{step['name']}: {errors}"
+
+
+def test_a_wrong_law_is_refused_with_its_numbers(tab, project):
+    with served(project) as url:
+        compared(tab, url)
+        tab.get_by_test_id("place-why").click()
+        rows = tab.get_by_test_id(re.compile(r"law-\d+"))
+        rows.first.wait_for()
+        wrong = rows.filter(has_text="viscous_drift at joint2")
+        wrong.get_by_role("button", name="Add").click()
+        tab.get_by_test_id("outcome").wait_for(timeout=PATIENCE)
+        assert "refused: viscous_drift at joint 2" in tab.get_by_test_id("outcome").inner_text()
+        assert "%" in tab.get_by_test_id("message").inner_text() or "does not fall" in (
+            tab.get_by_test_id("message").inner_text()
+        )
+        assert tab.get_by_test_id("version-1").count() == 0
+    assert not list(project.glob("with_*.toml"))
+
+
+def test_what_is_brushed_in_one_panel_is_marked_in_all(tab, project):
+    with served(project) as url:
+        compared(tab, url)
+        states = tab.get_by_test_id("states")
+        states.scroll_into_view_if_needed()
+        panel = states.locator(".subplot.xy .plot, .subplot.xy").first.bounding_box()
+        x, y = panel["x"], panel["y"]
+        tab.mouse.move(x + 5, y + 5)
+        tab.mouse.down()
+        tab.mouse.move(x + 0.4 * panel["width"], y + panel["height"] - 5, steps=5)
+        tab.mouse.up()
+        tab.wait_for_function(
+            "document.querySelector('[data-testid=brushed]').textContent.includes('marked')"
+        )
+        marked = tab.evaluate(
+            """() => {
+                const states = document.querySelector('[data-testid=states]').data;
+                const traces = document.querySelector('[data-testid=traces]').data;
+                const panels = states.filter(t => t.mode === 'markers');
+                const own = panels.map(t => JSON.stringify(t.selectedpoints));
+                return [new Set(own).size, JSON.parse(own[0]).length, traces[traces.length - 1].x.length];
+            }"""
+        )
+        assert marked[0] == 1
+        assert 0 < marked[1] == marked[2]
+        assert tab.errors == []
+
+
+def test_the_arm_plays_and_shares_its_moment_with_the_traces(tab, project):
+    with served(project) as url:
+        compared(tab, url)
+        canvas = tab.get_by_test_id("arm")
+        still = canvas.screenshot()
+        tab.get_by_test_id("play").click()
+        tab.wait_for_function("document.querySelector('[data-testid=scene]').dataset.time > 0.5")
+        tab.get_by_test_id("play").click()
+        assert canvas.screenshot() != still
+        assert tab.get_by_test_id("cursor").first.is_visible()
+        shown = canvas.screenshot()
+        tab.get_by_test_id("exaggeration").fill("1000")
+        assert tab.get_by_test_id("times").inner_text() == "500"
+        assert canvas.screenshot() != shown
+        assert tab.errors == []
+
+
+def test_any_two_versions_are_compared(tab, project):
+    """Two models whose numbers on the page are those of `pyident compare`."""
+    shutil.copy(project / "robot.toml", project / "other.toml")
+    versions = [
+        {"model": m, "parent": "", "what": m, "command": "", "fall": None}
+        for m in ("robot.toml", "other.toml")
+    ]
+    state = {"mapping": "", "roles": {}, "versions": versions, "current": 0, "commands": []}
+    (project / "workbench.json").write_text(json.dumps(state))
+    with served(project) as url:
+        compared(tab, url)
+        tab.get_by_test_id("compare-versions").click()
+        table = tab.get_by_test_id("versions-table")
+        table.wait_for(timeout=PATIENCE)
+        words = table.inner_text()
+    logs = [f"{name}.parquet" for name in "abc"]
+    same = [sys.executable, "-m", "pyident", "compare", "robot.toml", *logs, "--json", "x.json"]
+    subprocess.run(same, cwd=project, check=True, capture_output=True)
+    again = json.loads((project / "x.json").read_text())["logs"]
+    log = next(iter(again.values()))
+    assert f"{log['torque']['joint2']['rmse']:.4g}" in words
 
 
 def test_a_bad_log_keeps_the_lock_and_says_why(tab, project):
@@ -86,23 +245,53 @@ def test_strangers_are_refused(tab, project):
 def test_the_robot_stands_in_3d(tab, project):
     with served(project) as url:
         tab.goto(url + "&place=model")
-        tab.get_by_test_id("scene").locator("canvas").first.wait_for()
-        tab.wait_for_timeout(4000)
-        picture = tab.get_by_test_id("scene").screenshot()
+        tab.get_by_test_id("arm").wait_for()
         tab.get_by_test_id("joint-2").wait_for()
-        assert len(picture) > 5_000  # an empty scene is a grey plane of some 3 kB
+        coloured = tab.evaluate(
+            """() => {
+                const c = document.querySelector('[data-testid=arm]');
+                const bytes = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+                let blue = 0;
+                for (let i = 0; i < bytes.length; i += 4)
+                    blue += bytes[i] === 0x2b && bytes[i + 1] === 0x6c && bytes[i + 2] === 0xa3;
+                return blue;
+            }"""
+        )
+        assert coloured > 50  # the joints' discs
         assert tab.errors == []
 
 
 def test_by_keyboard_alone(tab, project):
+    """Tab reaches every control in turn and Enter works it; the focus can be seen."""
     with served(project) as url:
         tab.goto(url)
-        tab.get_by_test_id("check").focus()
+        tab.get_by_test_id("check").wait_for()
+        tabbed(tab, "check")
         tab.keyboard.press("Enter")
         tab.get_by_test_id("sound").wait_for(timeout=PATIENCE)
-        tab.get_by_test_id("place-model").focus()
+        tabbed(tab, "place-where")
         tab.keyboard.press("Enter")
-        tab.get_by_test_id("model").wait_for()
+        tabbed(tab, "compare")
+        tab.keyboard.press("Enter")
+        tab.get_by_test_id("where-sentence").wait_for(timeout=PATIENCE)
+        tab.get_by_test_id("job-ask").wait_for(state="detached", timeout=PATIENCE)
+        tabbed(tab, "bump-1")
+        tab.keyboard.press("Enter")
+        tab.get_by_test_id("whole").wait_for()
+        tabbed(tab, "to-why")
+        tab.keyboard.press("Enter")
+        tabbed(tab, "try-1")
+        tab.keyboard.press("Space")
+        tab.wait_for_function(CURVES, arg=["waveform", 4])
+
+
+def tabbed(tab, name: str, most: int = 120) -> None:
+    """Press Tab until a control has the focus."""
+    for _ in range(most):
+        if tab.evaluate("document.activeElement?.dataset?.testid ?? ''") == name:
+            return
+        tab.keyboard.press("Tab")
+    raise AssertionError(f"{most} times Tab do not reach {name}")
 
 
 @pytest.mark.parametrize("width", [390, 1280])
@@ -114,3 +303,54 @@ def test_nothing_is_wider_than_the_screen(tab, project, width):
             tab.get_by_test_id("verdict").wait_for()
             tab.wait_for_timeout(500)
             assert tab.evaluate("document.documentElement.scrollWidth") <= width + 1
+
+
+@pytest.mark.parametrize("place", ["data", "model", "next"])
+def test_everybody_can_use_it(tab, project, place):
+    with served(project) as url:
+        tab.goto(f"{url}&place={place}")
+        tab.get_by_test_id("verdict").wait_for()
+        tab.wait_for_timeout(500)
+        accessible(tab)
+
+
+def test_a_urdf_becomes_a_robot_file(tab, project):
+    urdf = project / "arm.urdf"
+    urdf.write_text(URDF)
+    dropped = project.parent / "arm.urdf"
+    urdf.rename(dropped)
+    with served(project) as url:
+        tab.goto(url + "&place=model")
+        tab.get_by_test_id("upload-model").locator("input[type=file]").set_input_files(dropped)
+        tab.get_by_test_id("twist").fill("1")
+        tab.get_by_test_id("import").click()
+        tab.get_by_test_id("joint-1").wait_for(timeout=PATIENCE)
+        assert "shoulder · revolute, twists" in tab.get_by_test_id("joint-1").inner_text()
+    assert load_robot(project / "arm.toml").joints[0].flexible
+    commands = json.loads((project / "workbench.json").read_text())["commands"]
+    assert commands == ["pyident robots import arm.urdf -o arm.toml --twist 1"]
+
+
+URDF = """<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="0.2 0 0"/><mass value="3"/>
+<inertia ixx="0.01" iyy="0.05" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+<limit lower="-2" upper="2" effort="50" velocity="3"/></joint></robot>"""
+
+
+def test_a_bundle_holds_the_model_in_every_format(tab, project):
+    with served(project) as url:
+        tab.goto(url)
+        tab.get_by_test_id("check").click()
+        tab.get_by_test_id("sound").wait_for(timeout=PATIENCE)
+        tab.get_by_test_id("place-next").click()
+        tab.get_by_test_id("bundle").click()
+        tab.get_by_test_id("made-bundle").wait_for(timeout=PATIENCE)
+        with tab.expect_download() as saved:
+            tab.get_by_test_id("download-bundle").click()
+        with ZipFile(saved.value.path()) as packed:
+            endings = sorted(name[name.rindex(".") :] for name in packed.namelist())
+            fmu = next(n for n in packed.namelist() if n.endswith(".fmu") and "fmi3" not in n)
+            packed.extract(fmu, project)
+    assert endings == [".fmu", ".fmu", ".sh", ".ssp", ".toml", ".txt", ".urdf", ".xml"]
+    assert validate_fmu(str(project / fmu)) == []

@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
-from fmu_modes import MODES, Moving
+from fmu_modes import MODES, Moving, declared_in
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("mode", MODES)
-def test_no_dependency_is_left_out(fmus, mode):
+def test_no_dependency_is_left_out(fmus, mode, fmi):
     """FMI 2.0.5 and 3.0.2: the derivative by a known that is not listed is zero, at any time."""
-    fmu = Moving(fmus[2], mode)
+    fmu = Moving(fmus[fmi], mode)
     declared = declared_in(fmu)
+    assert len(declared) > 60
     still = fmu.values({})
     missing = []
     for known in fmu.at:
@@ -27,9 +29,10 @@ def test_no_dependency_is_left_out(fmus, mode):
     assert not missing
 
 
-def test_the_structure_is_no_longer_than_it_must_be(fmus):
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_structure_is_no_longer_than_it_must_be(fmus, fmi):
     """The tip follows the coordinates alone, and the rate of a coordinate its speed."""
-    fmu = Moving(fmus[2], "continuous")
+    fmu = Moving(fmus[fmi], "continuous")
     declared = declared_in(fmu)
     assert declared["der(joint1.eps[2])"] == {"joint1.deps[2]"}
     assert declared["tip.x"] <= {name for name in fmu.states if ".e" in name}
@@ -40,17 +43,23 @@ def test_the_structure_is_no_longer_than_it_must_be(fmus):
     }
 
 
-def declared_in(fmu):
-    description = fmu.description
-    first = fmu.mode == "initialisation"
-    unknowns = description.initialUnknowns if first else [*description.outputs, *description.derivatives]
-    return {u.variable.name: {v.name for v in u.dependencies} for u in unknowns}
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_every_unknown_that_moves_is_declared(fmus, fmi):
+    """Outputs, rates of all states and, at the start, the states too; nothing else, and none twice."""
+    running, first = (declared_in(Moving(fmus[fmi], mode)) for mode in ("continuous", "initialisation"))
+    fmu = Moving(fmus[fmi], "continuous")
+    outputs = {v.name for v in fmu.description.modelVariables if v.causality == "output"}
+    rates = {f"der({name})" for name in fmu.states}
+    margins = {f"joint{k}.friction_margin" for k in range(1, 5)} if fmi == 3 else set()
+    assert set(running) == outputs | rates | margins
+    assert set(first) == outputs | rates | set(fmu.states)
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("mode", MODES)
-def test_directional_derivatives_are_right_in_every_mode(fmus, mode):
+def test_directional_derivatives_are_right_in_every_mode(fmus, mode, fmi):
     """All knowns move at once, along random directions; friction, margins and laws are among the unknowns."""
-    fmu = Moving(fmus[2], mode)
+    fmu = Moving(fmus[fmi], mode)
     known = [name for name in fmu.at if not name.endswith(("tau_max", "joint4.de_0"))]  # no derivative there
     unknown = [name for name in fmu.unknown if name not in known]
     places = [fmu.unknown.index(name) for name in unknown]

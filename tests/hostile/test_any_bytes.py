@@ -34,7 +34,7 @@ def test_robot_files(content, folder):
     done = tried(
         "robot files", folder, {"arm.toml": content}, "robots", "export", "arm.toml", "-o", "out.urdf"
     )
-    assert (folder / "out.urdf").exists() == (done.exit_code == 0)
+    assert (folder / "out.urdf").exists() == (done.exit_code != 2)
     cleared(folder)
 
 
@@ -44,7 +44,7 @@ def test_robot_files_as_mjcf(content, folder):
     done = tried(
         "robot files", folder, {"arm.toml": content}, "robots", "export", "arm.toml", "-o", "out.xml"
     )
-    assert (folder / "out.xml").exists() == (done.exit_code == 0)
+    assert (folder / "out.xml").exists() == (done.exit_code != 2)
     cleared(folder)
 
 
@@ -63,7 +63,7 @@ def test_mjcfs(content, folder):
 def imported(family, folder, files):
     """What is imported can be used."""
     done = tried(family, folder, files, "robots", "import", *files, "-o", "out.toml")
-    assert (folder / "out.toml").exists() == (done.exit_code == 0)
+    assert (folder / "out.toml").exists() == (done.exit_code != 2)
     if done.exit_code == 0:
         robot = load_robot(folder / "out.toml")
         assert robot.joints

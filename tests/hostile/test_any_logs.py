@@ -65,7 +65,7 @@ def test_mappings(mapping, content, folder):
 def imported(folder, family, files, name):
     words = ("log", "import", name, "--mapping", "map.toml", "-o", "out.csv")
     done = tried(family, folder, files, *words)
-    assert (folder / "out.csv").exists() == (done.exit_code == 0)
+    assert (folder / "out.csv").exists() == (done.exit_code != 2)
     cleared(folder)
 
 
@@ -74,7 +74,7 @@ def imported(folder, family, files, name):
 def test_inspected(content, folder):
     words = ("log", "inspect", "log.csv", "--json", "out.json")
     done = tried("logs to inspect", folder, {"log.csv": content}, *words)
-    assert (folder / "out.json").exists() == (done.exit_code == 0)
+    assert (folder / "out.json").exists() == (done.exit_code != 2)
     cleared(folder)
 
 

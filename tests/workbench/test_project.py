@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pyident.workbench.project import STATE, ProjectError, Version, command, open_project
+from pyident.workbench.project import STATE, ProjectError, Version, command, is_worth_opening, open_project
 
 
 @pytest.fixture
@@ -19,6 +19,15 @@ def test_a_folder_lists_its_logs_and_models(folder):
     assert project.logs == ["a.parquet", "b.csv"]
     assert project.models == ["robot.toml"]
     assert project.model == "robot.toml"
+
+
+def test_a_studys_folder_opens_on_its_identified_robot(tmp_path):
+    (tmp_path / "regression.toml").write_text("")
+    (tmp_path / "identified.toml").write_text("")
+    assert not is_worth_opening(tmp_path)
+    (tmp_path / "identification.parquet").write_text("")
+    assert is_worth_opening(tmp_path)
+    assert open_project(tmp_path).model == "identified.toml"
 
 
 def test_choices_survive_a_restart(folder):

@@ -2,11 +2,13 @@
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
 from flexfmu.code.generated import Generated, inner, outer
 from flexfmu.code.generated import derivatives as generated_derivatives
+from flexfmu.dependencies import Dependencies
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.names import c_string
 from flexfmu.variables import nominals
@@ -45,7 +47,13 @@ def controller_sources(interface: Interface) -> dict[str, str]:
 
 
 def _token(interface: Interface, files: dict[str, str]) -> str:
-    return hashlib.sha256("".join([*files.values(), repr(interface)]).encode()).hexdigest()[:32]
+    """Of the C and the interface; sets are sorted, whose order differs from process to process."""
+    structure = [
+        {name: sorted(knowns) for name, knowns in depends.items()}
+        for depends in (interface.dependencies.running, interface.dependencies.initial)
+    ]
+    shown = repr(replace(interface, dependencies=Dependencies({}, {}))) + repr(structure)
+    return hashlib.sha256("".join([*files.values(), shown]).encode()).hexdigest()[:32]
 
 
 def token_of(sources: dict[str, str]) -> str:

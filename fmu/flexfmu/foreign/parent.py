@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,66 @@ from flexmodels.scratch import scratch_folder
 SILENCE = 60.0  # [s] without progress after which an FMU counts as hanging
 REQUEST, RESULT = "request.npz", "result.npy"
 _POLL = 0.05  # [s]
+Progress = Callable[[float], None]
+
+
+class Child:
+    """A process that runs one FMU as often as it is asked; use as a context manager.
+
+    fmu       path of the FMU
+    folder    where requests and results lie
+    silence   seconds without progress after which it is stopped
+    """
+
+    def __init__(self, fmu: Path, folder: Path, silence: float):
+        self._fmu, self._silence = fmu, silence
+        environment = os.environ | {
+            "TMPDIR": str(folder),
+            "TEMP": str(folder),
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        }
+        command = [sys.executable, "-m", "flexfmu.foreign.child", str(folder)]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment
+        )
+        self._lines: list[dict[str, Any]] = []
+        self._reader = threading.Thread(target=_collect, args=(self._process, self._lines), daemon=True)
+        self._reader.start()
+
+    def __enter__(self) -> "Child":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        with suppress(BrokenPipeError):
+            self._process.__exit__(None, None, None)
+
+    def ask(self, job: str, request: Mapping[str, Any], progress: Progress | None = None) -> list[str]:
+        """Send a request, pass progress on and return what was done. Raises SimulationError."""
+        assert self._process.stdin is not None
+        seen, heard = len(self._lines), time.monotonic()
+        words = {"job": job, "fmu": str(self._fmu.resolve())} | dict(request)
+        with suppress(BrokenPipeError):  # its end is explained below
+            self._process.stdin.write(json.dumps(words).encode() + b"\n")
+            self._process.stdin.flush()
+        while True:
+            alive = self._reader.is_alive()
+            if len(self._lines) > seen:
+                seen, heard = len(self._lines), time.monotonic()
+                last = self._lines[-1]
+                if "error" in last:
+                    raise SimulationError(f"{self._fmu}: {last['error']}")
+                if "done" in last:
+                    return last["done"]
+                if progress and "progress" in last:
+                    progress(last["progress"])
+            elif not alive:
+                raise SimulationError(f"{self._fmu}: the FMU {_ending(self._process.wait())}")
+            if time.monotonic() - heard > self._silence:
+                raise SimulationError(
+                    f"{self._fmu}: the FMU gave no sign for {self._silence:g} s and was stopped"
+                )
+            self._reader.join(_POLL if seen else _POLL / 10)
 
 
 class ForeignFmu(FmuDescription):
@@ -41,66 +102,15 @@ class ForeignFmu(FmuDescription):
         experiment: Experiment,
         parameters: Mapping[str, float] | None = None,
         outputs: tuple[str, ...] = (),
-        progress: Callable[[float], None] | None = None,
+        progress: Progress | None = None,
     ) -> pd.DataFrame:
         """As `LoadedFmu.simulate`. Raises SimulationError."""
-        with scratch_folder() as folder:
+        with scratch_folder() as folder, Child(self._path, folder, self._silence) as child:
             parts = {f.name: getattr(experiment, f.name) for f in fields(experiment)}
             np.savez(folder / REQUEST, **{name: part for name, part in parts.items() if part is not None})
-            words = {
-                "fmu": str(self._path.resolve()),
-                "parameters": dict(parameters or {}),
-                "outputs": outputs,
-            }
-            answer = self._answer(folder, json.dumps(words), progress)
+            columns = child.ask("log", {"parameters": dict(parameters or {}), "outputs": outputs}, progress)
             rows = np.load(folder / RESULT, allow_pickle=False)
-        return pd.DataFrame(rows, columns=answer["columns"])
-
-    def _answer(self, folder: Path, request: str, progress: Callable[[float], None] | None) -> dict[str, Any]:
-        command = [sys.executable, "-m", "flexfmu.foreign.child", str(folder)]
-        environment = os.environ | {
-            "TMPDIR": str(folder),
-            "TEMP": str(folder),
-            "PYTHONPATH": os.pathsep.join(sys.path),
-        }
-        with subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment
-        ) as child:
-            try:
-                return self._follow(child, request, progress)
-            finally:
-                child.kill()
-
-    def _follow(
-        self, child: "subprocess.Popen[bytes]", request: str, progress: Callable[[float], None] | None
-    ) -> dict[str, Any]:
-        """Send the request, pass progress on and return the last line. Raises SimulationError."""
-        lines: list[dict[str, Any]] = []
-        reader = threading.Thread(target=_collect, args=(child, lines), daemon=True)
-        reader.start()
-        assert child.stdin is not None
-        try:
-            child.stdin.write(request.encode() + b"\n")  # kept open: its end tells the child to end too
-            child.stdin.flush()
-        except BrokenPipeError:
-            pass  # its end is explained below
-        seen, heard = 0, time.monotonic()
-        while reader.is_alive():
-            reader.join(_POLL)
-            if len(lines) > seen:
-                seen, heard = len(lines), time.monotonic()
-                if progress and "progress" in lines[-1]:
-                    progress(lines[-1]["progress"])
-            if time.monotonic() - heard > self._silence:
-                raise SimulationError(
-                    f"{self._path}: the FMU gave no sign for {self._silence:g} s and was stopped"
-                )
-        last = lines[-1] if lines else {}
-        if "error" in last:
-            raise SimulationError(f"{self._path}: {last['error']}")
-        if "columns" not in last:
-            raise SimulationError(f"{self._path}: the FMU {_ending(child.wait())}")
-        return last
+        return pd.DataFrame(rows, columns=columns)
 
 
 def _collect(child: "subprocess.Popen[bytes]", lines: list[dict[str, Any]]) -> None:

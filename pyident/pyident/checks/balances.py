@@ -19,6 +19,7 @@ from pyident.regression.regressor import regressor
 
 _ROWS = 1500  # samples at which Φ is evaluated
 _SLOW = 0.05  # of a joint's rms speed: below, the sign of friction is not known
+_STANDS = 3e-4  # of the busiest joint's way: what goes no farther is a brake's play and an encoder's noise
 _ENERGY = 0.99  # of a speed's energy that lies below the motion's highest frequency
 _ABOVE = 3.0  # times that frequency is kept
 _BAND = (0.05, 0.6)  # of the Nyquist frequency: what the filter's edge may be
@@ -59,7 +60,7 @@ class Samples:
     def moved(self, matrix: np.ndarray, offset: np.ndarray) -> "Samples":
         """The same with coordinates  matrix q + offset."""
         q, dq, ddq = (x @ matrix.T for x in (self.q, self.dq, self.ddq))
-        return replace(self, q=q + offset, dq=dq, ddq=ddq, use=_moving(self.robot, dq))
+        return replace(self, q=q + offset, dq=dq, ddq=ddq, use=_moving(self.robot, q, dq))
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def samples(robot: Robot, log: Log) -> Samples | None:
     q, dq, ddq = central_differences(q, T)
     at = np.arange(border, n - border, max(1, (n - 2 * border) // _ROWS))
     inner = at - REACH
-    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, _moving(robot, dq[inner]))
+    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, _moving(robot, q[inner], dq[inner]))
 
 
 def balances(signals: Samples) -> Balances:
@@ -152,11 +153,12 @@ def solved(normal: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return inverse @ right, inverse
 
 
-def _moving(robot: Robot, dq: np.ndarray) -> np.ndarray:
+def _moving(robot: Robot, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
+    """Where a joint moves: never, if all it does is a tiny part of what the busiest one does."""
     n = len(robot.joints)
-    speed = np.abs(dq[:, :n])
+    speed, way = np.abs(dq[:, :n]), np.ptp(q[:, :n], axis=0)
     least = np.maximum(robot.processing.dead_zone, _SLOW * np.sqrt(np.mean(speed**2, axis=0)))
-    return (speed > least).astype(float)
+    return ((speed > least) & (way > _STANDS * way.max())).astype(float)
 
 
 def _edge(q: np.ndarray, cutoff: float | None, period: float) -> float:

@@ -50,8 +50,7 @@ def _constant(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         moving = [o for o in moving if o == reference_of(k)]
     if moving:
         yield _defect("gross", "constant", log, name, f"is {x[0]:.6g} throughout while {moving[0]} moves; "
-                                                      "the "
-                      f"channel was not recorded")  # fmt: skip
+                      f"the channel was not recorded")  # fmt: skip
 
 
 def _is_torque(name: str) -> bool:
@@ -141,8 +140,7 @@ def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         if share > least and counts[0] > LOG_CHECKS.crowded * counts[1:].mean() and not resting:
             severity: Severity = "gross" if share > LOG_CHECKS.limit_gross else "doubtful"
             yield _defect(severity, "limit", log, name, f"stands at {extreme:.4g} in {100 * share:.2g} % of "
-                                                        "the "
-                          f"samples: it runs into a limit; repeat the motion with less torque")  # fmt: skip
+                          "the samples: it runs into a limit; repeat it with less torque")  # fmt: skip
 
 
 def _longest(true: np.ndarray) -> int:
@@ -157,8 +155,7 @@ def _unsigned(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     touches = sum(bool(low[s]) for s in inside.start)
     if (x.min() >= 0 or x.max() <= 0) and touches >= 4:
         yield _defect("doubtful", "unsigned", log, name, f"comes to zero {touches} times and never changes "
-                                                         "its "
-                      f"sign; it looks like a magnitude: record the signed torque")  # fmt: skip
+                      f"its sign; it looks like a magnitude: record the signed torque")  # fmt: skip
 
 
 def _slow(log: Log, name: str, of: Runs) -> Iterator[Defect]:

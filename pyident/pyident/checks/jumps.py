@@ -52,8 +52,7 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     gross = sizes.max() > _LARGE * np.ptp(x) or len(places) > max(_MANY * len(x), 3)
     yield Defect("gross" if gross else "doubtful", "jump", name,
                  f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; a count was "
-                 "lost or "
-                 f"rows are missing: cut the log there or mend the channel")  # fmt: skip
+                 f"lost or rows are missing: cut the log there or mend the channel")  # fmt: skip
 
 
 def _turn(log: Log, name: str, at: int) -> Defect:

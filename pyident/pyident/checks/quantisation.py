@@ -47,8 +47,7 @@ def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]
         yield Defect("doubtful", "coarse", name, f"{log.source}: {name} comes in steps of {step:.3g}, which "
                                                  "make "
                      f"some {percent:.0f} % of its acceleration; lower processing.cutoff in the robot file "
-                     "or "
-                     f"record with a finer resolution")  # fmt: skip
+                     f"or record with a finer resolution")  # fmt: skip
 
 
 def step_of(x: np.ndarray) -> float:

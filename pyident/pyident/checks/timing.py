@@ -90,6 +90,5 @@ def _drift(of: Balances, source: str) -> Iterator[Defect]:
             "drift",
             "",
             f"{source}: the torques' clock gains some {abs(_DRIFTS[best])} samples on the positions' over "
-            "the "
-            f"log; record both with one clock, or resample one of them",
+            f"the log; record both with one clock, or resample one of them",
         )

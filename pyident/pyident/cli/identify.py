@@ -3,6 +3,12 @@
 import click
 
 import pyident as pi
+from pyident.cli.common.any_model import (
+    SeveralNames,
+    interface_option,
+    parameters_option,
+    refuse_robot_options,
+)
 from pyident.cli.common.outputs import ROBOT
 from pyident.cli.common.shared import (
     effects_option,
@@ -13,13 +19,15 @@ from pyident.cli.common.shared import (
     progress_bar,
     reported,
     scheduler_option,
+    set_option,
     show,
     show_notes,
     write_json,
 )
+from pyident.verbs.fmu_arguments import Interface, Parameters, is_fmu
 
 
-@click.command(name="identify")
+@click.command(name="identify", cls=SeveralNames)
 @click.argument("model")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @output_option(ROBOT, required=False)
@@ -33,8 +41,14 @@ from pyident.cli.common.shared import (
     help="Instruments from the simulated model, output error, or a least squares for comparison.",
 )
 @click.option(
+    "--prior", metavar="MODEL", help="Near whose bodies stays what the data leave open: CAD or URDF."
+)
+@click.option(
     "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
 )
+@parameters_option
+@interface_option
+@set_option
 @mapping_option
 @scheduler_option
 @force_option
@@ -46,17 +60,40 @@ def identify_command(
     output: str | None,
     robust: bool,
     estimator: str,
+    prior: str | None,
     refine: bool,
+    names: Parameters,
+    interface: Interface | None,
+    parameters: dict[str, float],
     mapping: str | None,
     force: bool,
     json_file: str | None,
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
+    MODEL may also be an FMU of any tool: --parameters then names what to find, and the logs' columns are
+    called as its inputs and outputs.
+
+    \b
     Example: pyident identify four_link log.parquet -o identified.toml
+             pyident identify other.fmu log.csv --parameters k d=0:5
     """
+    if is_fmu(model):
+        refuse_robot_options(output=output, mapping=mapping, robust=robust, refine=refine)
+        with progress_bar("identifying") as progress:
+            fit = pi.identify_fmu(
+                model, logs, names, values=parameters, interface=interface, progress=progress
+            )
+        show_notes(fit.notes)
+        show(fit.summary())
+        write_json(json_file, fit.to_dict())
+        return
+    if names or interface or parameters:
+        raise click.UsageError("--parameters, --interface and --set belong to an FMU as the model")
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
+    if prior and refine:
+        raise click.UsageError("--prior settles what a regression leaves open; --refine has no such thing")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
             found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
@@ -68,6 +105,7 @@ def identify_command(
                 force=force,
                 robust=robust,
                 estimator=estimator,
+                prior=prior,
                 progress=progress,
             )
     show_notes(found.notes)

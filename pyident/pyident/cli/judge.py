@@ -9,6 +9,12 @@ import pyident as pi
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import shipped
 from flexmodels.robot import RobotError
+from pyident.cli.common.any_model import (
+    SeveralNames,
+    interface_option,
+    parameters_option,
+    refuse_robot_options,
+)
 from pyident.cli.common.outputs import DRAFT, PAGE, ROBOT, Output
 from pyident.cli.common.shared import (
     effects_option,
@@ -24,6 +30,7 @@ from pyident.cli.common.shared import (
     show_notes,
     write_json,
 )
+from pyident.verbs.fmu_arguments import Interface, Parameters, is_fmu
 from pyident.verbs.judged import side_by_side
 
 _holdout = click.option(
@@ -38,6 +45,7 @@ _holdout = click.option(
 @mapping_option
 @scheduler_option
 @force_option
+@interface_option
 @set_option
 @json_option
 @reported
@@ -46,6 +54,7 @@ def compare_command(
     output: str | None,
     mapping: str | None,
     force: bool,
+    interface: Interface | None,
     parameters: dict[str, float],
     json_file: str | None,
 ) -> None:
@@ -57,7 +66,15 @@ def compare_command(
     \b
     Example: pyident compare identified.toml log.parquet -o where.html
              pyident compare identified.toml extended.toml validation.parquet
+             pyident compare other.fmu log.csv --set k=1.7
     """
+    if is_fmu(models_and_logs[0]):
+        refuse_robot_options(output=output, mapping=mapping)
+        fmu = pi.compare_fmu(models_and_logs[0], models_and_logs[1:], values=parameters, interface=interface)
+        show_notes(fmu.notes)
+        show(fmu.summary())
+        write_json(json_file, fmu.to_dict())
+        return
     models, paths = _models_and_logs(models_and_logs)
     found = []
     for model in models:
@@ -72,13 +89,13 @@ def compare_command(
     if output:
         from pyident.report.comparison import write_comparison
 
-        write_comparison(Path(output), models, [c.comparison for c in found], found[-1].notes)
+        write_comparison(Path(output), models, [c.comparison for c in found], found[-1].notes, found[-1].arms)
         show(f"wrote {output}")
     contents = [c.to_dict() for c in found]
     write_json(json_file, contents[0] if len(found) == 1 else contents[1] | {"old": contents[0]})
 
 
-@click.command(name="diagnose")
+@click.command(name="diagnose", cls=SeveralNames)
 @click.argument("model")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @_holdout
@@ -90,6 +107,9 @@ def compare_command(
 )
 @output_option(PAGE, required=False)
 @effects_option
+@parameters_option
+@interface_option
+@set_option
 @mapping_option
 @scheduler_option
 @force_option
@@ -101,6 +121,9 @@ def diagnose_command(
     holdout: tuple[str, ...],
     draft: str | None,
     output: str | None,
+    names: Parameters,
+    interface: Interface | None,
+    parameters: dict[str, float],
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -111,8 +134,25 @@ def diagnose_command(
     The model is fitted to the logs; its own masses, frictions and stiffnesses are not used. The exit code is
     1 when something is missing.
 
+    Of an FMU of any tool it says what its output residuals show, after a fit of --parameters: a delay, the
+    signals on which they depend, periodic orders, or noise.
+
+    \b
     Example: pyident diagnose my_arm.toml a.parquet b.parquet c.parquet -o diagnosis.html
+             pyident diagnose other.fmu log.csv --parameters k d
     """
+    if is_fmu(model):
+        refuse_robot_options(output=output, mapping=mapping, draft=draft, holdout=holdout)
+        with progress_bar("fitting, search") as progress:
+            fmu = pi.diagnose_fmu(
+                model, logs, names, values=parameters, interface=interface, progress=progress
+            )
+        show_notes(fmu.notes)
+        show(fmu.summary())
+        write_json(json_file, fmu.to_dict())
+        sys.exit(fmu.verdict != "nothing_detectable")
+    if names or interface or parameters:
+        raise click.UsageError("--parameters, --interface and --set belong to an FMU as the model")
     with progress_bar("fitting, replicas, search") as progress:
         found = pi.diagnose(
             model,

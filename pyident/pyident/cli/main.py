@@ -12,6 +12,9 @@ COMMANDS = {
     "effects": Entry(
         "pyident.cli.effects", "effects", "List the laws that a robot file may name, or show one."
     ),
+    "explain": Entry(
+        "pyident.cli.explain", "explain_command", "Rank the laws by what each would take of one stretch."
+    ),
     "excite": Entry(
         "pyident.cli.excite", "excite_command", "Design the motion that tells the most about MODEL."
     ),

@@ -1,5 +1,6 @@
 """`pyident simulate` and `pyident export`: robots as FMUs."""
 
+from pathlib import Path
 from typing import Literal
 
 import click
@@ -53,7 +54,8 @@ def export(
 ) -> None:
     """Write MODEL as an FMU for model exchange and co-simulation.
 
-    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections.
+    A file that ends in .ssp holds plant and controller as two FMUs (FMI 2.0) and their connections, one that
+    ends in .mo the arm as Modelica text.
 
     Example: pyident export four_link -o arm.fmu --fmi 3, or pyident export emps -o emps.fmu --part plant
     """
@@ -63,7 +65,7 @@ def export(
             robot, output, 2 if fmi == "2" else 3, part=part, platforms=platforms, parameters=parameters
         )
     show(f"wrote {path}")
-    kind = "ssp" if output.endswith(".ssp") else "fmu"
+    kind = {".ssp": "ssp", ".mo": "modelica"}.get(Path(output).suffix, "fmu")
     write_json(json_file, {kind: str(path), "parameters": robot.parameters | parameters})
 
 

@@ -24,6 +24,7 @@ from pyident.cli.common.shared import (
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
+from pyident.workbench.project import is_worth_opening
 
 
 @click.command()
@@ -55,6 +56,9 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
     console.print(table)
     for figure in figures:
         show(f"wrote {figure}")
+    for folder in (Path(output) / name for name in names):
+        if is_worth_opening(folder):
+            show(f"to look at it in the workbench: pyident open {folder}")
     write_json(json_file, rows)
     if any(row["met"] == "no" for row in rows):
         sys.exit(1)

@@ -84,9 +84,14 @@ def mean_square_over_floor(
     data: Sequence[Part], replicas: Sequence[Sequence[Part]], rows: Sequence[int]
 ) -> float:
     """Of the residual of some equations, each over its floor at every frequency; 1 is the floor."""
-    level = _floor(replicas, [[p.residual for p in parts] for parts in replicas])
+    level = replica_floor(replicas)
     spectra = _spectra(data, [p.residual for p in data], level)
     return float(np.mean(np.concatenate([np.abs(S[:, list(rows)]) ** 2 for _, S in spectra])))
+
+
+def replica_floor(replicas: Sequence[Sequence[Part]]) -> Floor:
+    """What replicas leave of every equation over frequency, under the model's own parameters."""
+    return _floor(replicas, [[p.residual for p in parts] for parts in replicas])
 
 
 def _floor(replicas: Sequence[Sequence[Part]], left: Sequence[Sequence[np.ndarray]]) -> Floor:

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_deformation, is_motor, is_torque, joint_number, motor_of
+from flexmodels.coordinate import deformation_of, is_deformation, is_motor, is_torque, joint_number, motor_of
 from flexmodels.robot import Robot
-from pyident.comparison.bins import Bin, breakdown
+from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
 from pyident.comparison.traces import Bump, Trace, bumps, traces
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
+from pyident.regression.spectrum import Floor
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
@@ -28,6 +29,7 @@ class Comparison:
     structural  whether it stands out under refitted parameters too: the structure fails, not the values
     traces      every equation along every log
     bins, refitted   every part, under the model's own parameters and under refitted ones
+    floor       what replicas leave of every equation over frequency
     tracks      whether the simulations track the measured motion, so that torques tell and positions do not
     """
 
@@ -40,6 +42,7 @@ class Comparison:
     refitted: tuple[Bin, ...]
     tracks: bool
     traces: tuple[Trace, ...] = ()
+    floor: Floor | None = None
 
     @staticmethod
     def bumps(trace: Trace) -> list[Bump]:
@@ -98,6 +101,7 @@ def compared(
         tuple(refitted),
         trial.tracks,
         tuple(t for i in range(len(names)) for t in _traces_of(trial, i, data[i], replicas, own)),
+        replica_floor(replicas),
     )
 
 
@@ -107,8 +111,10 @@ def _traces_of(
     """Of the judged log number i."""
     coordinates = trial.robot.coordinates
     motors = [coordinates.index(motor_of(joint_number(name))) for name in coordinates]
+    places = {name: at for at, name in enumerate(coordinates)}
+    twists = [places.get(deformation_of(joint_number(name))) for name in coordinates]
     made = [parts[i] for parts in replicas]
-    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors)
+    return traces(trial.judged[i].log.source, coordinates, data, made, bins, motors, twists)
 
 
 def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> LogErrors:

@@ -5,8 +5,9 @@ what physics leaves in it. It is shown below the frequency up to which it stands
 replicas alike.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,7 @@ _LEAST_CUTOFF = 5.0  # Hz: a slower residual would be smeared over its causes
 _STANDS_OUT = 1.25  # times the floor: a band that counts
 _WINDOW = 0.25  # s over which the residual's rms is compared with the replicas'
 _LEAVES = 1.5  # times the replicas' rms: a bump
+_VALLEY = np.log(2.0)  # of the energy's logarithm: what parts two bumps
 MOST_BUMPS = 12
 
 
@@ -26,6 +28,7 @@ class Trace:
     """N samples of one equation [unit: N m or N] on one log.
 
     time [s]; position and speed of the joint's motor [rad or m, per s]
+    deformation   of the joint about its axis [rad], None where it is rigid
     measured   the right-hand side, motor torque, or zero for a deformation;  modelled: Φ p
     residual   measured less modelled, below `cutoff` [Hz];  low, high: where 5 to 95 % of the replicas' lie
     used       whether the sample counts (dry friction is not known at reversals)
@@ -36,6 +39,7 @@ class Trace:
     time: np.ndarray
     position: np.ndarray
     speed: np.ndarray
+    deformation: np.ndarray | None
     measured: np.ndarray
     modelled: np.ndarray
     residual: np.ndarray
@@ -62,17 +66,18 @@ def traces(
     replicas: Sequence[Part],
     bins: Sequence[Bin],
     joints: Sequence[int],
+    twists: Sequence[int | None],
 ) -> tuple[Trace, ...]:
-    """A trace per coordinate. joints: position in q of the motor of each coordinate's joint."""
+    """A trace per coordinate. joints, twists: positions in q of the motor and twist of each's joint."""
     listed = []
     for c, coordinate in enumerate(coordinates):
         cutoff = _cutoff([b for b in bins if b.coordinate == coordinate and b.kind == "frequency"])
         used = data.part.use[:, c] > 0
-        residual = _low_passed(data.residual[:, c], data.period, cutoff)
-        others = [_low_passed(p.residual[:, c], p.period, cutoff) for p in replicas]
+        residual = low_passed(data.residual[:, c], data.period, cutoff)
+        others = [low_passed(p.residual[:, c], p.period, cutoff) for p in replicas]
         low, high = _ribbon(others, len(residual), data.period)
         measured = data.part.target[:, c]
-        motion = data.part.motion
+        motion, twist = data.part.motion, twists[c]
         listed.append(
             Trace(
                 log=log,
@@ -80,6 +85,7 @@ def traces(
                 time=data.time[-1] - data.period * np.arange(len(residual), dtype=float)[::-1],
                 position=motion.q[:, joints[c]],
                 speed=motion.dq[:, joints[c]],
+                deformation=None if twist is None else motion.q[:, twist],
                 measured=measured,
                 modelled=measured - data.residual[:, c],
                 residual=residual,
@@ -103,12 +109,21 @@ def bumps(trace: Trace) -> list[Bump]:
     total = max(float(beyond.sum()), 1e-300)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
     stretches = []
-    for start, stop in edges.reshape(-1, 2):
+    for start, stop in _split(energy, edges.reshape(-1, 2)):
         at = slice(start, stop)
         ratio = float(np.sqrt(np.max(energy[at] / level[at])))
         share = float(beyond[at].sum()) / total
         stretches.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
     return sorted(stretches, key=lambda bump: -bump.share)[:MOST_BUMPS]
+
+
+def _split(energy: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:
+    """The stretches, each cut where its energy falls to half of the humps on both sides."""
+    from scipy.signal import find_peaks
+
+    for start, stop in stretches:
+        valleys, _ = find_peaks(-np.log(energy[start:stop] + 1e-300), prominence=_VALLEY)
+        yield from pairwise([start, *(start + valleys), stop])
 
 
 def _cutoff(bands: Sequence[Bin]) -> float:
@@ -117,7 +132,8 @@ def _cutoff(bands: Sequence[Bin]) -> float:
     return max([_LEAST_CUTOFF, *standing])
 
 
-def _low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
+def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
+    """(N,) below `cutoff` [Hz], without delay."""
     from scipy.signal import butter, sosfiltfilt
 
     relative = 2 * cutoff * period

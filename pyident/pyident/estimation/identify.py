@@ -7,16 +7,18 @@ from typing import Any
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.robot import Robot
+from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
 from pyident.estimation.estimate import estimate
 from pyident.estimation.least_squares import Solution, residual_squares
-from pyident.estimation.physical import consistent
+from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
+
+_NOTHING = 1e-3  # of what the solution says: so near to a bound a parameter is at it
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,17 @@ class Identified:
             return None
         p = np.array([self.robot.parameters[name] for name in self.reduced.columns])
         return relative_error(self.reduced, p, len(self.robot.joints))
+
+    @property
+    def at_bound(self) -> list[str]:
+        """Parameters of the written model at their least value: beyond it lies what the data ask for."""
+        values, bounds = self.robot.parameters, lower_bounds(self.robot)
+        solution = dict(zip(self.reduced.columns, self.solution.p, strict=True))
+        return [
+            name
+            for name, bound in bounds.items()
+            if name in solution and values[name] - bound <= _NOTHING * abs(solution[name] - bound)
+        ]
 
     def json(self) -> dict[str, Any]:
         """The contract of `identify --json`."""
@@ -96,6 +109,24 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
         base=base_parameters(reduced, solution),
         relative_error=relative_error(reduced, solution.p, len(robot.joints)),
     )
+
+
+def near(found: Identified, prior: Robot) -> Identified:
+    """The same solution; what the data leave open of the written model stays near a prior.
+
+    Raises RobotError where the prior has other links or joints.
+    """
+    unlike = sorted(set(found.reduced.columns) - set(prior.parameters))
+    bodies = [name for name in unlike if name.startswith("link")]
+    if bodies or len(prior.joints) != len(found.robot.joints):
+        what = bodies[0] if bodies else f"{len(found.robot.joints)} joints"
+        raise RobotError(f"prior {prior.name} has no {what}; give a model of the same arm")
+    p = consistent(found.robot, found.reduced, found.solution, prior)
+    robot = found.robot.with_parameters(dict(zip(found.reduced.columns, p, strict=True)))
+    kept = [name for name, text in found.support.items() if text == "no"]
+    note = f"what the data leave open stays near {prior.name}"
+    note += f"; they say nothing of {', '.join(kept)}" if kept else ""
+    return replace(found, robot=robot, notes=(*found.notes, note))
 
 
 def without_intervals(found: Identified) -> Identified:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.estimation.least_squares import ROUNDING, Solution, residual_squares
+from pyident.estimation.least_squares import ROUNDING, Directions, Solution, solution_of
 from pyident.regression.reduced import Reduced, reduce
 
 FADE = 6  # samples over which the mask fades
@@ -85,21 +85,10 @@ def solve_instrumental(
         r = min(rank, r)
         a, spread = _leading(B, b, r)
         meat = scatter(turn, Vt[:r].T @ a / scale)
-    seen, null = Vt[:r].T, Vt[r:].T
-    p = seen @ a / scale
+    seen = Vt[:r].T
     root = (seen / scale[:, None]) @ spread
-    squares, n = residual_squares(reduced, p), np.sqrt(reduced.samples)
-    return Solution(
-        p=p,
-        covariance=root @ meat[:r, :r] @ root.T,
-        singular_values=s,
-        seen=seen,
-        null=null,
-        scale=scale,
-        weights=weights,
-        residual=np.sqrt(squares) / n,
-        signal=np.linalg.norm(reduced.triangles[:, :, -1], axis=1) / n,
-    )
+    covariance = root @ meat[:r, :r] @ root.T
+    return solution_of(reduced, weights, seen @ a / scale, covariance, Directions(s, Vt, scale, r))
 
 
 def _leading(B: np.ndarray, b: np.ndarray, r: int) -> tuple[np.ndarray, np.ndarray]:

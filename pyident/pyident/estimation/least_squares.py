@@ -92,23 +92,38 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)
     rank = _rank(s, coefficients, float(y @ y), equations)
-    seen, null = Vt[:rank].T, Vt[rank:].T
+    seen = Vt[:rank].T
     p = seen @ (coefficients[:rank] / s[:rank]) / scale
-    squares = residual_squares(reduced, p)
-    variance = (weights**2 @ squares) / max(equations - rank, 1)
+    variance = (weights**2 @ residual_squares(reduced, p)) / max(equations - rank, 1)
     spread = seen / s[:rank] / scale[:, None]
-    signal = np.linalg.norm(reduced.triangles[:, :, -1], axis=1)
-    n = np.sqrt(reduced.samples)
+    return solution_of(reduced, weights, p, variance * spread @ spread.T, Directions(s, Vt, scale, rank))
+
+
+@dataclass(frozen=True)
+class Directions:
+    """singular_values (P,), the rows (P, P) of their scaled directions, scale (P,), and how many count."""
+
+    singular_values: np.ndarray
+    rows: np.ndarray
+    scale: np.ndarray
+    rank: int
+
+
+def solution_of(
+    reduced: Reduced, weights: np.ndarray, p: np.ndarray, covariance: np.ndarray, directions: Directions
+) -> Solution:
+    """Values p (P,) with what the problem tells of them: residuals, and directions seen and not."""
+    n, r = np.sqrt(reduced.samples), directions.rank
     return Solution(
         p=p,
-        covariance=variance * spread @ spread.T,
-        singular_values=s,
-        seen=seen,
-        null=null,
-        scale=scale,
+        covariance=covariance,
+        singular_values=directions.singular_values,
+        seen=directions.rows[:r].T,
+        null=directions.rows[r:].T,
+        scale=directions.scale,
         weights=weights,
-        residual=np.sqrt(squares) / n,
-        signal=signal / n,
+        residual=np.sqrt(residual_squares(reduced, p)) / n,
+        signal=np.linalg.norm(reduced.triangles[:, :, -1], axis=1) / n,
     )
 
 

@@ -2,10 +2,13 @@
 
 Every link keeps a positive pseudo-inertia (Wensing, Kim and Slotine 2018), every stiffness, damping,
 friction level and motor inertia stays non-negative; so the model's mass matrix is positive definite
-whatever the data left open.
+whatever the data left open. Where a prior is given, directions that the data leave open stay near it: bodies
+in the Bregman distance of the log-determinant, which is that of mass distributions whatever the units (Lee,
+Wensing and Park 2020), what belongs to a joint in shares of its prior value.
 """
 
 import warnings
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,14 +23,16 @@ if TYPE_CHECKING:
     import cvxpy as cp
 
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
+_TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
+_EXTENT = 0.01  # m: least radius of gyration of a prior's body
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
 
-def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray:
+def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot | None = None) -> np.ndarray:
     """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
 
-    Directions that the data do not determine are settled by the bounds and by small size.
-    Raises RuntimeError when the solver finds no such parameters.
+    Directions that the data do not determine are settled by the bounds and by nearness to the prior, or where
+    there is none by small size. Raises RuntimeError when the solver finds no such parameters.
     """
     import cvxpy as cp
 
@@ -45,7 +50,10 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
         z[names.index(name)] >= bound * scale[names.index(name)]
         for name, bound in lower_bounds(robot).items()
     ]
-    cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
+    if prior is None:
+        cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
+    else:
+        cost = cp.sum_squares(u) / 2 + _distance(p, names, prior) / _TRUSTED**2
     problem = cp.Problem(cp.Minimize(cost), limits)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
@@ -55,6 +63,39 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray
     found = np.asarray(z.value) / scale
     bounds = lower_bounds(robot)
     return np.maximum(found, [bounds.get(name, -np.inf) for name in names])
+
+
+def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Expression":
+    """Convex distance of parameters to a prior's: half the summed squares of small relative changes."""
+    import cvxpy as cp
+
+    known, terms = prior.parameters, []
+    for k, link in enumerate(prior.links, start=1):
+        if link.m <= 0:
+            continue
+        L = np.linalg.inv(np.linalg.cholesky(_prior_body(known, k)))
+        body = L @ _pseudo_inertia(p, names, k) @ L.T
+        terms.append(cp.trace(body) - cp.log_det(body) - 4)
+    joints = [i for i, name in enumerate(names) if not name.startswith("link") and known.get(name)]
+    if joints:
+        share = 1 / np.array([known[names[i]] for i in joints])
+        terms.append(cp.sum_squares(cp.multiply(share, p[joints]) - 1) / 2)
+    return sum(terms, cp.Constant(0.0))
+
+
+def _prior_body(known: Mapping[str, float], link: int) -> np.ndarray:
+    """(4, 4) a prior's pseudo-inertia; a body without extent gets the least one."""
+    m, x, y, z, xx, xy, xz, yy, yz, zz = (known[f"link{link}.{name}"] for name in LINK_PARAMETERS)
+    rotational = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    first = np.array([x, y, z])
+    central = np.trace(rotational) / 2 * np.eye(3) - rotational - np.outer(first, first) / m
+    size, axes = np.linalg.eigh(central)
+    central = axes * np.maximum(size, m * _EXTENT**2) @ axes.T
+    body = np.zeros((4, 4))
+    body[:3, :3] = central + np.outer(first, first) / m
+    body[:3, 3] = body[3, :3] = first
+    body[3, 3] = m
+    return body
 
 
 def _sigma(reduced: Reduced, solution: Solution) -> float:

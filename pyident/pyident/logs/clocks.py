@@ -28,6 +28,8 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
             )
             if len(own) != len(values[name]) or len(own) < 4 or (np.diff(own) <= 0).any():
                 raise LogError(f"{source}: {s.clock} is no clock of {s.column}: it must grow and be as long")
+            if not np.isfinite(values[name]).all():
+                raise LogError(f"{source}: column {s.column} holds values that are not finite")
             values[name] = CubicSpline(own, values[name])(np.clip(time, own[0], own[-1]))
             first, last = max(first, own[0]), min(last, own[-1])
             rate = (len(own) - 1) / (own[-1] - own[0])

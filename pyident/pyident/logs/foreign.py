@@ -67,6 +67,8 @@ def open_robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = Non
 def delayed(frame: pd.DataFrame, delays: dict[str, float]) -> pd.DataFrame:
     """Columns that were sampled `delay` [s] before their time stamp, at their time stamps (cubic splines)."""
     time = frame["time"].to_numpy(float)
+    if len(time) < 4 or not (np.diff(time) > 0).all() or not np.isfinite(frame.to_numpy(float)).all():
+        return frame  # the check that follows explains it
     moved = {
         name: CubicSpline(time, frame[name].to_numpy(float))(np.clip(time + delay, time[0], time[-1]))
         for name, delay in delays.items()

@@ -194,8 +194,8 @@ def _with_covariance(
 ) -> Solution:
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
     if not carries(robot):
-        scatter = spectral(_listing(rows), solution.weights)  # pyright: ignore[reportAssignmentType]
-        return solve_instrumental(_listing(rows), reduced, solution.weights, scatter, solution.rank)
+        by_spectrum = spectral(_listing(rows), solution.weights)
+        return solve_instrumental(_listing(rows), reduced, solution.weights, by_spectrum, solution.rank)
     noise = sensor_noise(robot, [r.log for r in again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The page of a comparison: one file, readable without a server or a network."""
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import LogErrors
 from pyident.report.interactive import element, library
+from pyident.report.moving_arm import MovingArm, script
+from pyident.report.moving_arm import element as element_of
 
 _KINDS = {
     "frequency": "Frequency",
@@ -26,17 +29,25 @@ _KINDS = {
     "log": "Log",
 }
 _POINTS = 2000  # of a curve
+_NUMBERS = 100_000  # in the curves of all signals and logs, half a megabyte
 
 
 def write_comparison(
-    path: Path, models: Sequence[str], found: Sequence[Comparison], notes: Sequence[str] = ()
+    path: Path,
+    models: Sequence[str],
+    found: Sequence[Comparison],
+    notes: Sequence[str] = (),
+    arms: Sequence[MovingArm] = (),
 ) -> Path:
-    """Write the page of one model, or of an old and a new one, and return its path."""
+    """Write the page of one model, or of an old and a new one, and return its path.
+
+    arms   of the last model, one per log: the first one is shown
+    """
     sections = [("Errors beside their floor", [_waterfall(models, found)])]
     for model, c in zip(models, found, strict=True):
         of = f" of {model}" if len(models) > 1 else ""
         sections.append((f"Equations{of}: where they fail", [_map(c), *_bars(c)]))
-        sections.append((f"Simulation{of}: what it misses", [_curves(log) for log in c.logs]))
+        sections.append((f"Simulation{of}: what it misses", [_curves(log, _points(c)) for log in c.logs]))
     environment = Environment(loader=PackageLoader("pyident", "report"), autoescape=True)
     html = environment.get_template("comparison.html").render(
         title=" and ".join(models),
@@ -44,7 +55,10 @@ def write_comparison(
         tracks=found[0].tracks,
         notes=notes,
         plotly=library(),
-        sections=[(title, [_html(f) for f in figures]) for title, figures in sections],
+        arm=Markup(element_of(arms[0], "arm")) if arms else "",
+        arm_script=Markup(script()) if arms else "",
+        arm_log=Path(arms[0].log).name if arms else "",
+        sections=[(title, [_html(f, bool(arms)) for f in figures]) for title, figures in sections],
         tables=[_table(models, found, i) for i in range(len(found[0].logs))],
     )
     with replacing(path) as file:
@@ -52,9 +66,15 @@ def write_comparison(
     return path
 
 
-def _html(figure: go.Figure) -> Markup:
+def _html(figure: go.Figure, cursor: bool) -> Markup:
+    """cursor: whether curves over time show the moment of the arm."""
     figure.update_layout(template="plotly_white", margin={"l": 60, "r": 20, "t": 50, "b": 50})
-    return element(figure)
+    log = figure.layout.meta  # pyright: ignore[reportAttributeAccessIssue]
+    if not (cursor and log):
+        return element(figure)
+    quoted = json.dumps(log).replace("</", "<\\/")  # a file's name must not end the script
+    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {quoted})"
+    return element(figure, post_script=call)
 
 
 def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:
@@ -144,19 +164,26 @@ def _bars(c: Comparison) -> list[go.Figure]:
     return figures
 
 
-def _curves(log: LogErrors) -> go.Figure:
+def _points(c: Comparison) -> int:
+    """Of each curve, so that a page of many logs and joints stays small."""
+    return min(_POINTS, _NUMBERS // max(sum(len(log.missed) for log in c.logs), 1))
+
+
+def _curves(log: LogErrors, points: int) -> go.Figure:
     figure = go.Figure()
-    step = max(1, len(log.time) // _POINTS)
+    step = max(1, -(-len(log.time) // points))
+    began, apart = float(log.time[0]), float(step * (log.time[1] - log.time[0]))
     first = next((n for n in log.missed if n.startswith("tip")), next(iter(log.missed)))
     names = list(log.missed)
     for name, missed in log.missed.items():
-        x, y = (np.asarray(signal[::step], np.float32) for signal in (log.time, missed))  # half the page
-        figure.add_scatter(x=x, y=y, name=name, visible=name == first)
+        y = np.asarray(missed[::step], np.float32)
+        figure.add_scatter(x0=began, dx=apart, y=y, name=name, visible=name == first)
     buttons: list[dict[str, Any]] = [
         {"label": n, "method": "update", "args": [{"visible": [m == n for m in names]}]} for n in names
     ]
     figure.update_layout(
         title=f"{Path(log.log).name}: log less simulation",
+        meta=log.log,
         xaxis={"title": "time, s"},
         yaxis={"title": "m, rad, N m or N"},
         updatemenus=[

@@ -90,20 +90,22 @@ def waterfall(diagnosis: Diagnosis) -> Markup:
     names = ["the model as it is", *(f"+ {_effect(s.added)}" for s in stages[1:] if s.added), "what is left"]
     figures = [times(levels[0]), *(f"{MINUS}{times(-fall)}" for fall in falls), times(levels[-1])]
     figure = go.Figure(
-        go.Waterfall(
+        go.Bar(
             orientation="h",
-            measure=["absolute", *("relative" for _ in falls), "total"],
-            x=[levels[0], *falls, 0],
+            base=[0, *(min(pair) for pair in pairwise(levels)), 0],
+            x=[levels[0], *(abs(fall) for fall in falls), levels[-1]],
             y=list(range(len(names))),
             customdata=[[name, value] for name, value in zip(names, figures, strict=True)],
             hovertemplate="%{customdata[0]}: %{customdata[1]} × the floor<extra></extra>",
-            totals={"marker": {"color": EXCESS}},
-            decreasing={"marker": {"color": EXPLAINED}},
-            increasing={"marker": {"color": EXCESS}},
-            connector={"line": {"color": "#aab1b8", "width": 1}},
+            marker={"color": [EXCESS, *(EXPLAINED if fall < 0 else EXCESS for fall in falls), EXCESS]},
             width=0.42,
         )
     )
+    for at, level in enumerate(levels):
+        figure.add_shape(
+            type="line", x0=level, x1=level, y0=at, y1=at + 1, layer="below",
+            line={"color": "#aab1b8", "width": 1},
+        )  # fmt: skip
     for at, (name, value) in enumerate(zip(names, figures, strict=True)):
         figure.add_annotation(
             x=0, y=at - 0.27, xref="paper", text=f"{escape(name)}  <b>{value}</b>",

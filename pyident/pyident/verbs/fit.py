@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from flexmodels.robot import RobotError
-from pyident.estimation.identify import Identified, without_intervals
+from pyident.estimation.identify import Identified, near, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.logs.log import Log
 from pyident.refinement.estimators import DEFAULT, ESTIMATORS, refined
@@ -22,6 +22,7 @@ def identify(
     mapping: Columns | None = None,
     robust: bool = False,
     estimator: str = DEFAULT,
+    prior: Model | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -33,6 +34,7 @@ def identify(
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
+    prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
@@ -40,6 +42,8 @@ def identify(
     """
     read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
     found = _identified(read, "irls" if robust else estimator, progress)
+    if prior is not None:
+        found = near(found, robot_of(prior, allow_effects=allow_effects))
     if progress:
         progress(1.0)
     return Fit(found, (*read.notes, *found.notes))

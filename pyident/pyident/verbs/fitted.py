@@ -87,6 +87,12 @@ class Fit(Result):
         lines = [f"relative torque error {what}: {_percentages(self.identified.relative_error)}"]
         if written:
             lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
+            bound = self.identified.at_bound
+            if bound:
+                lines.append(
+                    f"written at the least value that it may have: {', '.join(bound)}; an effect that is "
+                    "missing, a wrong sign, or too little motion to tell"
+                )
         return [wrapped(line, "  ") for line in lines]
 
 

@@ -17,6 +17,7 @@ from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_lo
 from pyident.logs.log import Log, LogError, check, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
+from pyident.verbs.fmu_arguments import is_fmu
 
 Model = Robot | str | Path
 Data = Log | LogFile | pd.DataFrame | str | Path
@@ -64,6 +65,10 @@ def read_log(
 
 def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_effects: bool = False) -> Robot:
     """A robot, a shipped name or a file, with some parameters set to other values. Raises RobotError."""
+    if is_fmu(model):
+        raise RobotError(
+            f"{model} is an FMU, no robot file; call identify_fmu, compare_fmu or diagnose_fmu with it"
+        )
     robot = model if isinstance(model, Robot) else load_robot(model, allow_effects)
     return with_settings(robot, parameters) if parameters else robot
 

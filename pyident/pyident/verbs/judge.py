@@ -1,14 +1,17 @@
 """Models against logs: where they fail, which effect is missing, whether an added one is borne out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
+from flexmodels.coordinate import joint_name
+from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.add_effect import split
+from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.fmu_runs import FmuRuns
-from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
+from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
 Progress = Callable[[float], None]
@@ -31,7 +34,8 @@ def compare(
     Raises RobotError, LogError, SimulationError, BuildError.
     """
     read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
-    return Compared(compared(read.robot, read.logs, FmuRuns, progress or _silent), read.notes)
+    outcome = compared(read.robot, read.logs, FmuRuns, progress or _silent)
+    return Compared(outcome, read.notes, tuple(_arms(read, outcome)))
 
 
 def diagnose(
@@ -79,6 +83,16 @@ def add_effect(
     read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
     return Added(found, read.notes)
+
+
+def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
+    """The arm along every log, its joints' colours by the equation that leaves most over its floor."""
+    whole = [b for b in outcome.bins if b.kind == "all"]
+    over_floor = {
+        k: max(b.ratio for b in whole if b.joint == joint_name(k)) for k, _ in read.robot.numbered if whole
+    }
+    for log, errors in zip(read.logs, outcome.logs, strict=True):
+        yield moving(read.robot, log.source, log.frame, errors.time, errors.missed, over_floor)
 
 
 def _silent(_: float) -> None:

@@ -16,16 +16,21 @@ if TYPE_CHECKING:
     from pyident.comparison.compare import Comparison
     from pyident.diagnosis.result import Diagnosis
     from pyident.extension.add_effect import Extended
+    from pyident.report.moving_arm import MovingArm
 
 _SHOWN = 4  # names in a line
 
 
 @dataclass(frozen=True, repr=False)
 class Compared(Result):
-    """Where a model fails on logs, and how much beside the method's own floor."""
+    """Where a model fails on logs, and how much beside the method's own floor.
+
+    arms   per log: the arm as it moved and as it was simulated, for a page
+    """
 
     comparison: "Comparison"
     notes: tuple[str, ...]
+    arms: "tuple[MovingArm, ...]" = ()
 
     def headline(self) -> str:
         return self.comparison.sentence
@@ -61,7 +66,8 @@ class Compared(Result):
         """Write the page (HTML)."""
         from pyident.report.comparison import write_comparison
 
-        return write_comparison(Path(path), [model or self.comparison.robot], [self.comparison], self.notes)
+        name = model or self.comparison.robot
+        return write_comparison(Path(path), [name], [self.comparison], self.notes, self.arms)
 
 
 @dataclass(frozen=True, repr=False)

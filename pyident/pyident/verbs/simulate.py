@@ -78,16 +78,20 @@ def export_fmu(
 ) -> Path:
     """Write a robot as an FMU for model exchange and co-simulation; its path.
 
-    path        ends in .fmu, or in .ssp for plant and controller as two FMUs (FMI 2) and their connections
+    path        ends in .fmu, in .ssp for plant and controller as two FMUs (FMI 2) and their connections, or
+                in .mo for Modelica text
     part        the arm with its controller, or the plant alone, whose inputs are the motor torques: that of a
                 robot without [controller] too
     platforms   this machine's binary, or Linux, Windows and macOS in one file
     Raises RobotError, BuildError.
     """
     from flexfmu.build import without_controller
+    from flexfmu.modelica import export_modelica
     from flexfmu.ssp import export_ssp
 
     robot = robot_of(model, parameters, allow_effects)
+    if Path(path).suffix == ".mo":
+        return export_modelica(robot, path)
     if Path(path).suffix != ".ssp":
         plant = without_controller(equations(robot)) if part == "plant" else equations(simulable(robot))
         text = robot_text(robot).encode()

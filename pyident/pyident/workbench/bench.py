@@ -1,5 +1,6 @@
 """What all pages of one workbench share: the project, the work under way, the results so far."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -24,19 +25,24 @@ class Bench:
     message: str = ""
     revision: int = 0
     _asked: dict[str, work.Inputs] = field(default_factory=dict)
+    _waiting: list[int] = field(default_factory=list)
     _pending: Version = field(default_factory=lambda: Version(""))
 
     @property
     def inputs(self) -> work.Inputs:
         """The model in use and the logs as they are sorted now."""
-        p = self.project
+        return self.inputs_of(None)
+
+    def inputs_of(self, number: int | None) -> work.Inputs:
+        """The same with another version of the model."""
+        p = self.project if number is None else self.project.at_version(number)
         paths = {role: tuple(str(p.path(n)) for n in p.with_role(role)) for role in ("fit", "hold out")}
         mapping = str(p.path(p.mapping)) if p.mapping else ""
         return work.Inputs(p.model_path(), paths["fit"], paths["hold out"], mapping)
 
-    def result(self, what: str) -> Any:
-        """The outcome for exactly the present inputs, None where there is none."""
-        return self.results.get((what, self.inputs))
+    def result(self, what: str, number: int | None = None) -> Any:
+        """The outcome for exactly the present inputs (of another version), None where there is none."""
+        return self.results.get((what, self.inputs_of(number)))
 
     @property
     def checked(self) -> dict[str, list[str]]:
@@ -58,12 +64,13 @@ class Bench:
         self.project = project
         self.revision += 1
 
-    def start(self, what: str, title: str, *arguments: Any) -> None:
-        """Begin work; an earlier one of the same kind is cancelled. Arguments: the function and its own."""
+    def start(self, what: str, title: str, function: Any, *arguments: Any) -> None:
+        """Begin work; an earlier one of the same kind is cancelled."""
         if what in self.jobs:
             self.jobs[what].cancel()
-        self._asked[what] = self.inputs
-        self.jobs[what] = Job(title, *arguments)
+        inputs = next((a for a in arguments if isinstance(a, work.Inputs)), self.inputs)
+        self._asked[what] = inputs
+        self.jobs[what] = Job(title, function, *arguments)
         self.message = ""
         self.revision += 1
 
@@ -81,7 +88,13 @@ class Bench:
                 if what == "add":
                     self._take_version(job.result)
                 elif what == "identify":
-                    self._take_fit(job.result)
+                    self._take(self._pending)
+                elif what == "import":
+                    self.change(self.project.starting_from(self._pending.model).after(self._pending.command))
+                    self.message = " ".join(job.result)
+                elif what == "compare":
+                    self.start("ask", "asking every law", work.asked, self._asked[what], job.result)
+                    self._next_comparison()
 
     # What the buttons do.
 
@@ -92,11 +105,29 @@ class Bench:
         if names and inputs.model:
             self.start("check", "checking the logs", work.checked, inputs, names)
 
-    def compare(self) -> None:
-        """Ask where the model fails."""
-        inputs, file = self.inputs, self._file("compare")
-        self._log("compare", inputs, "--json", file)
-        self.start("compare", "comparing model and logs", work.compared, inputs, self._path(file))
+    def compare(self, number: int | None = None) -> None:
+        """Ask where a version of the model fails; the one in use without a number."""
+        inputs, file = self.inputs_of(number), self._file("compare", number)
+        logs = [*inputs.log_names(), *(Path(log).name for log in inputs.heldout)]
+        mapping = ["--mapping", Path(inputs.mapping).name] if inputs.mapping else []
+        line = command("compare", Path(inputs.model).name, logs, mapping, "--json", file)
+        self.change(self.project.after(line))
+        self.start(
+            "compare",
+            f"comparing {Path(inputs.model).name} and the logs",
+            work.compared,
+            inputs,
+            self._path(file),
+        )
+
+    def compare_all(self, numbers: Sequence[int]) -> None:
+        """Compare several versions, one after the other."""
+        self._waiting = list(numbers)
+        self._next_comparison()
+
+    def _next_comparison(self) -> None:
+        if self._waiting:
+            self.compare(self._waiting.pop(0))
 
     def diagnose(self) -> None:
         """Ask which effect is missing."""
@@ -125,6 +156,51 @@ class Bench:
         title = f"adding {effect} at joint {joint}"
         self.start("add", title, work.added, inputs, effect, joint, str(output), self._path(file))
 
+    def plan(self, separate: tuple[str, ...] = (), reveal: str = "") -> None:
+        """Design the motion that tells two laws (`effect@joint`) apart, or shows one."""
+        inputs, file = self.inputs, self._file("excite")
+        output = self.project.free_name("plan", ".csv")
+        asked = ["--separate", *separate] if separate else ["--reveal", reveal]
+        line = command("excite", Path(inputs.model).name, asked, "-o", output, "--json", file)
+        self.change(self.project.having_role(output, "leave out").after(line))
+        path = self._path(output)
+        self.start(
+            "plan", "planning a motion", work.planned, inputs, separate, reveal, path, self._path(file)
+        )
+
+    def bundle(self) -> None:
+        """Pack the model in every format."""
+        inputs, output = (
+            self.inputs,
+            self.project.free_name(f"{Path(self.project.model).stem}_bundle", ".zip"),
+        )
+        script = self.project.script()
+        self.start("bundle", f"packing {output}", work.bundled, inputs.model, self._path(output), script)
+
+    def bring(self, file: str, flexible: tuple[int, ...], twist: tuple[int, ...]) -> None:
+        """Take a URDF or MJCF of the folder as a robot file.
+
+        flexible, twist   joints that twist and bend, or only twist
+        """
+        output = self.project.free_name(Path(file).stem, ".toml")
+        words = ["import", file, "-o", output]
+        for option, joints in (("--flexible", flexible), ("--twist", twist)):
+            words += [option, ",".join(map(str, joints))] if joints else []
+        self._pending = Version(output, command=command("robots", words))
+        path = str(self.project.path(file))
+        self.start("import", f"reading {file}", work.imported, path, self._path(output), flexible, twist)
+
+    def propose(self, log: str) -> None:
+        """Ask what a file's columns seem to be."""
+        path = str(self.project.path(log))
+        self.start("propose", f"reading {log}", work.proposed, path, self.inputs.model)
+
+    def use_mapping(self, text: str) -> None:
+        """Write a mapping and read the logs by it."""
+        name = self.project.free_name("mapping", ".toml")
+        self.project.path(name).write_text(text, encoding="utf-8")
+        self.change(replace(self.project, mapping=name))
+
     def assign(self, log: str, role: Role) -> None:
         """Let a log serve for something else."""
         self.change(self.project.having_role(log, role))
@@ -144,19 +220,18 @@ class Bench:
         if not extended.accepted:
             self.message = f"{self._pending.what} was refused: {extended.reason}"
             return
-        version = replace(self._pending, fall=tuple(extended.gains))
+        self._take(replace(self._pending, fall=tuple(extended.gains)))
+        self.compare()
+
+    def _take(self, version: Version) -> None:
+        """A new version; the logs that made it have passed their checks."""
+        checked = self.result("check")
         self.change(self.project.extended(version).after(version.command))
+        self.results["check", self.inputs] = checked
 
-    def _take_fit(self, _: Any) -> None:
-        self.change(self.project.extended(self._pending).after(self._pending.command))
-
-    def _log(self, verb: str, inputs: work.Inputs, *words: str) -> None:
-        logs = [*inputs.log_names(), *(Path(log).name for log in inputs.heldout)]
-        mapping = ["--mapping", Path(inputs.mapping).name] if inputs.mapping else []
-        self.change(self.project.after(command(verb, Path(inputs.model).name, logs, mapping, *words)))
-
-    def _file(self, stem: str) -> str:
-        return str(Path(RESULTS) / f"{stem}_v{self.project.current}.json")
+    def _file(self, stem: str, number: int | None = None) -> str:
+        number = self.project.current if number is None else number
+        return str(Path(RESULTS) / f"{stem}_v{number}.json")
 
     def _path(self, name: str) -> str:
         return str(self.project.folder / name)

@@ -5,7 +5,10 @@ from functools import partial
 
 from nicegui import ui
 
+from pyident.workbench import versions
 from pyident.workbench.bench import Bench
+from pyident.workbench.channels import Channels
+from pyident.workbench.linked import scripts
 from pyident.workbench.places import data, model, next_step, where, why
 from pyident.workbench.project import ProjectError
 from pyident.workbench.view import PLACES, View
@@ -32,17 +35,20 @@ class Page:
 
     def __init__(self, bench: Bench, view: View):
         self.bench, self.view, self.seen = bench, view, bench.revision
+        self.channels: Channels | None = None  # of the file that is looked at
+        self.pair: tuple[int, int] | None = None  # versions that are compared
 
     def build(self) -> None:
         """Lay the page out."""
-        ui.colors(primary="#2b6ca3", warning="#b5480d")
+        ui.add_head_html(scripts())
+        ui.colors(
+            primary="#2b6ca3", warning="#b5480d", positive="#1b6e2e", negative="#b00020", info="#1c6680"
+        )
         with ui.header().classes("items-center gap-4 wrap").props('role="banner"'):
-            ui.label("flexident").classes("text-lg font-bold")
-            ui.label(str(self.bench.project.folder)).classes("text-sm opacity-80").props(
-                'data-testid="folder"'
-            )
+            ui.label("flexident").classes("text-lg font-bold").props('role="heading" aria-level="1"')
+            ui.label(str(self.bench.project.folder)).classes("text-sm").props('data-testid="folder"')
             self._verdict()
-        with ui.row().classes("w-full no-wrap max-md:flex-wrap").props('role="main"'):
+        with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
             with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
                 self._places()
             with ui.column().classes("grow min-w-0"):
@@ -61,6 +67,11 @@ class Page:
         """Remember what is looked at, in the URL too; nothing is drawn anew."""
         self.view = self.view.at(**changes)
         ui.navigate.history.replace(f"/?{self.view.query}")
+
+    def choose(self, before: int, after: int) -> None:
+        """Two versions to hold side by side."""
+        self.pair = before, after
+        self._versions.refresh()
 
     def act(self, action: Callable[[], None]) -> None:
         """Do what a button says; a failure becomes a sentence on the page."""
@@ -82,7 +93,7 @@ class Page:
     @ui.refreshable_method
     def _verdict(self) -> None:
         diagnosis = self.bench.result("diagnose")
-        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("grey", "no diagnosis yet")
+        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("blue-grey-8", "no diagnosis yet")
         badge = ui.badge(text, color=colour).classes("text-sm p-2").props('data-testid="verdict"')
         if diagnosis:
             badge.tooltip(diagnosis.sentence)
@@ -141,6 +152,8 @@ class Page:
                 ui.button("Undo", on_click=lambda: self.act(lambda: self._use(project.current - 1))).props(
                     'data-testid="undo" flat dense'
                 )
+        if len(project.versions) > 1 and self.bench.sound:
+            versions.show(self)
 
     def _use(self, number: int) -> None:
         self.bench.change(self.bench.project.at_version(number))

@@ -15,6 +15,7 @@ from flexmodels.atomic import replacing
 STATE = "workbench.json"
 LOGS = (".csv", ".parquet", ".mat")
 MODELS = (".toml", ".urdf", ".xml")
+_FIRST = ("robot.toml", "model.toml", "identified.toml")  # the model that a fresh project starts from
 LARGEST_UPLOAD = 2_000_000_000  # bytes: an hour of a six-axis arm at 1 kHz, twice over
 Role = Literal["fit", "hold out", "leave out"]
 
@@ -146,9 +147,15 @@ def open_project(folder: str | Path) -> Project:
         raise ProjectError(f"{state} cannot be read ({error}); delete it to start afresh") from None
 
 
+def is_worth_opening(folder: str | Path) -> bool:
+    """Whether a folder holds a log and a model that a fresh project starts from."""
+    project = Project(Path(folder))
+    return bool(project.logs) and any(name in project.models for name in _FIRST)
+
+
 def _fresh(folder: Path) -> Project:
     project = Project(folder)
-    robots = [name for name in project.models if name in ("robot.toml", "model.toml")]
+    robots = [name for name in _FIRST if name in project.models]
     return project.starting_from(robots[0]) if robots else project
 
 

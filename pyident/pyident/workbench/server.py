@@ -3,8 +3,12 @@
 import secrets
 import socket
 from pathlib import Path
+from threading import Thread
+from time import monotonic, sleep
 
 from pyident.workbench.project import ProjectError, open_project
+
+_PATIENCE = 120.0  # s that a page on a busy machine may be silent before it is taken for closed
 
 
 def free_port(port: int) -> int:
@@ -16,6 +20,18 @@ def free_port(port: int) -> int:
         except OSError:
             raise ProjectError(f"port {port} is taken; choose another with --port") from None
         return int(probe.getsockname()[1])
+
+
+def answers(port: int, seconds: float = 60.0) -> bool:
+    """Wait until something listens on the port; False where nothing does after so many seconds."""
+    end = monotonic() + seconds
+    while monotonic() < end:
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
+            return True
+        except OSError:
+            sleep(0.02)
+    return False
 
 
 def serve(folder: str | Path, port: int = 0, browser: bool = True) -> None:
@@ -37,22 +53,33 @@ def serve(folder: str | Path, port: int = 0, browser: bool = True) -> None:
     bench = Bench(project)
     hosts = frozenset({f"127.0.0.1:{port}", f"localhost:{port}"})
 
+    ui.tooltip.default_classes("bg-grey-10")  # the framework's own grey is too pale to read
+
     @ui.page("/", title="flexident", language="en-US")
     def index(request: Request) -> None:
         Page(bench, view_of(request.query_params)).build()
 
     url = f"http://127.0.0.1:{port}/?token={token}"
 
-    def started() -> None:
+    def announced() -> None:
+        if not answers(port):
+            return
         print(url, flush=True)
         if browser:
             import webbrowser
 
             webbrowser.open(url)
 
-    app.on_startup(started)
+    # the server calls back before it listens, and whoever follows the link then is refused
+    app.on_startup(Thread(target=announced, daemon=True).start)
     app.on_shutdown(bench.close)
     app.add_middleware(Guard, token=token, hosts=hosts, cookie=f"flexident{port}")
     ui.run(
-        host="127.0.0.1", port=port, show=False, reload=False, show_welcome_message=False, title="flexident"
+        host="127.0.0.1",
+        port=port,
+        show=False,
+        reload=False,
+        show_welcome_message=False,
+        title="flexident",
+        reconnect_timeout=_PATIENCE,
     )

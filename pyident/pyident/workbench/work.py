@@ -35,7 +35,17 @@ def compared(inputs: Inputs, json_file: str, progress: Progress) -> Any:
     logs = [*inputs.logs, *inputs.heldout]
     compared = pi.compare(inputs.model, logs, mapping=inputs.mapping or None, progress=progress)
     _write(json_file, compared.to_dict())
-    return compared.comparison
+    return compared
+
+
+def asked(inputs: Inputs, compared: Any, progress: Progress) -> Any:
+    """What every law would take of the residual along every log; those held out fit nothing."""
+    from pyident.verbs.explain import waves_of
+
+    heldout = list(inputs.heldout)
+    mapping = inputs.mapping or None
+    logs = list(inputs.logs)
+    return waves_of(compared, inputs.model, logs, heldout=heldout, mapping=mapping, progress=progress)
 
 
 def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> Any:
@@ -89,6 +99,54 @@ def exported(model: str, output: str, fmi: Literal[2, 3], progress: Progress) ->
     pi.export_fmu(model, output, fmi=fmi)
     progress(1.0)
     return output
+
+
+def proposed(log: str, model: str, progress: Progress) -> tuple[str, list[dict[str, Any]], list[str], str]:
+    """What a file's columns seem to be: its name, a row each, open questions, the mapping's text."""
+    from pyident.verbs.recordings import proposed_mapping
+
+    proposal = proposed_mapping([log], model or None)
+    rows = [
+        {
+            "column": c.column,
+            "signal": c.name or c.signal,
+            "unit": c.unit or "",
+            "sure": "yes" if c.sure else "?",
+        }
+        for c in proposal.channels
+    ]
+    progress(1.0)
+    return Path(log).name, rows, list(proposal.questions), proposal.toml()
+
+
+def planned(
+    inputs: Inputs, separate: tuple[str, ...], reveal: str, output: str, json_file: str, progress: Progress
+) -> tuple[str, str]:
+    """A motion that tells two laws apart or shows one, written to `output`; its name and what it promises."""
+    import pyident as pi
+
+    plan = pi.excite(inputs.model, separate=separate, reveal=reveal or None, progress=progress)
+    plan.save(output)
+    _write(json_file, plan.to_dict())
+    return Path(output).name, plan.headline()
+
+
+def bundled(model: str, output: str, script: str, progress: Progress) -> str:
+    """The model in every format, and the script of what was done."""
+    from pyident.verbs.robots import bundle
+
+    return str(bundle(model, output, script, progress))
+
+
+def imported(
+    file: str, output: str, flexible: tuple[int, ...], twist: tuple[int, ...], progress: Progress
+) -> tuple[str, ...]:
+    """A URDF or MJCF as a robot file; sentences on what it does not hold."""
+    from pyident.verbs.robots import import_robot
+
+    notes = import_robot(file, output, flexible=flexible, twist=twist)
+    progress(1.0)
+    return notes
 
 
 def checked(inputs: Inputs, names: Sequence[str], progress: Progress) -> dict[str, list[str]]:

@@ -89,6 +89,7 @@ def _compiled(path: Path) -> tuple[Any, Any]:
         raise RobotError(_MISSING) from None
     if not path.is_file():
         raise RobotError(f"there is no MJCF file {path}; check the path")
+    mujoco.set_mju_user_warning(lambda _: None)  # else it writes MUJOCO_LOG.TXT where the command is called
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         _without_pictures(mujoco, spec)
@@ -96,6 +97,8 @@ def _compiled(path: Path) -> tuple[Any, Any]:
     except (ValueError, mujoco.FatalError) as error:
         text = " ".join(str(error).split())
         raise RobotError(f"{path} cannot be read as MJCF ({text}); mend the file") from None
+    finally:
+        mujoco.set_mju_user_warning(None)
     for j in range(model.njnt):
         if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_BALL:
             raise RobotError(f"joint {model.joint(j).name} is a ball; replace it by three hinges")

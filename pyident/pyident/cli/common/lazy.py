@@ -1,8 +1,10 @@
 """Commands that are loaded when they are called, so that help and completion need nothing."""
 
-from collections.abc import Mapping
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import click
 
@@ -19,6 +21,14 @@ class LazyGroup(click.Group):
     """A group that knows the names of its commands and what they are for before it loads any."""
 
     entries: Mapping[str, Entry] = {}
+
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
+        with _stopped_in_one_line():
+            return super().make_context(*args, **kwargs)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        with _stopped_in_one_line():
+            return super().invoke(ctx)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted({*self.commands, *self.entries})
@@ -39,6 +49,17 @@ class LazyGroup(click.Group):
             return self.entries[name].help
         command = self.get_command(context, name)
         return command.get_short_help_str() if command else ""
+
+
+@contextmanager
+def _stopped_in_one_line() -> Iterator[None]:
+    """Ctrl-C while a command is read or loaded; click itself would call it aborted, with exit code 1."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        click.echo("stopped", err=True)
+        raise SystemExit(128 + signal.SIGINT) from None
 
 
 def lazy_group(entries: Mapping[str, Entry]) -> type[LazyGroup]:

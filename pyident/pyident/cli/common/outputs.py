@@ -167,7 +167,7 @@ def _is_trajectory(path: Path) -> bool:
 ROBOT = Kind("robot file", (".toml",), _is_robot)
 MAPPING = Kind("mapping", (".toml",), _is_mapping)
 LOG = Kind("log", (".csv", ".parquet", ".mat"), _is_log)
-FMU = Kind("FMU or SSP", (".fmu", ".ssp"), _starts(b"PK"))
+FMU = Kind("FMU, SSP or Modelica package", (".fmu", ".ssp", ".mo"), _starts(b"PK", b"package "))
 MODEL = Kind("model for other simulators", (".urdf", ".xml", ".json"), _is_model)
 PAGE = Kind("page", (".html",), lambda path: b'content="flexident"' in _head(path))
 DRAFT = Kind("file of effects", (".py",), lambda path: False)

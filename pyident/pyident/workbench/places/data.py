@@ -1,9 +1,13 @@
 """Place 1: the files, what the checks say of them, which are fitted and which are held out."""
 
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nicegui import events, ui
 
+from pyident.workbench.linked import name_upload
+from pyident.workbench.places import columns
 from pyident.workbench.project import LARGEST_UPLOAD, LOGS, MODELS, ProjectError
 from pyident.workbench.work import REFUSED
 
@@ -14,14 +18,16 @@ if TYPE_CHECKING:
 def show(page: "Page") -> None:
     """Drop files, choose their roles, run the checks."""
     bench = page.bench
-    ui.upload(
+    upload = ui.upload(
         label="Drop logs (CSV, Parquet, MAT), a robot (TOML, URDF, MJCF) or a mapping (TOML)",
         multiple=True,
         auto_upload=True,
         max_file_size=LARGEST_UPLOAD,
-        on_upload=lambda e: _keep(page, e),
+        on_upload=lambda e: keep(page, e, (*LOGS, *MODELS)),
         on_rejected=lambda: ui.notify("that file is too large for a project", type="negative"),
-    ).classes("w-full").props('data-testid="upload" accept=".csv,.parquet,.mat,.toml,.urdf,.xml"')
+    ).classes("w-full")
+    upload.props('data-testid="upload" accept=".csv,.parquet,.mat,.toml,.urdf,.xml"')
+    name_upload(upload, "choose files")
     if not bench.project.logs:
         ui.label("There is no log in this folder yet.").props('data-testid="no-logs"')
         return
@@ -31,6 +37,12 @@ def show(page: "Page") -> None:
             with ui.row().classes("items-center w-full"):
                 ui.label(log).classes("font-bold")
                 ui.space()
+                ui.button("Look", on_click=partial(columns.look, page, log)).props(
+                    f'data-testid="look-{i}" flat dense no-caps'
+                )
+                ui.button("Propose a mapping", on_click=partial(page.act, partial(bench.propose, log))).props(
+                    f'data-testid="propose-{i}" flat dense no-caps'
+                )
                 ui.toggle(
                     ["fit", "hold out", "leave out"],
                     value=bench.project.roles.get(log, "fit"),
@@ -39,6 +51,7 @@ def show(page: "Page") -> None:
             for sentence in checked.get(log, []):
                 bad = sentence.startswith(REFUSED)
                 ui.label(sentence).classes("text-negative" if bad else "text-sm")
+    columns.show(page)
     if not bench.project.model:
         ui.label("Choose a model in place 2; the checks need to know which joints a log is of.").props(
             'data-testid="no-model"'
@@ -52,17 +65,19 @@ def show(page: "Page") -> None:
         ).props('data-testid="sound"')
 
 
-async def _keep(page: "Page", event: events.UploadEventArguments) -> None:
+async def keep(page: "Page", event: events.UploadEventArguments, endings: Sequence[str]) -> None:
     """An uploaded file becomes a file of the folder; nothing that is there is replaced."""
+    bench = page.bench
     try:
         name = event.file.name
-        path = page.bench.project.path(name)
-        if path.suffix not in (*LOGS, *MODELS):
-            raise ProjectError(f"{name}: a project takes files that end in {', '.join((*LOGS, *MODELS))}")
+        path = bench.project.path(name)
+        if path.suffix not in endings:
+            raise ProjectError(f"{name}: here, files end in {', '.join(endings)}")
         if path.exists():
             raise ProjectError(f"{name} is in the project already; rename the file or delete the old one")
         await event.file.save(path)
     except (ProjectError, OSError) as error:
         ui.notify(str(error), type="negative", multi_line=True)
         return
-    page.bench.change(page.bench.project)
+    starts = path.suffix in MODELS and tuple(endings) == MODELS
+    bench.change(bench.project.starting_from(name) if starts else bench.project)

@@ -1,17 +1,17 @@
 """Place 2: the robot as a tree, its joints and their laws, what the logs can tell of its parameters."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from nicegui import ui
 
-from pyident.kinematics.skeleton import segments, skeleton
-from pyident.workbench.scene import Arm3D
+from pyident.verbs.pictures import standing_arm
+from pyident.workbench.linked import name_upload, show_arm
+from pyident.workbench.places.data import keep
+from pyident.workbench.project import LARGEST_UPLOAD, MODELS, ProjectError
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
-
-_BLUE = "#2b6ca3"
 
 
 def show(page: "Page") -> None:
@@ -27,8 +27,19 @@ def show(page: "Page") -> None:
         label="model",
         on_change=lambda e: page.act(lambda: bench.change(bench.project.starting_from(e.value))),
     ).classes("w-72").props('data-testid="model" aria-label="model"')
+    upload = ui.upload(
+        label="Drop a robot: TOML, URDF or MJCF",
+        auto_upload=True,
+        max_file_size=LARGEST_UPLOAD,
+        on_upload=lambda e: keep(page, e, MODELS),
+    )
+    upload.props('data-testid="upload-model" flat bordered accept=".toml,.urdf,.xml"')
+    name_upload(upload, "choose a robot file")
+    if Path(bench.project.model).suffix in (".urdf", ".xml"):
+        _import(page)
+        return
     if not bench.project.model:
-        ui.label("Drop a robot file in place 1, or take one that ships.").props('data-testid="choose-model"')
+        ui.label("Drop a robot file, or take one that ships.").props('data-testid="choose-model"')
         return
     try:
         robot = pi.load_robot(bench.inputs.model)
@@ -36,14 +47,35 @@ def show(page: "Page") -> None:
         ui.label(str(error)).classes("text-negative").props('data-testid="model-error" role="alert"')
         return
     ui.label(robot.description)
-    with ui.row().classes("w-full"):
-        points = skeleton(robot)
-        reach = max(float(np.abs(points).max()), 0.1)
-        Arm3D(segments(robot), reach, [_BLUE] * len(robot.joints)).play([points])
+    with ui.row().classes("w-full no-wrap max-lg:flex-wrap"):
+        with ui.column().classes("w-[32rem] max-md:w-full shrink-0"):
+            show_arm(standing_arm(robot))
         with ui.column().classes("grow"):
             for k, joint in robot.numbered:
                 _joint(k, joint)
     _rank(page)
+
+
+def _import(page: "Page") -> None:
+    """Which joints of somebody else's robot are flexible: its file does not say."""
+    name = page.bench.project.model
+    ui.label(f"{name} becomes a robot file. Which of its joints, counted from 1, are flexible?")
+    with ui.row().classes("items-end"):
+        bend = ui.input("twist and bend, such as 1,2").props('data-testid="flexible"')
+        twist = ui.input("only twist").props('data-testid="twist"')
+        ui.button(
+            "Import",
+            on_click=lambda: page.act(
+                lambda: page.bench.bring(name, _numbers(bend.value or ""), _numbers(twist.value or ""))
+            ),
+        ).props('data-testid="import" no-caps')
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(word) for word in text.split(",") if word.strip())
+    except ValueError:
+        raise ProjectError(f"joints are numbers such as 1,2, not {text!r}") from None
 
 
 def _joint(k: int, joint) -> None:
@@ -51,7 +83,7 @@ def _joint(k: int, joint) -> None:
     with ui.row().classes("items-center gap-1").props(f'data-testid="joint-{k}"'):
         ui.label(f"{k} {joint.name} · {joint.kind}, {bends}").classes("font-bold")
         for law in joint.values:
-            ui.badge(law, color="blue-grey")
+            ui.badge(law, color="blue-grey-8")
 
 
 def _rank(page: "Page") -> None:

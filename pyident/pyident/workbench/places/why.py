@@ -1,33 +1,143 @@
-"""Place 4: the verdict of the diagnosis, the laws by what they would take away, and adding one."""
+"""Place 4: the verdict of the diagnosis, what each law takes of the chosen stretch, trying and adding."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
+from pyident.workbench import figures
+from pyident.workbench.places.where import chosen_trace
+from pyident.workbench.project import command
+
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
 
-_LISTED = 8  # laws of a ranking
+_LISTED = 12  # laws of a ranking
 
 
 def show(page: "Page") -> None:
     """The verdict always first: a ranking is never to be mistaken for it."""
     bench = page.bench
     diagnosis = bench.result("diagnose")
-    ui.button("Diagnose", on_click=lambda: page.act(bench.diagnose)).props(
-        'data-testid="diagnose" no-caps'
-    ).set_enabled("diagnose" not in bench.jobs)
-    if diagnosis is None:
-        ui.label("No diagnosis of this model and these logs yet.").props('data-testid="no-diagnosis"')
-        return
-    ui.label(diagnosis.sentence).classes("text-base").props('data-testid="sentence"')
-    for i, finding in enumerate(diagnosis.findings):
+    with ui.row().classes("items-center w-full"):
+        ui.button("Diagnose", on_click=lambda: page.act(bench.diagnose)).props(
+            'data-testid="diagnose" no-caps'
+        ).set_enabled("diagnose" not in bench.jobs)
+        if diagnosis is None:
+            ui.label("No diagnosis of this model and these logs yet.").props('data-testid="no-diagnosis"')
+        else:
+            ui.label(diagnosis.sentence).classes("text-base").props('data-testid="sentence"')
+    for i, finding in enumerate(diagnosis.findings if diagnosis else ()):
         _finding(page, i, finding)
-    joint = page.view.coordinate.partition(".")[0]
-    _ranking(page, diagnosis, joint)
-    for sentence in diagnosis.depends_on:
-        ui.label(sentence).classes("text-sm opacity-70")
-    _waterfall(page)
+    _outcome(page)
+    compared, waves = bench.result("compare"), bench.result("ask")
+    if compared is None or waves is None:
+        words = "Compare model and logs in place 3; then every law can be asked what it would take."
+        ui.label(words).props('data-testid="no-ranking"')
+        return
+    _Stretch(page, compared, waves, diagnosis).show()
+    for sentence in diagnosis.depends_on if diagnosis else ():
+        ui.label(sentence).classes("text-sm")
+
+
+class _Stretch:
+    """The laws of one stretch of one equation, and the curve that one of them would leave."""
+
+    def __init__(self, page: "Page", compared: Any, waves: Any, diagnosis: Any):
+        from pyident.verbs.explain import explained
+
+        self.page, self.diagnosis = page, diagnosis
+        self.trace = chosen_trace(page, compared.comparison)
+        span = page.view.span
+        self.asked = explained(compared, waves, self.trace.log, self.trace.coordinate, span)
+        self.ranking = self.asked.ranking
+
+    def show(self) -> None:
+        """Draw it."""
+        r = self.ranking
+        where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.2f} to {r.span[1]:.2f} s"
+        ui.label(f"What each law would take of {where}").classes("font-bold mt-2").props(
+            'data-testid="stretch"'
+        )
+        words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
+        own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
+        ui.label(f"{words} {own}").classes("text-sm")
+        ui.label(self._command()).classes("font-mono text-xs").props('data-testid="explain-command"')
+        if not r.shares:
+            ui.label("No law of the catalogue acts on this equation.").props('data-testid="no-laws"')
+            return
+        with ui.row().classes("w-full no-wrap max-lg:flex-wrap"):
+            with ui.column().classes("w-[30rem] max-lg:w-full shrink-0 gap-1"):
+                self._rows()
+            with ui.column().classes("grow min-w-0"):
+                self.plot = ui.plotly(self._figure(r.shares[0], tried=False)).classes("w-full")
+                self.plot.props('data-testid="waveform" role="figure" aria-label="what a law would take"')
+                self.words = ui.label("").props('data-testid="tried"')
+        self._say(r.shares[0])
+
+    def _command(self) -> str:
+        """The command line that ranks the same."""
+        r, inputs = self.ranking, self.page.bench.inputs
+        span = ["--span", f"{r.span[0]:.6g}", f"{r.span[1]:.6g}"]
+        where = ["--log", Path(r.log).name, "--equation", r.coordinate, *span]
+        return command("explain", Path(inputs.model).name, inputs.log_names(), where, inputs.options())
+
+    def _rows(self) -> None:
+        tie = self.ranking.tie
+        with ui.card().classes("w-full p-2 gap-1").props('data-testid="tie"'):
+            if len(tie) > 1:
+                ui.label("These differ by less than the floor here:").classes("text-sm")
+            for i, share in enumerate(tie, start=1):
+                self._row(i, share)
+            for share in tie[:2] if len(tie) > 1 else ():
+                if share.law.experiment:
+                    ui.label(f"{share.law.name}: {share.law.experiment}").classes("text-sm")
+        others = [s for s in self.ranking.shares if not s.tied]
+        for i, share in enumerate(others[: max(_LISTED - len(tie), 2)], start=len(tie) + 1):
+            self._row(i, share)
+
+    def _row(self, number: int, share: Any) -> None:
+        why = self._imitates(share.law)
+        with ui.row().classes("items-center w-full no-wrap gap-2") as row:
+            row.props(f'data-testid="law-{number}"')
+            if why:
+                row.classes("opacity-60").tooltip(why)
+            ui.label(share.law.name).classes("grow min-w-0")
+            part = min(max(share.percent / 100, 0.0), 1.0)
+            ui.linear_progress(part, show_value=False).classes("w-20").props(
+                f'aria-label="share of {share.law.name}"'
+            )
+            ui.label(f"{share.percent:.0f} %").classes("w-12 text-right")
+            ui.button("Try", on_click=lambda: self.try_law(share)).props(
+                f'data-testid="try-{number}" flat dense no-caps'
+            )
+            add_button(self.page, share.law, f"law-add-{number}")
+
+    def try_law(self, share: Any) -> None:
+        """Show what the residual would be with a law."""
+        self.plot.update_figure(self._figure(share, tried=True))
+        self._say(share)
+
+    def _say(self, share: Any) -> None:
+        r, t = self.ranking, self.trace
+        at = (t.time >= r.span[0]) & (t.time <= r.span[1]) & t.used
+        before, after = (float((v[at] ** 2).mean() ** 0.5) for v in (t.residual, share.left))
+        values = ", ".join(f"{n} {v:.4g} {share.law.units[n]}" for n, v in share.law.values.items())
+        self.words.set_text(
+            f"With {share.law.name} ({values}): rms {before:.3g} → {after:.3g} in this stretch"
+        )
+
+    def _figure(self, share: Any, tried: bool) -> dict[str, Any]:
+        taken = self.trace.residual - share.left
+        curves = [(taken, f"taken with {share.law.name}", figures.BLUE)]
+        if tried:
+            curves.append((share.left, "residual with it", figures.GREEN))
+        return figures.stretch(self.trace, self.page.view.span, curves)
+
+    def _imitates(self, law: Any) -> str:
+        """The diagnosis' sentence on a law that only imitates what is missing."""
+        sentences = self.diagnosis.depends_on if self.diagnosis else ()
+        return next((s for s in sentences if s.startswith(f"{law.name} fits in part")), "")
 
 
 def _finding(page: "Page", number: int, finding: Any) -> None:
@@ -39,7 +149,7 @@ def _finding(page: "Page", number: int, finding: Any) -> None:
             with ui.row().classes("items-center"):
                 ui.label(f"{named.effect} at {named.joint}").classes("font-bold")
                 ui.label(values).classes("text-sm")
-                _add_button(page, named, f"add-{number + 1}-{i + 1}")
+                add_button(page, named, f"add-{number + 1}-{i + 1}")
         held = finding.heldout_gain_percent
         on_unseen = "" if held is None else f", {held:.0f} % of the error on data that were not fitted"
         ui.label(f"takes {finding.share_percent:.0f} % of what exceeds the floor{on_unseen}")
@@ -47,46 +157,27 @@ def _finding(page: "Page", number: int, finding: Any) -> None:
             ui.label(f"To separate: {finding.experiment}").classes("text-sm")
 
 
-def _ranking(page: "Page", diagnosis: Any, joint: str) -> None:
-    title = f"Laws at {joint}, each by itself" if joint else "Laws, each by itself"
-    ui.label(title).classes("font-bold mt-2")
-    ui.label("A ranking is no verdict: what stands here may only imitate what is missing.").classes("text-sm")
-    listed = [n for n in diagnosis.ranking if not joint or n.joint == joint][:_LISTED]
-    for i, named in enumerate(listed):
-        with ui.row().classes("items-center w-full").props(f'data-testid="law-{i + 1}"'):
-            ui.label(f"{named.effect} at {named.joint}").classes("w-72")
-            share = min(max(named.gain_percent / 100, 0.0), 1.0)
-            ui.linear_progress(share, show_value=False).classes("w-40").props(
-                f'aria-label="share of {named.effect}"'
-            )
-            ui.label(f"{named.gain_percent:.0f} % of what exceeds the floor").classes("text-sm")
-            _add_button(page, named, f"try-{i + 1}")
-
-
-def _add_button(page: "Page", named: Any, name: str) -> None:
+def add_button(page: "Page", named: Any, name: str) -> None:
+    """Adds a law to the model: fits it and judges it on unseen data."""
     joint = int(named.joint.removeprefix("joint"))
     button = ui.button("Add", on_click=lambda: page.act(lambda: page.bench.add(named.effect, joint)))
     button.props(f'data-testid="{name}" dense no-caps').set_enabled("add" not in page.bench.jobs)
 
 
-def _waterfall(page: "Page") -> None:
+def _outcome(page: "Page") -> None:
+    """What came of the law that was added last."""
     last = next((r for (what, _), r in reversed(page.bench.results.items()) if what == "add"), None)
     if last is None:
         return
-    ui.label("The last law that was tried, on data that were not fitted").classes("font-bold mt-2")
-    rows = [
-        {
-            "what": s.name,
-            "before": f"{s.before:.4g}",
-            "after": f"{s.after:.4g}",
-            "floor": f"{s.floor:.4g}",
-            "unit": s.unit,
-        }
-        for s in last.waterfall
-    ]
-    columns = [
-        {"name": n, "label": n, "field": n, "align": "left"}
-        for n in ("what", "before", "after", "floor", "unit")
-    ]
-    ui.table(rows=rows, columns=columns).props('data-testid="waterfall" dense flat')
-    ui.label("accepted" if last.accepted else f"refused: {last.reason}").props('data-testid="outcome"')
+    ui.label("The last law that was added, on data that were not fitted").classes("font-bold mt-2")
+    words = "accepted" if last.accepted else f"refused: {last.reason}"
+    ui.label(words).classes("text-positive" if last.accepted else "text-negative").props(
+        'data-testid="outcome"'
+    )
+    ui.plotly(figures.waterfall(last.waterfall)).classes("w-full").props(
+        'data-testid="waterfall" role="figure" aria-label="errors before and after, over their floor"'
+    )
+    for i, step in enumerate(last.waterfall, start=1):
+        ui.label(
+            f"{step.name}: {step.before:.4g} → {step.after:.4g} {step.unit}, floor {step.floor:.4g}"
+        ).props(f'data-testid="fall-{i}"').classes("text-sm")

@@ -1,0 +1,66 @@
+"""`pyident explain`: which law would take one stretch of a residual."""
+
+import click
+
+import pyident as pi
+from flexmodels.robot import RobotError
+from pyident.cli.common.shared import (
+    effects_option,
+    force_option,
+    json_option,
+    mapping_option,
+    progress_bar,
+    reported,
+    show,
+    show_notes,
+    write_json,
+)
+
+
+@click.command(name="explain")
+@click.argument("model")
+@click.argument("logs", nargs=-1, required=True, metavar="LOG...")
+@click.option("--log", "chosen", metavar="LOG", help="Where the stretch is.  [default: the first log]")
+@click.option("--equation", metavar="COORDINATE", help="As joint2.e.  [default: the one that fails most]")
+@click.option("--span", nargs=2, type=float, metavar="FROM TO", help="Seconds of the log.  [default: all]")
+@click.option("--holdout", multiple=True, metavar="LOG", help="Log to which nothing is fitted; repeatable.")
+@effects_option
+@mapping_option
+@force_option
+@json_option
+@reported
+def explain_command(
+    model: str,
+    logs: tuple[str, ...],
+    chosen: str | None,
+    equation: str | None,
+    span: tuple[float, float] | None,
+    holdout: tuple[str, ...],
+    mapping: str | None,
+    force: bool,
+    json_file: str | None,
+) -> None:
+    """Rank the laws by what each would take of one stretch of MODEL's residual in LOGs.
+
+    A ranking of one stretch is no verdict: what stands first may only imitate what is missing. See
+    `pyident diagnose`.
+
+    Example: pyident explain my_arm.toml a.parquet b.parquet --equation joint2.e --span 3.2 4.1
+    """
+    if span and not span[0] < span[1]:
+        raise RobotError(f"--span {span[0]:g} {span[1]:g} is empty; give the earlier time first")
+    with progress_bar("comparing, asking every law") as progress:
+        explained = pi.explain(
+            model,
+            logs,
+            log=chosen,
+            coordinate=equation,
+            span=span,
+            heldout=holdout,
+            mapping=mapping,
+            force=force,
+            progress=progress,
+        )
+    show_notes(explained.notes)
+    show(explained.summary())
+    write_json(json_file, explained.to_dict())

@@ -1,0 +1,93 @@
+"""The laws in the order of what each takes of one stretch of one equation's residual.
+
+    share = (E_own − E_law) / (E_own − E_replicas)
+
+with E the mean square over the stretch: of the residual under new values of the model's own laws, of the same
+with one law more, and of what replicas leave. A share is of that stretch alone and no verdict: a law that
+takes it may imitate what is missing (`diagnose` judges on all equations and on held-out logs).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.comparison.traces import Trace, low_passed
+from pyident.diagnosis.stretches.waves import LawWave, Waves
+
+_HALF_RIBBON = 1.645  # standard deviations from the middle to the 5 and 95 % of a normal distribution
+
+
+@dataclass(frozen=True)
+class Share:
+    """What a law takes of a stretch.
+
+    percent     of what exceeds the floor there, once the model's own laws have taken theirs
+    waveform    (N,) what it takes, along the whole trace;  left: (N,) the residual that remains with it
+    tied        whether it differs from the best one by less than replicas would show
+    """
+
+    law: LawWave
+    percent: float
+    waveform: np.ndarray
+    left: np.ndarray
+    tied: bool = False
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Of one stretch. own_percent: what new values of the model's own laws take of its excess."""
+
+    coordinate: str
+    log: str
+    span: tuple[float, float]
+    own_percent: float
+    shares: tuple[Share, ...]
+
+    @property
+    def tie(self) -> tuple[Share, ...]:
+        """The best and what these logs cannot tell from it."""
+        return tuple(s for s in self.shares if s.tied)
+
+
+def ranking(waves: Waves, trace: Trace, span: tuple[float, float] | None = None) -> Ranking:
+    """Of a trace's residual within a span of time [s]; None: all of it. Raises ValueError."""
+    span = span or (float(trace.time[0]), float(trace.time[-1]))
+    at = (trace.time >= span[0]) & (trace.time <= span[1]) & trace.used
+    if not at.any():
+        raise ValueError(
+            f"{trace.coordinate} of {trace.log} has no samples from {span[0]:g} to {span[1]:g} s"
+        )
+    key = trace.log, trace.coordinate
+    period = float(trace.time[1] - trace.time[0])
+
+    def smooth(values: np.ndarray) -> np.ndarray:
+        return low_passed(values.astype(float), period, trace.cutoff)
+
+    refitted = smooth(waves.refitted[key])
+    floor = float(np.mean(_replicas_square(trace)[at]))
+    before, own = float(np.mean(trace.residual[at] ** 2)), float(np.mean(refitted[at] ** 2))
+    shares = []
+    for law in waves.laws:
+        if key in law.taken:
+            taken = smooth(law.taken[key])
+            left = refitted - taken
+            percent = 100 * (own - float(np.mean(left[at] ** 2))) / max(own - floor, 1e-9 * own, 1e-300)
+            shares.append(Share(law, percent, taken, left))
+    shares.sort(key=lambda share: -share.percent)
+    own_percent = 100 * (before - own) / max(before - floor, 1e-9 * before, 1e-300)
+    return Ranking(trace.coordinate, trace.log, span, own_percent, _tied(shares, at, floor))
+
+
+def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share, ...]:
+    """With those marked whose waveform replicas could not tell from the best one's."""
+    out = []
+    for share in shares:
+        apart = float(np.mean((share.waveform - shares[0].waveform)[at] ** 2))
+        out.append(Share(share.law, share.percent, share.waveform, share.left, apart <= floor))
+    return tuple(out)
+
+
+def _replicas_square(trace: Trace) -> np.ndarray:
+    """(N,) mean square of the replicas, from their ribbon."""
+    return ((trace.high + trace.low) / 2) ** 2 + ((trace.high - trace.low) / 2 / _HALF_RIBBON) ** 2

@@ -1,0 +1,189 @@
+"""What the residual of a simulated output shows: white noise, or what it depends on.
+
+A candidate counts by the share of the residual that it foretells on data it was not fitted to (four
+contiguous parts, each foretold by the other three). Residuals are correlated in time, so chance is measured
+on the residual itself, moved against the signals in a circle: the best candidate of all must beat the best of
+all on such residuals, whichever it is there.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from pyident.greybox.candidates import PARSIMONY, Candidate, Kind, candidates, delayed
+
+_FOLDS = 4
+_SHIFTS = 199  # at least; more for many outputs, so that the level can be reached
+_LEVEL = 0.05  # chance of a finding where there is none, over all outputs
+_MATTERS = 0.01  # share of a residual below which a dependence is not worth a sentence
+_TIED = 0.8  # of the best share: what explains as much is named beside it
+_SHOWN = 4  # names of a tie
+_TERMS = 3  # per output
+_LAGS = 20  # of the test for white noise
+_RIDGE = 1e-9
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A dependence of one output's residual.
+
+    of       signals that explain it alike, the best first; empty for a delay
+    at       delay [s], order [1/turn]; 0 for a signal
+    size     rms of the part [unit of the output]
+    share    of the residual's energy that it foretells, percent
+    p_value  of so large a share for any candidate by chance
+    """
+
+    output: str
+    kind: Kind
+    of: tuple[str, ...]
+    at: float
+    size: float
+    share_percent: float
+    p_value: float
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Per output: rms of the residual, p-value of white noise, and what it depends on."""
+
+    output: str
+    unit: str
+    rms: float
+    white_p: float
+    findings: tuple[Finding, ...]
+
+
+def shown(
+    output: str,
+    unit: str,
+    times: Sequence[np.ndarray],
+    residuals: Sequence[np.ndarray],
+    simulated: Sequence[np.ndarray],
+    signals: Mapping[str, Sequence[np.ndarray]],
+    angles: Sequence[str],
+    outputs: int,
+) -> Shown:
+    """Examine one output of `outputs`; all sequences are per recording, (n,)."""
+    mean = float(np.mean(np.concatenate(residuals)))
+    left = [r - mean for r in residuals]
+    rms = float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
+    white = whiteness(left)
+    found: list[Finding] = []
+    if rms > 0:
+        listed = list(candidates(times, simulated, signals, angles))
+        whole = sum(float(r @ r) for r in left)
+        for _ in range(_TERMS):
+            finding, part = _best(output, listed, left, outputs)
+            if finding is None:
+                break
+            if finding.kind == "delay":
+                finding, part = _refined(finding, times, left, simulated)
+            energy = sum(float(r @ r) for r in left)
+            left = [r - p for r, p in zip(left, part, strict=True)]
+            scaled = finding.share_percent * energy / whole
+            found.append(Finding(**{**finding.__dict__, "share_percent": scaled}))
+    return Shown(output, unit, rms, white, tuple(found))
+
+
+def whiteness(residuals: Sequence[np.ndarray]) -> float:
+    """p-value of white noise (Ljung and Box 1978), the smallest over the recordings times their number."""
+    from scipy.stats import chi2
+
+    smallest = 1.0
+    for r in residuals:
+        n, energy = len(r), float(r @ r)
+        if energy == 0:
+            continue
+        lags = range(1, min(_LAGS, n // 4) + 1)
+        correlation = np.array([float(r[k:] @ r[:-k]) / energy for k in lags])
+        q = n * (n + 2) * np.sum(correlation**2 / (n - np.array(lags)))
+        smallest = min(smallest, float(chi2.sf(q, len(correlation))))
+    return min(1.0, smallest * len(residuals))
+
+
+def _best(
+    output: str, listed: Sequence[Candidate], left: Sequence[np.ndarray], outputs: int
+) -> tuple[Finding | None, list[np.ndarray]]:
+    """The candidate that foretells most, where chance does not; and its part of the residual."""
+    rng = np.random.default_rng(0)
+    shifts = max(_SHIFTS, ceil(outputs / _LEVEL))
+    moved = [_turned(r, shifts, rng) for r in left]
+    folds = _parts(moved)
+    shares = np.array([_share(c, folds) for c in listed])
+    top, chance = shares[:, 0].max(), shares[:, 1:].max(axis=0)
+    p = float((1 + np.sum(chance >= top)) / (1 + len(chance)))
+    if p > _LEVEL / outputs or top < _MATTERS:
+        return None, []
+    near = [i for i in np.argsort(-shares[:, 0]) if shares[i, 0] >= _TIED * top]
+    kind = min((listed[i].kind for i in near), key=PARSIMONY.index)
+    tied = [listed[i] for i in near if listed[i].kind == kind]
+    names = tuple(dict.fromkeys(c.of for c in tied if c.of))[:_SHOWN]
+    best = tied[0]
+    part = _fitted(best, left)
+    size = float(np.sqrt(np.mean(np.concatenate(part) ** 2)))
+    share = 100 * float(shares[listed.index(best), 0])
+    return Finding(output, kind, names, best.at, size, share, p), part
+
+
+def _turned(residual: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
+    """(n, 1 + shifts): as it is, then moved in a circle by at least a twentieth of its length."""
+    n = len(residual)
+    shifts = rng.integers(n // 20, n - n // 20, count)
+    return np.column_stack([residual, *(np.roll(residual, s) for s in shifts)])
+
+
+def _parts(residuals: Sequence[np.ndarray]) -> list[list[tuple[int, slice, np.ndarray, np.ndarray]]]:
+    """Per fold: recording, rows, residuals there and their energies."""
+    folds: list[list[tuple[int, slice, np.ndarray, np.ndarray]]] = [[] for _ in range(_FOLDS)]
+    for i, R in enumerate(residuals):
+        ends = np.linspace(0, len(R), _FOLDS + 1).astype(int)
+        for fold, begin, end in zip(folds, ends[:-1], ends[1:], strict=True):
+            fold.append((i, slice(begin, end), R[begin:end], np.sum(R[begin:end] ** 2, axis=0)))
+    return folds
+
+
+def _share(candidate: Candidate, folds: list[list[tuple[int, slice, np.ndarray, np.ndarray]]]) -> np.ndarray:
+    """Per column of the residuals: the share of its energy that is foretold."""
+    grams, scores = [], []
+    for fold in folds:
+        blocks = [(candidate.columns[i][rows], R) for i, rows, R, _ in fold]
+        grams.append(sum(X.T @ X for X, _ in blocks))
+        scores.append(sum(X.T @ R for X, R in blocks))
+    gram, score = sum(grams), sum(scores)
+    gained, energy = 0.0, 0.0
+    for fold, own_gram, own_score in zip(folds, grams, scores, strict=True):
+        others = gram - own_gram
+        ridge = _RIDGE * max(float(np.trace(others)), np.finfo(float).tiny) * np.eye(len(others))
+        c = np.linalg.solve(others + ridge, score - own_score)
+        gained = gained + np.sum(c * (2 * own_score - own_gram @ c), axis=0)
+        energy = energy + sum(e for *_, e in fold)
+    return gained / np.maximum(energy, np.finfo(float).tiny)
+
+
+def _fitted(candidate: Candidate, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    X, r = np.concatenate(candidate.columns), np.concatenate(residuals)
+    coefficients = np.linalg.lstsq(X, r, rcond=None)[0]
+    return [columns @ coefficients for columns in candidate.columns]
+
+
+def _refined(
+    finding: Finding, times: Sequence[np.ndarray], left: Sequence[np.ndarray], simulated: Sequence[np.ndarray]
+) -> tuple[Finding, list[np.ndarray]]:
+    """The delay between the tried ones."""
+    from scipy.optimize import minimize_scalar
+
+    def parts(delay: float) -> list[np.ndarray]:
+        return [delayed(t, y, delay) - y for t, y in zip(times, simulated, strict=True)]
+
+    def missed(delay: float) -> float:
+        return sum(float(np.sum((r - p) ** 2)) for r, p in zip(left, parts(delay), strict=True))
+
+    period = float(times[0][1] - times[0][0])
+    width = max(0.5 * abs(finding.at), period)
+    best = minimize_scalar(missed, bounds=(finding.at - width, finding.at + width), method="bounded")
+    part = parts(float(best.x))  # pyright: ignore[reportAttributeAccessIssue]
+    size = float(np.sqrt(np.mean(np.concatenate(part) ** 2)))
+    return Finding(**{**finding.__dict__, "at": float(best.x), "size": size}), part  # pyright: ignore[reportAttributeAccessIssue]

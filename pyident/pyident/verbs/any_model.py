@@ -1,0 +1,222 @@
+"""Any FMU as the model: its parameters from logs, where it fails on them, what its residual shows.
+
+A log's columns are named as the FMU's variables: inputs feed it, outputs are what it has to meet. Each run is
+made in a process of its own, so an FMU that crashes or hangs ends in a SimulationError.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from flexfmu.foreign.model import FmuModel, Quantity
+from flexfmu.foreign.parent import SILENCE
+from flexmodels.robot import RobotError
+from pyident.greybox.output_error import Free, OutputError, fixed, output_error
+from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording
+from pyident.greybox.residual import Shown, shown
+from pyident.logs.log import Log, LogError, check
+from pyident.logs.log import read_log as read_plain
+from pyident.verbs.any_model_results import FmuCompared, FmuDiagnosed, FmuFit
+from pyident.verbs.fmu_arguments import Interface, Parameters
+
+Progress = Callable[[float], None]
+Values = Mapping[str, float]
+Data = Log | pd.DataFrame | str | Path
+_LARGEST = 60  # signals that a residual is held against
+
+
+@dataclass(frozen=True)
+class _Opened:
+    fmu: FmuModel
+    recordings: tuple[Recording, ...]
+    frames: tuple[pd.DataFrame, ...]
+    simulate: Simulate
+    notes: tuple[str, ...]
+
+
+def identify_fmu(
+    model: str | Path,
+    logs: Data | Sequence[Data],
+    parameters: Parameters,
+    *,
+    values: Values | None = None,
+    interface: Interface | None = None,
+    time_limit: float = SILENCE,
+    progress: Progress | None = None,
+) -> FmuFit:
+    """Some parameters (or start values of states) of an FMU by output error, with intervals.
+
+    parameters   their names, or name -> (lowest, highest) or None: the FMU's own minimum and maximum
+    values       of other variables, set for good
+    interface    "CoSimulation" (inputs held over a sample) or "ModelExchange" (linear between samples)
+    time_limit   seconds without a sign of the FMU after which it is stopped
+    Raises RobotError for names that cannot be identified, LogError, SimulationError.
+    """
+    if not parameters:
+        raise RobotError(f"{model}: name the parameters to identify, such as parameters=['k']")
+    with _opened(model, logs, values, interface, time_limit) as o:
+        free = [_free(o.fmu, name, parameters) for name in parameters]
+        fit = output_error(o.recordings, o.simulate, free, progress)
+    if progress:
+        progress(1.0)
+    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes))
+
+
+def compare_fmu(
+    model: str | Path,
+    logs: Data | Sequence[Data],
+    *,
+    values: Values | None = None,
+    interface: Interface | None = None,
+    time_limit: float = SILENCE,
+) -> FmuCompared:
+    """Where an FMU's simulated outputs differ from logs. Arguments and errors as in `identify_fmu`."""
+    with _opened(model, logs, values, interface, time_limit) as o:
+        left = misses(o.recordings, o.simulate, {})
+    return FmuCompared(o.fmu.title, o.recordings, tuple(left), o.notes)
+
+
+def diagnose_fmu(
+    model: str | Path,
+    logs: Data | Sequence[Data],
+    parameters: Parameters = (),
+    *,
+    values: Values | None = None,
+    interface: Interface | None = None,
+    time_limit: float = SILENCE,
+    progress: Progress | None = None,
+) -> FmuDiagnosed:
+    """What an FMU's output residuals show: a delay, the signals they depend on, periodic orders, or noise.
+
+    parameters   fitted first, as in `identify_fmu`; none: the FMU is taken as it is
+    """
+    with _opened(model, logs, values, interface, time_limit) as o:
+        fit = None
+        if parameters:
+            free = [_free(o.fmu, name, parameters) for name in parameters]
+            fit = output_error(o.recordings, o.simulate, free, _half(progress))
+        outputs = _examined(o, fit, progress)
+    notes = (*o.notes, *(fit.notes if fit else ()))
+    return FmuDiagnosed(o.fmu.title, outputs, fit, notes)
+
+
+def _examined(o: _Opened, fit: OutputError | None, progress: Progress | None) -> tuple[Shown, ...]:
+    names = _courses(o)
+    runs = [o.simulate(r, [fit.values if fit else {}], names)[0] for r in o.recordings]
+    first = o.recordings[0]
+    signals = {name: [run[:, i] for run in runs] for i, name in enumerate(names)}
+    for name in first.inputs:
+        signals[name] = [r.inputs[name] for r in o.recordings]
+    for name in o.frames[0]:
+        if name not in {*signals, *first.outputs} and all(name in frame for frame in o.frames):
+            signals[str(name)] = [frame[name].to_numpy(dtype=float) for frame in o.frames]
+    listed = o.fmu.quantities
+    angles = [name for name in signals if name in listed and listed[name].unit == "rad"]
+    times = [r.time for r in o.recordings]
+    outputs = []
+    for s, (name, unit) in enumerate(zip(first.outputs, first.units, strict=True)):
+        simulated = signals[name]
+        left = [r.measured[:, s] - y for r, y in zip(o.recordings, simulated, strict=True)]
+        outputs.append(shown(name, unit, times, left, simulated, signals, angles, len(first.outputs)))
+        if progress:
+            progress(0.5 + 0.5 * (s + 1) / len(first.outputs))
+    return tuple(outputs)
+
+
+def _courses(o: _Opened) -> list[str]:
+    """Outputs first, then what else of the FMU moves, as far as it is continuous."""
+    outputs = list(o.recordings[0].outputs)
+    others = [
+        q.name
+        for q in o.fmu.quantities.values()
+        if q.causality in ("output", "local") and q.continuous and q.name not in outputs
+    ]
+    return [*outputs, *others[: max(_LARGEST - len(outputs), 0)]]
+
+
+@contextmanager
+def _opened(
+    model: str | Path,
+    logs: Data | Sequence[Data],
+    values: Values | None,
+    interface: Interface | None,
+    time_limit: float,
+) -> Iterator[_Opened]:
+    with FmuModel(model, interface, time_limit) as fmu:
+        _require(fmu, model, values or {})
+        quantities = fmu.quantities
+        offered = Signals(
+            inputs={name: (values or {}).get(name, quantities[name].start) for name in fmu.of("input")},
+            outputs={name: quantities[name].unit for name in (*fmu.of("output"), *fmu.of("local"))},
+        )
+        read = [_read(log) for log in _listed(logs)]
+        if not read:
+            raise LogError("there is no log; give one or more")
+        taken = [recording(log, offered) for log in read]
+        recordings = tuple(r for r, _ in taken)
+        for r in recordings[1:]:
+            if r.outputs != recordings[0].outputs:
+                raise LogError(
+                    f"{r.source}: its outputs are {', '.join(r.outputs)}, those of {recordings[0].source} "
+                    f"{', '.join(recordings[0].outputs)}; give logs with the same columns"
+                )
+
+        def simulate(
+            r: Recording, sets: Sequence[Values], names: Sequence[str], progress: Progress | None = None
+        ) -> np.ndarray:
+            return fmu.run(r.time, r.inputs, sets, names, progress)
+
+        notes = tuple(note for _, more in taken for note in more)
+        frames = tuple(log.frame for log in read)
+        yield _Opened(fmu, recordings, frames, fixed(values or {}, simulate), notes)
+
+
+def _require(fmu: FmuModel, model: str | Path, names: Values) -> None:
+    for name in names:
+        if name not in fmu.quantities:
+            raise RobotError(f"{model} has no variable {name}; {_offer(fmu)}")
+        if not fmu.quantities[name].can_be_set:
+            raise RobotError(f"{model}: {name} is computed by the FMU and cannot be set; {_offer(fmu)}")
+
+
+def _offer(fmu: FmuModel) -> str:
+    names = fmu.of("parameter") or [q.name for q in fmu.quantities.values() if q.can_be_set]
+    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return f"its parameters are {', '.join(names[:8])}{more}" if names else "it has no parameters"
+
+
+def _free(fmu: FmuModel, name: str, parameters: Parameters) -> Free:
+    _require(fmu, fmu.title, {name: 0.0})
+    quantity: Quantity = fmu.quantities[name]
+    if not quantity.continuous or quantity.causality == "input":
+        raise RobotError(f"{fmu.title}: {name} is no continuous parameter, so it cannot be identified")
+    low = -np.inf if quantity.minimum is None else quantity.minimum
+    high = np.inf if quantity.maximum is None else quantity.maximum
+    free = Free(name, quantity.unit, 0.0 if quantity.start is None else quantity.start, low, high)
+    given = parameters.get(name) if isinstance(parameters, Mapping) else None
+    if given:
+        free = replace(free, low=float(given[0]), high=float(given[1]))
+        if not free.low < free.high:
+            raise RobotError(f"{name}: the lower bound {free.low:g} is not below the upper one {free.high:g}")
+    return free
+
+
+def _half(progress: Progress | None) -> Progress | None:
+    return None if progress is None else lambda share: progress(0.5 * share)
+
+
+def _listed(logs: Data | Sequence[Data]) -> list[Data]:
+    return [logs] if isinstance(logs, Log | pd.DataFrame | str | Path) else list(logs)
+
+
+def _read(log: Data) -> Log:
+    if isinstance(log, str | Path):
+        return read_plain(log)
+    if isinstance(log, pd.DataFrame):
+        return Log.from_frame(log)
+    check(log.frame, log.source)
+    return log

@@ -1,0 +1,159 @@
+"""Which law would take a stretch of a residual: asked of one bump, where `diagnose` judges all logs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
+from pyident.verbs.judged import Compared
+from pyident.verbs.result import Result
+from pyident.verbs.text import Text, table, wrapped
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pyident.diagnosis.stretches.ranking import Ranking
+    from pyident.diagnosis.stretches.waves import Waves
+
+Progress = Callable[[float], None]
+_LISTED = 12  # laws of a summary
+
+
+@dataclass(frozen=True, repr=False)
+class Explained(Result):
+    """The laws in the order of what each takes of one stretch; a ranking, no verdict."""
+
+    ranking: "Ranking"
+    notes: tuple[str, ...] = ()
+
+    def headline(self) -> str:
+        r = self.ranking
+        where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.4g} to {r.span[1]:.4g} s"
+        if not r.shares:
+            return f"{where}: no law of the catalogue acts there."
+        best = " or ".join(s.law.name for s in r.tie)
+        return f"{where}: {best} takes {r.shares[0].percent:.0f} % of what exceeds the floor there."
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row per law: share in per cent, and whether the stretch can tell it from the best one."""
+        import pandas as pd
+
+        rows = [(s.law.effect, s.law.joint, s.percent, s.tied) for s in self.ranking.shares]
+        return pd.DataFrame(rows, columns=["effect", "joint", "share_percent", "tied"])
+
+    def to_dict(self) -> dict[str, Any]:
+        r = self.ranking
+        laws = [
+            {
+                "effect": s.law.effect,
+                "joint": s.law.joint,
+                "share_percent": s.percent,
+                "tied": s.tied,
+                "parameters": {n: {"value": v, "unit": s.law.units[n]} for n, v in s.law.values.items()},
+            }
+            for s in r.shares
+        ]
+        return {
+            "log": r.log,
+            "coordinate": r.coordinate,
+            "span": list(r.span),
+            "own_laws_percent": r.own_percent,
+            "laws": laws,
+            "notes": list(self.notes),
+        }
+
+    def summary(self) -> Text:
+        shares = self.ranking.shares[:_LISTED]
+        rows = [(s.law.name, f"{s.percent:.0f} %", "like the best" if s.tied else "") for s in shares]
+        own = f"New values of the model's own laws take {self.ranking.own_percent:.0f} % of it."
+        least = (
+            "A ranking of one stretch is no verdict; pyident diagnose judges all equations on unseen data."
+        )
+        lines = [wrapped(line) for line in (self.headline(), own, least)]
+        return Text("\n".join([table(("law", "share", ""), rows, numbers=(1,)), *lines]))
+
+
+def explain(
+    model: Model,
+    logs: Logs,
+    *,
+    log: str | None = None,
+    coordinate: str | None = None,
+    span: tuple[float, float] | None = None,
+    heldout: Logs = (),
+    mapping: Columns | None = None,
+    allow_effects: bool = False,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Explained:
+    """Which law would take a stretch of a residual: the laws by what each takes of it.
+
+    log          where the stretch is, as given or its file's name; none: the first
+    coordinate   of the equation; none: the one that fails most
+    span         from and to [s]; none: the whole log
+    heldout      logs that may be asked about, but to which nothing is fitted
+    The others as in `compare`. Raises RobotError, LogError, SimulationError, ValueError.
+    """
+    from pyident.verbs.judge import compare
+
+    robot = robot_of(model, allow_effects=allow_effects)
+    read = given(robot, logs, mapping, heldout, force)
+    told = progress or (lambda _: None)
+    every = [*read.logs, *read.heldout]
+    compared = compare(robot, every, force=force, progress=lambda share: told(0.8 * share))
+    after = partial(_later, told)
+    waves = waves_of(compared, robot, read.logs, heldout=read.heldout, force=force, progress=after)
+    worst = compared.comparison.where
+    trace = compared.comparison.traces[0]
+    name = coordinate or (worst.coordinate if worst else trace.coordinate)
+    return explained(compared, waves, log or trace.log, name, span)
+
+
+def _later(told: Progress, share: float) -> None:
+    told(0.8 + 0.2 * share)
+
+
+def waves_of(
+    compared: Compared,
+    model: Model,
+    logs: Logs,
+    *,
+    heldout: Logs = (),
+    mapping: Columns | None = None,
+    allow_effects: bool = False,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> "Waves":
+    """What every law would take of every equation over time, from which `explained` answers at once.
+
+    compared  the model with all of these logs
+    heldout   logs along which the laws are followed, too, but to which nothing is fitted
+    The others as in `compare`. Raises RobotError, LogError.
+    """
+    from pyident.diagnosis.stretches.waves import waves
+
+    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
+    floor = compared.comparison.floor
+    assert floor is not None  # every comparison with replicas has one
+    return waves(read.robot, read.logs, floor, read.heldout, progress or (lambda _: None))
+
+
+def explained(
+    compared: Compared, waves: "Waves", log: str, coordinate: str, span: tuple[float, float] | None = None
+) -> Explained:
+    """One stretch of a comparison. log: as given or its file's name; span [s], None: all of it.
+
+    Raises ValueError where there is no such log or equation.
+    """
+    from pyident.diagnosis.stretches.ranking import ranking
+
+    listed = [t for t in compared.comparison.traces if log in (t.log, Path(t.log).name)]
+    if not listed:
+        raise ValueError(f"the comparison has no log {log}")
+    trace = next((t for t in listed if t.coordinate == coordinate), None)
+    if trace is None:
+        names = ", ".join(t.coordinate for t in listed)
+        raise ValueError(f"there is no equation {coordinate}; there are {names}")
+    return Explained(ranking(waves, trace, span), compared.notes)

@@ -1,0 +1,69 @@
+"""What the data leave open of a six-axis arm stays near a prior; torques by Pinocchio, prior 20 % off."""
+
+import cvxpy as cp
+import numpy as np
+import pytest
+from six_axis_logs import ROTOR, arm, made
+
+from flexmodels.files.robot_file import load_robot
+from flexmodels.robot import RobotError
+from pyident.estimation.identify import identify, near
+from pyident.estimation.physical import _distance
+
+MASSES = [f"link{k}.m" for k in range(1, 7)]
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    robot = arm()
+    return robot, identify(robot, [made(robot, 1, duration=12)])
+
+
+def cad(robot):
+    """Bodies up to 20 % off, each as a whole, so that every one can still exist."""
+    shares = {k: 1 + 0.2 * np.sin(k) for k in range(1, 7)}
+    off = {n: v * shares[int(n[4])] for n, v in robot.parameters.items() if n.startswith("link")}
+    return robot.with_parameters(off, "cad")
+
+
+def test_bodies_stay_within_a_factor_of_two_and_the_model_still_predicts(fitted):
+    robot, found = fitted
+    prior = cad(robot)
+    close = near(found, prior)
+    ratio = np.array([close.robot.parameters[m] / prior.parameters[m] for m in MASSES])
+    assert (ratio > 0.5).all()
+    assert (ratio < 2.0).all()
+    free = np.array([found.robot.parameters[m] / prior.parameters[m] for m in MASSES])
+    assert np.abs(np.log(free)).max() > np.log(10)  # without the prior it is the data's whim
+    assert close.model_error is not None
+    assert close.model_error["all"] < 1.01 * found.relative_error["all"]
+    assert close.robot.parameters["joint4.J_m"] == pytest.approx(ROTOR[3], rel=0.1)
+
+
+def test_what_the_data_say_nothing_of_keeps_its_prior_and_is_named(fitted):
+    robot, found = fitted
+    prior = cad(robot)
+    close = near(found, prior)
+    assert found.support["link1.m"] == "no"
+    assert close.robot.parameters["link1.m"] == pytest.approx(prior.parameters["link1.m"], rel=1e-3)
+    assert "link1.m" in close.notes[-1]
+    np.testing.assert_array_equal(close.solution.p, found.solution.p)
+
+
+def test_the_distance_is_that_of_the_log_determinant():
+    """A body scaled by s: tr(s I) - log det(s I) - 4 = 4 (s - 1 - log s)."""
+    body = {"m": 2.0, "ms[x]": 0.1, "ms[z]": 0.2, "J[xx]": 0.3, "J[yy]": 0.3, "J[zz]": 0.2}
+    robot = arm()
+    bodies = {n: body.get(n.partition(".")[2], 0.0) for n in robot.parameters if n.startswith("link")}
+    robot = robot.with_parameters(bodies)
+    names = list(robot.linear_parameters)
+    for s in (0.3, 1.0, 2.5):
+        values = [v * (s if n.startswith("link2.") else 1) for n, v in robot.linear_parameters.items()]
+        found = _distance(cp.Constant(np.array(values)), names, robot).value
+        assert found == pytest.approx(4 * (s - 1 - np.log(s)), abs=1e-6)
+
+
+def test_a_prior_of_another_arm_is_refused(fitted):
+    _, found = fitted
+    with pytest.raises(RobotError, match="same arm"):
+        near(found, load_robot("emps"))

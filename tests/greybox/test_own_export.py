@@ -1,0 +1,78 @@
+"""Our own FMU known by its variables alone: hidden parameters, nothing hidden, the commands."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+from one_joint import one_joint
+
+import pyident as pi
+from flexmodels.experiment import identification
+from flexmodels.inputs import SimulationError
+from flexmodels.robot import RobotError
+from pyident.cli.main import main
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    """FMI version -> FMU of an arm with friction and a controller."""
+    folder = tmp_path_factory.mktemp("arm")
+    return {v: pi.export_fmu(one_joint(), folder / f"arm{v}.fmu", fmi=v) for v in (2, 3)}
+
+
+def logged(robot, parameters=None, duration=4.0):
+    plan = identification(one_joint(), duration=duration)
+    return pi.simulate(robot, plan, parameters=parameters)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_hidden_parameters_are_told(arm, fmi):
+    hidden = {"joint1.coulomb": 1.6, "joint1.viscous": 1.3, "joint1.J_m": 0.7}
+    fit = pi.identify_fmu(arm[fmi], logged(one_joint(), hidden, 1.0), list(hidden))
+    assert fit.values == pytest.approx(hidden, rel=1e-3)
+
+
+def test_what_the_logs_do_not_tell_is_said(arm):
+    """Motor and link turn together: only the sum of their inertias shows."""
+    fit = pi.identify_fmu(arm[2], logged(one_joint(), duration=1.0), ["joint1.J_m", "link1.J[3,3]"])
+    frame = fit.to_frame()
+    assert list(frame["identifiable"]) == ["no", "no"]
+    assert frame["std"].isna().all()
+
+
+def test_nothing_hidden_is_nothing(arm):
+    log = logged(one_joint())
+    assert pi.diagnose_fmu(arm[2], log).verdict == "nothing_detectable"
+    errors = pi.compare_fmu(arm[2], log).errors[log.source]
+    assert max(e["rmse"] for e in errors.values()) < 1e-9
+
+
+def test_wrong_names_are_refused(arm, tmp_path):
+    log = logged(one_joint(), duration=0.4)
+    with pytest.raises(RobotError, match="no variable mass"):
+        pi.identify_fmu(arm[2], log, ["mass"])
+    with pytest.raises(RobotError, match="computed by the FMU"):
+        pi.identify_fmu(arm[2], log, ["joint1.friction"])
+    with pytest.raises(RobotError, match="identify_fmu"):
+        pi.identify(arm[2], log)
+    with pytest.raises(SimulationError, match="there is no FMU"):
+        pi.compare_fmu(tmp_path / "none.fmu", log)
+    with pytest.raises(pi.LogError, match="no column is an output"):
+        pi.compare_fmu(arm[2], log.frame[["time", "joint1.r"]])
+
+
+def test_the_commands_take_an_fmu(arm, tmp_path):
+    path, out = tmp_path / "log.csv", tmp_path / "fit.json"
+    pi.write_log(logged(one_joint(), {"joint1.viscous": 1.3}, 1.0), path)
+    run = CliRunner().invoke
+    words = ["identify", str(arm[2]), str(path), "--parameters", "joint1.viscous=0:9", "joint1.coulomb"]
+    told = run(main, [*words, "--json", str(out)])
+    assert told.exit_code == 0, told.output
+    assert json.loads(out.read_text())["parameters"]["joint1.viscous"]["value"] == pytest.approx(
+        1.3, rel=1e-2
+    )
+    told = run(main, ["compare", str(arm[2]), str(path), "--set", "joint1.viscous=1.3"])
+    assert told.exit_code == 0
+    assert "joint1.e" in told.output
+    assert run(main, ["identify", "four_link", str(path), "--parameters", "a"]).exit_code == 2
+    assert run(main, ["identify", str(arm[2]), str(path)]).exit_code == 2
