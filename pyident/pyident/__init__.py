@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
-    from pyident.verbs.any_model import compare_fmu as compare_fmu
-    from pyident.verbs.any_model import diagnose_fmu as diagnose_fmu
-    from pyident.verbs.any_model import identify_fmu as identify_fmu
-    from pyident.verbs.any_model_results import FmuCompared as FmuCompared
-    from pyident.verbs.any_model_results import FmuDiagnosed as FmuDiagnosed
-    from pyident.verbs.any_model_results import FmuFit as FmuFit
     from pyident.verbs.excite import check_plan as check_plan
     from pyident.verbs.excite import excite as excite
     from pyident.verbs.excite import export_plan as export_plan
@@ -35,6 +29,12 @@ if TYPE_CHECKING:
     from pyident.verbs.fit import identify as identify
     from pyident.verbs.fit import refine as refine
     from pyident.verbs.fitted import Fit as Fit
+    from pyident.verbs.fmu.model import compare_fmu as compare_fmu
+    from pyident.verbs.fmu.model import diagnose_fmu as diagnose_fmu
+    from pyident.verbs.fmu.model import identify_fmu as identify_fmu
+    from pyident.verbs.fmu.results import FmuCompared as FmuCompared
+    from pyident.verbs.fmu.results import FmuDiagnosed as FmuDiagnosed
+    from pyident.verbs.fmu.results import FmuFit as FmuFit
     from pyident.verbs.inputs import read_log as read_log
     from pyident.verbs.judge import add_effect as add_effect
     from pyident.verbs.judge import compare as compare
@@ -56,9 +56,9 @@ _HOME = {
     "Experiment": "flexmodels.inputs",
     "Explained": "pyident.verbs.explain",
     "Fit": "pyident.verbs.fitted",
-    "FmuCompared": "pyident.verbs.any_model_results",
-    "FmuDiagnosed": "pyident.verbs.any_model_results",
-    "FmuFit": "pyident.verbs.any_model_results",
+    "FmuCompared": "pyident.verbs.fmu.results",
+    "FmuDiagnosed": "pyident.verbs.fmu.results",
+    "FmuFit": "pyident.verbs.fmu.results",
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
     "Robot": "flexmodels.robot",
@@ -68,15 +68,15 @@ _HOME = {
     "check_log": "pyident.checks.check_log",
     "check_plan": "pyident.verbs.excite",
     "compare": "pyident.verbs.judge",
-    "compare_fmu": "pyident.verbs.any_model",
+    "compare_fmu": "pyident.verbs.fmu.model",
     "diagnose": "pyident.verbs.judge",
-    "diagnose_fmu": "pyident.verbs.any_model",
+    "diagnose_fmu": "pyident.verbs.fmu.model",
     "excite": "pyident.verbs.excite",
     "explain": "pyident.verbs.explain",
     "export_fmu": "pyident.verbs.simulate",
     "export_plan": "pyident.verbs.excite",
     "identify": "pyident.verbs.fit",
-    "identify_fmu": "pyident.verbs.any_model",
+    "identify_fmu": "pyident.verbs.fmu.model",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
     "read_log": "pyident.verbs.inputs",

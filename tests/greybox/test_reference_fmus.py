@@ -6,7 +6,7 @@ import pytest
 from reference_fmus import reference_fmu
 
 from flexfmu.foreign.model import FmuModel
-from pyident.verbs.any_model import compare_fmu, diagnose_fmu, identify_fmu
+from pyident.verbs.fmu.model import compare_fmu, diagnose_fmu, identify_fmu
 
 KINDS = [(2, "CoSimulation"), (2, "ModelExchange"), (3, "CoSimulation"), (3, "ModelExchange")]
 pytestmark = pytest.mark.parametrize(("fmi", "interface"), KINDS)

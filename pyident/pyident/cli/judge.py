@@ -30,7 +30,7 @@ from pyident.cli.common.shared import (
     show_notes,
     write_json,
 )
-from pyident.verbs.fmu_arguments import Interface, Parameters, is_fmu
+from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 from pyident.verbs.judged import side_by_side
 
 _holdout = click.option(

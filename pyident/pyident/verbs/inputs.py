@@ -17,7 +17,7 @@ from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_lo
 from pyident.logs.log import Log, LogError, check, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
-from pyident.verbs.fmu_arguments import is_fmu
+from pyident.verbs.fmu.arguments import is_fmu
 
 Model = Robot | str | Path
 Data = Log | LogFile | pd.DataFrame | str | Path

@@ -20,8 +20,8 @@ from pyident.greybox.recording import Recording, Signals, Simulate, misses, reco
 from pyident.greybox.residual import Shown, shown
 from pyident.logs.log import Log, LogError, check
 from pyident.logs.log import read_log as read_plain
-from pyident.verbs.any_model_results import FmuCompared, FmuDiagnosed, FmuFit
-from pyident.verbs.fmu_arguments import Interface, Parameters
+from pyident.verbs.fmu.arguments import Interface, Parameters
+from pyident.verbs.fmu.results import FmuCompared, FmuDiagnosed, FmuFit
 
 Progress = Callable[[float], None]
 Values = Mapping[str, float]
