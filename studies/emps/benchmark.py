@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from pyident.sweep.studies.emps.structures import STRUCTURES, Part, Structure, fit, parts_of, rms
 
 from flexmodels.robot import Robot
 from pyident.logs.log import Log
 from pyident.simulation.free_run import plant_of
+
+from .structures import STRUCTURES, Part, Structure, fit, parts_of, rms
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from pyident.sweep.studies.emps.benchmark import Judged, judged, simplest
-
 from flexmodels.coordinate import reference_of
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified, identify
 from pyident.logs.log import read_log
 from pyident.sweep.studies import StudyResult, row
+
+from .benchmark import Judged, judged, simplest
 
 # Janot, Gautier and Brunot, Data set and reference models of EMPS, 2019.
 SYMMETRIC = {"M": 95.1089, "Fv": 203.5034, "Fc": 20.3935, "offset": -3.1648}

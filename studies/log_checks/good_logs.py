@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 from scipy.signal import butter, lfilter, sosfiltfilt
 
 from flexmodels.experiment import identification
@@ -18,6 +17,8 @@ from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log, robot_log
 from pyident.logs.log import Log, LogError
 from pyident.simulation.fmu_runs import simulate_robot
+
+from .rigid_arm import Motion, recorded, six_axes
 
 Case = tuple[str, Robot, Log]
 

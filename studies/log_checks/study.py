@@ -6,19 +6,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
-from pyident.sweep.studies.log_checks import (  # their kinds register themselves  # pyright: ignore[reportMissingImports]
-    wrong_channels,  # noqa: F401
-    wrong_rows,  # noqa: F401
-)
-from pyident.sweep.studies.log_checks.good_logs import Case, foreign, good_logs, scara, unseen  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.log_checks.wrong_logs import KINDS  # pyright: ignore[reportMissingImports]
 
 from flexmodels.robot import Robot
 from pyident.checks.check_log import check_log
 from pyident.checks.defect import Defect
 from pyident.logs.log import Log, LogError, check
 from pyident.sweep.studies import StudyResult, row
+
+from . import (  # their kinds register themselves
+    wrong_channels,  # noqa: F401
+    wrong_rows,  # noqa: F401
+)
+from .good_logs import Case, foreign, good_logs, scara, unseen
+from .rigid_arm import Motion, recorded, six_axes
+from .wrong_logs import KINDS
 
 SHARE = 95.0  # [%] of the wrong logs that must be flagged
 

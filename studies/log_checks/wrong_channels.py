@@ -1,8 +1,9 @@
 """Kinds of grossly wrong logs: what encoders, drives and mappings do to channels."""
 
 import numpy as np
-from pyident.sweep.studies.log_checks.changes import changed, every, fastest, remade  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.log_checks.wrong_logs import busy, kind, positions, scaled, torques  # pyright: ignore[reportMissingImports]
+
+from .changes import changed, every, fastest, remade
+from .wrong_logs import busy, kind, positions, scaled, torques
 
 
 @kind("angles wrapped at half a turn")

@@ -1,8 +1,9 @@
 """Kinds of grossly wrong logs: what loggers and clocks do to rows."""
 
 import numpy as np
-from pyident.sweep.studies.log_checks.changes import every, fastest, remade  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.log_checks.wrong_logs import busy, kind, positions, torques  # pyright: ignore[reportMissingImports]
+
+from .changes import every, fastest, remade
+from .wrong_logs import busy, kind, positions, torques
 
 
 @kind("torques' clock 0.5 % fast")

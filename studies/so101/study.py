@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.so101.figure import draw  # pyright: ignore[reportMissingImports]
 
 from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot, save_robot
@@ -20,6 +19,8 @@ from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, Simulate, fi
 from pyident.report.page import Picture, Section, write_page
 from pyident.simulation.fmu_runs import batches_here
 from pyident.sweep.studies import StudyResult, row
+
+from .figure import draw
 
 _HERE = Path(__file__).parent
 FITTED = ("friction_gravity", "multisine", "prbs_excitation", "step_response")

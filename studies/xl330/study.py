@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.xl330.figure import draw  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.xl330.ladder import RUNGS, STEP, Ladder, Track, compiled  # pyright: ignore[reportMissingImports]
 
 from flexmodels.files.robot_file import load_robot, save_robot
 from flexmodels.robot import Robot, RobotError
@@ -19,6 +17,9 @@ from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_l
 from pyident.report.page import Picture, Section, write_page
 from pyident.simulation.fmu_runs import batches_here
 from pyident.sweep.studies import StudyResult, row
+
+from .figure import draw
+from .ladder import RUNGS, STEP, Ladder, Track, compiled
 
 _HERE = Path(__file__).parent
 _INERTIA, _WEIGHT = 0.0049, 0.49 * 9.80665 * 0.1
