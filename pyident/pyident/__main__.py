@@ -1,10 +1,11 @@
-"""The command `pyident`. Processes that it starts import this file once more: let it import nothing else."""
+"""The command `pyident`. Processes that it starts import this file once more: let it import nothing more."""
+
+import sys
 
 
 def main() -> None:
     """Run the command; Ctrl-C at any time ends in one line, a request to terminate closes what is open."""
     import signal
-    import sys
 
     def terminate(*_: object) -> None:
         raise SystemExit(128 + signal.SIGTERM)
@@ -21,14 +22,13 @@ def main() -> None:
         raise SystemExit(128 + signal.SIGINT) from None
 
 
-def _once_more(lost: "sys.UnraisableHookArgs") -> None:  # noqa: F821
+def _once_more(lost: "sys.UnraisableHookArgs") -> None:
     """Ask again for a Ctrl-C, or a request to terminate, that Python lost.
 
     What is raised in a destructor, or in a callback of an import or of C, is only reported there.
     """
     import os
     import signal
-    import sys
     import threading
 
     asked = {KeyboardInterrupt: signal.SIGINT, SystemExit: signal.SIGTERM}.get(lost.exc_type)

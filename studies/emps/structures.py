@@ -98,8 +98,9 @@ def fit(structure: Structure, robot: Robot, runs: Sequence[FreeRun], plant: Plan
     for step in (1e-2, 1e-3):  # sticking makes the error rough in small steps
 
         def slopes(p: np.ndarray, step: float = step) -> np.ndarray:
-            moved = residuals(np.concatenate([p + step * np.eye(len(p)), p - step * np.eye(len(p))]))
-            return (moved[: len(p)] - moved[len(p) :]).T / (2 * step)
+            up, down = p + step * np.eye(len(p)), np.maximum(p - step * np.eye(len(p)), lower)
+            moved = residuals(np.concatenate([up, down]))
+            return (moved[: len(p)] - moved[len(p) :]).T / np.diag(up - down)
 
         found = least_squares(
             lambda p: residuals(p[None])[0],

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
@@ -39,7 +40,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         table_of.to_csv(folder / f"{name}.csv", index=False)
     (folder / "table.md").write_text(table(wrong, pd.concat([good, fresh])), encoding="utf-8")
     return StudyResult(
-        [*_flagged(wrong[wrong["fixed"]], "fixed on"), *_flagged(wrong[~wrong["fixed"]], "judged by"),
+        [*_flagged(wrong.loc[wrong["fixed"]], "fixed on"), *_flagged(wrong.loc[~wrong["fixed"]], "judged by"),
          _alarms(good, "fixed on"), _alarms(fresh, "judged by")],
         [*(folder / f"{name}.csv" for name in tables), folder / "table.md"],
         [*_missed(wrong), *_false(good), *_false(fresh)],
@@ -60,8 +61,9 @@ def _false(good: pd.DataFrame) -> list[str]:
 
 
 def _flagged(wrong: pd.DataFrame, role: str) -> list[dict[str, str]]:
-    share = 100 * float((wrong["outcome"] != "missed").mean())
-    refused = 100 * float((wrong["outcome"] == "refused").mean())
+    outcomes = wrong["outcome"].to_numpy()
+    share = 100 * float(np.mean(outcomes != "missed"))
+    refused = 100 * float(np.mean(outcomes == "refused"))
     of = f"{wrong['case'].nunique()} kinds, {len(wrong)} logs of {wrong['robot'].nunique()} robots"
     return [
         row(f"wrong logs flagged ({role}: {of})", f"{share:.1f} %", f"≥ {SHARE:g} %", share >= SHARE),

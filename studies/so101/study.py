@@ -15,9 +15,10 @@ from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
-from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, Simulate, fit_closed_loop, replay_errors
+from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
 from pyident.simulation.fmu_runs import batches_here
+from pyident.simulation.simulator import Simulate
 from pyident.sweep.studies import StudyResult, row
 
 from .figure import draw

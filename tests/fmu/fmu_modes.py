@@ -134,6 +134,7 @@ def declared_in(fmu):
     with zipfile.ZipFile(fmu.path) as archive:
         root = ET.fromstring(archive.read("modelDescription.xml"))
     structure = root.find("ModelStructure")
+    assert structure is not None
     first = fmu.mode == "initialisation"
     if fmu.description.fmiVersion == "2.0":
         names = [v.get("name") for v in root.iterfind("ModelVariables/ScalarVariable")]
@@ -142,11 +143,11 @@ def declared_in(fmu):
     else:
         number, of = (
             "valueReference",
-            {v.get("valueReference"): v.get("name") for v in root.iterfind("ModelVariables/*")},
+            {v.attrib["valueReference"]: v.attrib["name"] for v in root.iterfind("ModelVariables/*")},
         )
         kinds = ["InitialUnknown"] if first else ["Output", "ContinuousStateDerivative", "EventIndicator"]
     return {
-        of[u.get(number)]: {of[place] for place in u.get("dependencies").split()}
+        of[u.attrib[number]]: {of[place] for place in u.attrib["dependencies"].split()}
         for kind in kinds
         for u in structure.iterfind(kind)
     }

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from one_joint import one_joint
@@ -37,7 +38,7 @@ def test_what_the_logs_do_not_tell_is_said(arm):
     fit = pi.identify_fmu(arm[2], logged(one_joint(), duration=1.0), ["joint1.J_m", "link1.J[3,3]"])
     frame = fit.to_frame()
     assert list(frame["identifiable"]) == ["no", "no"]
-    assert frame["std"].isna().all()
+    assert np.isnan(frame["std"].to_numpy(float)).all()
 
 
 def test_nothing_hidden_is_nothing(arm):
@@ -58,7 +59,7 @@ def test_wrong_names_are_refused(arm, tmp_path):
     with pytest.raises(SimulationError, match="there is no FMU"):
         pi.compare_fmu(tmp_path / "none.fmu", log)
     with pytest.raises(pi.LogError, match="no column is an output"):
-        pi.compare_fmu(arm[2], log.frame[["time", "joint1.r"]])
+        pi.compare_fmu(arm[2], log.frame.filter(["time", "joint1.r"]))
 
 
 def test_the_commands_take_an_fmu(arm, tmp_path):

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
-from pyident.sweep.studies.emps.benchmark import Judged, folds, simplest
-from pyident.sweep.studies.emps.structures import STRUCTURES, fit, parts_of, rms
+from pyident.sweep.studies.emps.benchmark import Judged, folds, simplest  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.emps.structures import STRUCTURES, fit, parts_of, rms  # pyright: ignore[reportMissingImports]
 
 from flexmodels.files.robot_file import load_robot
 from pyident.logs.log import Log

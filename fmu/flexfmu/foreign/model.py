@@ -69,7 +69,7 @@ class FmuModel(FmuDescription):
     @property
     def title(self) -> str:
         """The model's own name."""
-        return self.description.modelName
+        return self.description.modelName or self._path.stem
 
     def of(self, causality: str) -> list[str]:
         """Names of the variables of a causality (input, output, parameter, local)."""

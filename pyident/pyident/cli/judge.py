@@ -236,10 +236,11 @@ def _what(
     from flexmodels.files.robot_file import load_robot
     from pyident.regression.descriptions import parsed
 
-    joint, name = parsed(load_robot(model), words[0])
-    if len(words) < 2:
-        raise RobotError(f"there is no log; give one or more behind {words[0]}")
-    return name, joint, words[1:]
+    place, *logs = words or ("",)
+    joint, name = parsed(load_robot(model), place)
+    if not logs:
+        raise RobotError(f"there is no log; give one or more behind {place}")
+    return name, joint, tuple(logs)
 
 
 def _models_and_logs(given: tuple[str, ...]) -> tuple[list[str], list[str]]:

@@ -134,10 +134,9 @@ class ServoFit(Result):
         return f"{self.robot.name}: {followed} on the worst of {len(self.logs)} logs"
 
     def summary(self) -> Text:
-        rows = [
-            (f"{r.value:.5g}", _interval(r["std"]), r.unit, str(name))
-            for name, r in self.to_frame().iterrows()
-        ]
+        frame = self.to_frame()
+        columns = frame["value"].to_numpy(float), frame["std"].to_numpy(float), frame["unit"], frame.index
+        rows = [(f"{v:.5g}", _interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
         lines = [
             f"{log}: mean absolute position error {e:.3g} rad or m"
             for log, e in zip(self.logs, self.fit.error, strict=True)

@@ -166,9 +166,12 @@ def _opened(
                 )
 
         def simulate(
-            r: Recording, sets: Sequence[Values], names: Sequence[str], progress: Progress | None = None
+            recording: Recording,
+            sets: Sequence[Values],
+            names: Sequence[str],
+            progress: Progress | None = None,
         ) -> np.ndarray:
-            return fmu.run(r.time, r.inputs, sets, names, progress)
+            return fmu.run(recording.time, recording.inputs, sets, names, progress)
 
         notes = tuple(note for _, more in taken for note in more)
         frames = tuple(log.frame for log in read)
