@@ -20,6 +20,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.trace_in_simulation import _Judge
 from pyident.diagnosis.unexplained.residual_terms import RowSearch
 from pyident.logs.log import Log, write_log
+from pyident.rules.rules import RULES
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +114,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     logs = []
     for log in logs_of(hidden(), folder):
         bending = log.frame["joint1.eps[2]"].to_numpy()
-        tau = log.frame["joint2.tau"] + 5 * np.tanh(bending / bending.std())
+        tau = log.frame["joint2.tau"] + 4 * np.tanh(bending / bending.std())
         logs.append(replace(log, frame=log.frame.assign(**{"joint2.tau": tau})))
     search = searched(two_link(), logs[:2], in_process)
     candidate = Candidate("asymmetric_coulomb", 2)
@@ -123,7 +124,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     unknown = RowSearch(search.examination, search.base, row, left).strongest()
     assert unknown is not None
     assert unknown[0].on == "joint1.eps2"
-    assert left > 0.1 * search.excess_on([row])  # well above what lets a law pass unasked
+    assert left > RULES.search.foreign_left * search.excess_on([row])  # else nothing would be asked
     assert unknown[0].gain > 0.5 * left
     assert stands_in_for(search, candidate) == ""
 

@@ -122,16 +122,11 @@ class Search:
         joints = {f.candidate.joint for f in found}
         top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
         better = [
-            self._refined(f, n) if self._may_grow(f, n, top[f.candidate.joint]) else f
+            self._refined(f, n) if f.excess > self.rules.refine * top[f.candidate.joint] else f
             for n, f in enumerate(found)
         ]
         ranked = sorted(better, key=lambda f: (self.p_value(f) > self.rules.level, -f.excess))
         return self.led_by(ranked[0], ranked)
-
-    def _may_grow(self, found: Found, family: int, top: float) -> bool:
-        """Whether values between those of the grid could make it the best at its joint, and a name."""
-        least = self.rules.refine
-        return found.excess > least * top and found.gain.energy > least * self.needed(family)
 
     def best(self, effect: str, joint: int) -> Found | None:
         """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""

@@ -13,15 +13,7 @@ from dataclasses import dataclass, replace
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import (
-    Refusal,
-    acting_rows,
-    admission,
-    counts,
-    group_for,
-    main_rows,
-    share_on,
-)
+from pyident.diagnosis.search.gate import Refusal, counts, group_for, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.search import Found, Search, Step
@@ -87,16 +79,17 @@ def _group(
 ) -> tuple[list[Step], Refusal | None]:
     """A set for equations that have no effect yet; where they have one, a single one that takes the rest."""
     rows = main_rows(view, lead.candidate)
-    taken = {row for s in chosen for row in acting_rows(view, s.best.candidate)}
+    taken = {row for s in chosen for row in view.rows(s.best.candidate)}
     if taken.isdisjoint(rows):
         return group_for(view, step, lead, held)
-    entry = admission(view, lead, [lead.candidate], held)
     if not _owns(view, lead, rows):
-        return [], replace(
-            entry, reason="beside the effects found there it takes too little of the rest"
-        ).refusal
-    if entry.reason:
-        return [], entry.refusal
+        reason = "beside the effects found there it takes too little of the rest"
+        return [], Refusal(lead.candidate, rows, 100 * share_on(view, [lead.candidate], rows), None, reason)
+    unseen = held.share(view, [lead.candidate], rows)
+    share = share_on(view, [lead.candidate], rows)
+    if unseen is not None and not held.holds(unseen, share, view.rules):
+        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
+        return [], Refusal(lead.candidate, rows, 100 * share, 100 * unseen.share, reason)
     return [view.led_by(lead, step.ranked)], None
 
 
