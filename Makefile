@@ -3,16 +3,20 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: study test coverage fuzz importers browser docs bench lint clean
+.PHONY: study test slow coverage fuzz importers browser docs bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
 # Lint, types, tests. A process per core runs tests: a BLAS with a thread per core in each would only wait.
-test coverage: export OPENBLAS_NUM_THREADS = 1
+test slow coverage: export OPENBLAS_NUM_THREADS = 1
 test: lint
-	$(BIN)/pytest -n auto -m "not importers and not browser"
+	$(BIN)/pytest -n auto -m "not slow and not importers and not browser"
 
-# The same tests, and how much of pyident they reach; twice as slow.
+# What takes a minute each, or races with the clock.
+slow: .venv/dev
+	$(BIN)/pytest -n auto -m slow
+
+# All of them, and how much of pyident they reach; twice as slow.
 coverage: .venv/dev
 	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
 

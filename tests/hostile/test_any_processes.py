@@ -32,6 +32,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 @settings(parent=MANY, max_examples=40 if FULL else 4)
 @given(file=FILES)
 def test_a_process_of_its_own(file, folder):

@@ -14,7 +14,7 @@ import psutil
 import pytest
 from hostile_run import counted
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="sends signals")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name != "posix", reason="sends signals")]
 COMMAND = [sys.executable, "-m", "pyident"]
 ROBOT = Path(__file__).parents[1] / "robots" / "two_link.toml"
 PATIENCE = 600  # [s] before a test gives up waiting

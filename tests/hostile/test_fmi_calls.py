@@ -41,7 +41,10 @@ J_com = [0.3, 0.28, 0.06]
 GENERATED = ["-std=c99", "-O0", "-g", "-w", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 NOT_CALLED = ("batch.c", "lanes_avx2.c", "lanes_avx512.c")
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the sanitizers")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the sanitizers"),
+]
 
 
 @pytest.fixture(scope="module", params=[2, 3])

@@ -95,6 +95,7 @@ def plain_log():
     return simulate(ROBOT, [], standard(ROBOT, duration=1.5), 7, NOISELESS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(LAWS))
 def test_every_law_changes_the_motion(name):
     for k in (LAWS[name].joints or JOINTS)[:2]:
@@ -241,6 +242,7 @@ def _hidden_log(name, log=0, duration=8.0):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("log", [0, 2])
 def test_data_that_cannot_show_an_effect_do_not(log):
     case, frame = _hidden_log("stribeck_never_slow", log)
