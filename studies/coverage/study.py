@@ -14,6 +14,7 @@ from pyident.estimation.identify import Identified
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import identify_by_instruments
 from pyident.refinement.output_error import output_error
+from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.replica import with_noise
 from pyident.simulation.simulator import OpenPool
@@ -73,7 +74,7 @@ def deviations(robot: Robot, results: list[Identified]) -> pd.DataFrame:
     names = [n for n, a in zip(robot.linear_parameters, alone, strict=True) if a]
     bias = 100 * (values.mean(axis=0) - true[alone]) / np.where(true[alone] == 0, np.nan, true[alone])
     content = {
-        "coverage": (np.abs(z) < 1.96).mean(axis=0),
+        "coverage": (np.abs(z) < CONFIDENCE).mean(axis=0),
         "mean": z.mean(axis=0),
         "spread": z.std(axis=0),
         "bias_percent": bias,

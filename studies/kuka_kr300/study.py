@@ -21,6 +21,7 @@ from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor
 from pyident.report.page import Section, write_page
+from pyident.rules.confidence import CONFIDENCE
 from pyident.sweep.studies import StudyResult, row
 
 AUTHORS = (4.58e6, 7.52e6, 4.10e6)  # [N m/rad], axes 1 to 3
@@ -153,8 +154,8 @@ def _balance(robot: Robot, log: Log, other: Log, k: int) -> Balance:
     left = unseen.torque - unseen.columns @ found.p
     return Balance(
         k=float(found.p[0]),
-        lower=float(found.p[0] - 1.96 * found.std[0]),
-        upper=float(found.p[0] + 1.96 * found.std[0]),
+        lower=float(found.p[0] - CONFIDENCE * found.std[0]),
+        upper=float(found.p[0] + CONFIDENCE * found.std[0]),
         plain=float(np.linalg.lstsq(own.columns, own.torque, rcond=None)[0][0]),
         F=found.F,
         viscous=float(found.p[3]),

@@ -10,6 +10,7 @@ from pyident.estimation.identify import Identified
 from pyident.estimation.least_squares import solve
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
+from pyident.rules.confidence import CONFIDENCE
 
 
 def explanation(found: Identified, structural: np.ndarray) -> str:
@@ -81,7 +82,7 @@ def parameter_table(original: Robot, regression: Identified, corrected: Identifi
                 "corrected": f"{value:.5g}" if alone else "",
                 "error": f"{100 * (value / true - 1):+.2g} %" if alone and true else "",
                 "std": f"{100 * std / abs(value):.2g} %" if alone else "",
-                "95 %": f"{value - 1.96 * std:.4g} … {value + 1.96 * std:.4g}" if alone else "",
+                "95 %": f"{value - CONFIDENCE * std:.4g} … {value + CONFIDENCE * std:.4g}" if alone else "",
                 "determined": regression.support[name],
             }
         )

@@ -17,6 +17,7 @@ from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
+from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.fmu_runs import batches_here
 from pyident.simulation.simulator import Simulate
 from pyident.sweep.studies import StudyResult, row
@@ -169,7 +170,7 @@ def named(structures: Sequence[Structure]) -> list[dict[str, str]]:
             assert one is not None
             name = f"joint{k}.{kind}"
             assert one.std is not None
-            sure = one.values[name] > 1.96 * one.std[name]
+            sure = one.values[name] > CONFIDENCE * one.std[name]
             verdict = "named" if sure else "not told from none"
             rows.append(row(f"joint {k}: {what}", f"{_interval(one, name, scale)}{unit}: {verdict}"))
     text = "none to be seen: the encoder sits behind the gear, a gap acts as the dead band above"
@@ -204,7 +205,8 @@ def _with_load_friction(robot: Robot) -> Robot:
 
 def _interval(fit: ClosedLoopFit, name: str, scale: float) -> str:
     assert fit.std is not None
-    return f"{scale * fit.values[name]:.3g} ± {1.96 * scale * fit.std[name]:.2g} (95 %, jackknife over logs)"
+    half = CONFIDENCE * scale * fit.std[name]
+    return f"{scale * fit.values[name]:.3g} ± {half:.2g} (95 %, jackknife over logs)"
 
 
 def _rms(values: np.ndarray) -> float:

@@ -15,6 +15,7 @@ from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
+from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.fmu_runs import batches_here
 from pyident.sweep.studies import StudyResult, row
 
@@ -163,7 +164,7 @@ def _described(fit: ClosedLoopFit, recordings: Recordings, robot: Robot) -> list
     units = robot.units | {"joint1.servo.kt": "N.m/A", "joint1.servo.R": "Ohm", "servo.delay": "s"}
     rows = [row("all gains fitted: mean absolute error", f"{np.degrees(np.mean(fit.error)):.2f}°")]
     for name, value in fit.values.items():
-        spread = f" ± {1.96 * fit.std[name]:.2g}" if fit.std else ""
+        spread = f" ± {CONFIDENCE * fit.std[name]:.2g}" if fit.std else ""
         rows.append(row(name, f"{value:.4g}{spread} {units[name]} (95 %, jackknife over logs)"))
     return rows
 

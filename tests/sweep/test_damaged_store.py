@@ -26,7 +26,7 @@ def gone_on(folder):
     """What the next call does: read what is there, compute the rest, write the table."""
     store = ResultsStore(folder, "mine")
     try:
-        left = ROWS[~ROWS["run"].isin(store.rows()["run"])]
+        left = pd.DataFrame(ROWS[~ROWS["run"].isin(store.rows()["run"])])
         if len(left):
             store.add(left)
         return store.finish(DESIGN)

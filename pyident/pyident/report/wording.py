@@ -2,7 +2,8 @@
 
 from math import floor, isfinite, log10
 
-_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
+from pyident.rules.confidence import CONFIDENCE
+
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MINUS = "−"
 
@@ -47,7 +48,7 @@ def interval(value: float, std: float) -> str:
     """Where the value lies with 95 % probability; empty where no standard deviation is known."""
     if not isfinite(std):
         return ""
-    low, high = value - _CONFIDENCE * std, value + _CONFIDENCE * std
+    low, high = value - CONFIDENCE * std, value + CONFIDENCE * std
     if not _shown(value, std):
         return f"{number(low, 4)} to {number(high, 4)}"
     return f"{_fixed(low, _places(std))} to {_fixed(high, _places(std))}"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pyident.verbs.plots import CONFIDENCE
+from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from pyident.excitation.prediction import Prediction
     from pyident.excitation.violations import Violation
 
-_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 ENOUGH = 5.0  # standard deviations that settle a question
 
 
@@ -167,7 +167,7 @@ def _rank(found: "Prediction") -> str:
 
 def _told(robot: "Robot", found: "Prediction") -> str:
     rows = [
-        (name, f"{found.values[name]:.5g}", f"{_CONFIDENCE * std:.2g}", robot.units[name])
+        (name, f"{found.values[name]:.5g}", f"{CONFIDENCE * std:.2g}", robot.units[name])
         for name, std in found.std.items()
         if np.isfinite(std)
     ]

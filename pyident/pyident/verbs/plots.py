@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pyident.rules.confidence import CONFIDENCE
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pyident.diagnosis.result import Row
     from pyident.estimation.base_parameters import BaseParameter
     from pyident.extension.add_effect import Step
-
-CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 
 
 def over_floor(panels: Mapping[str, Sequence[tuple[str, float]]]) -> "Figure":

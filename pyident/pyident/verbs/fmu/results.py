@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.text import Text, table, wrapped
 
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from pyident.greybox.recording import Recording
     from pyident.greybox.residual import Finding, Shown
 
-_CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 _WHITE = 0.01  # p-value below which a residual is not white noise
 
 
@@ -63,7 +63,7 @@ class FmuFit(Result):
             (
                 e.free.name,
                 f"{e.value:.6g}",
-                f"{_CONFIDENCE * e.std:.2g}" if np.isfinite(e.std) else "-",
+                f"{CONFIDENCE * e.std:.2g}" if np.isfinite(e.std) else "-",
                 e.free.unit,
                 "" if e.determined else "the logs do not tell it by itself",
             )
