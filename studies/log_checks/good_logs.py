@@ -18,7 +18,7 @@ from pyident.logs.foreign import import_log, robot_log
 from pyident.logs.log import Log, LogError
 from pyident.simulation.fmu_runs import simulate_robot
 
-from .rigid_arm import Motion, recorded, six_axes
+from .swings import Motion, recorded, six_axes
 
 Case = tuple[str, Robot, Log]
 
