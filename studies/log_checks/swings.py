@@ -9,7 +9,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 
-from ..rigid_arm.pinocchio_chain import chain, inverse_dynamics
+from ..rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
 
 _FRICTION = (0.06, 0.03)  # of the joint's rms torque: Coulomb, and viscous at its rms speed
 _MOTORS = 0.15  # of the mean of a joint's mass matrix element
@@ -45,13 +45,11 @@ def recorded(robot: Robot, motion: Motion, seed: int, noise: float = 2e-6) -> pd
 
     noise   [rad or m] of the encoders; torques have 0.5 % of their rms
     """
-    import pinocchio as pin  # pyright: ignore[reportMissingImports]
-
     rng = np.random.default_rng(seed)
     q, dq, ddq, time = _swings(robot, motion, rng)
     model = chain(robot, rng.uniform(0.8, 1.2, len(robot.links)))
     tau, data = inverse_dynamics(model, q, dq, ddq), model.createData()
-    M = np.mean([np.diag(pin.crba(model, data, row)) for row in q[:: max(1, len(q) // 20)]], axis=0)
+    M = np.mean([np.diag(pinocchio().crba(model, data, row)) for row in q[:: max(1, len(q) // 20)]], axis=0)
     tau += _MOTORS * M * ddq
     level, speed = tau.std(axis=0) + 1e-3 * np.abs(tau).max(), dq.std(axis=0) + 1e-9
     tau += level * (_FRICTION[0] * np.tanh(dq / 1e-3) + _FRICTION[1] * dq / speed)
