@@ -37,7 +37,7 @@ class WorkersError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Workers(Generic[T]):
+class Processes(Generic[T]):
     """executor: where tasks go; count: of processes; token: under which they keep their tool."""
 
     executor: Executor
@@ -53,7 +53,7 @@ class Workers(Generic[T]):
 
 
 @contextmanager
-def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
+def workers_with(make: Make[T]) -> Iterator[Processes[T]]:
     """The Dask cluster that is configured (DASK_SCHEDULER_ADDRESS), else processes of this machine."""
     scheduler = configured_scheduler()
     with dask_workers(make, scheduler) if scheduler else local_processes(make) as workers:
@@ -61,14 +61,14 @@ def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
 
 
 @contextmanager
-def local_processes(make: Make[T]) -> Iterator[Workers[T]]:
+def local_processes(make: Make[T]) -> Iterator[Processes[T]]:
     """One process per core, started when first needed; `make` builds the tool and is sent by pickle."""
     token, count = uuid.uuid4().hex, cpu_count() or 1
     pool = ProcessPoolExecutor(
         count, mp_context=get_context("spawn"), initializer=_start_process, initargs=(token, make)
     )
     try:
-        yield Workers(pool, count, token)
+        yield Processes(pool, count, token)
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -86,18 +86,18 @@ class _Here(Executor):
 
 
 @contextmanager
-def inline(make: Make[T]) -> Iterator[Workers[T]]:
+def inline(make: Make[T]) -> Iterator[Processes[T]]:
     """No other process: for work that is shorter than the start of one, and for tests."""
     token = uuid.uuid4().hex
     _install(token, make)
     try:
-        yield Workers(_Here(), 1, token)
+        yield Processes(_Here(), 1, token)
     finally:
         _remove(token)
 
 
 @contextmanager
-def dask_workers(make: Make[T], scheduler: str | None = None) -> Iterator[Workers[T]]:
+def dask_workers(make: Make[T], scheduler: str | None = None) -> Iterator[Processes[T]]:
     """The workers of the cluster at `scheduler`, else one per core of this machine, with their tool."""
     with dask_cluster(scheduler) as cluster, cluster.holding(make) as workers:
         yield workers
@@ -111,7 +111,7 @@ class Cluster:
     count: int
 
     @contextmanager
-    def holding(self, make: Make[T]) -> Iterator[Workers[T]]:
+    def holding(self, make: Make[T]) -> Iterator[Processes[T]]:
         """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too."""
         token = uuid.uuid4().hex
         try:
@@ -129,7 +129,7 @@ class Cluster:
             ) from None
         executor = self.client.get_executor(pure=False)
         try:
-            yield Workers(executor, self.count, token)
+            yield Processes(executor, self.count, token)
         finally:
             executor.shutdown(wait=False)
             self.client.unregister_worker_plugin(token)
