@@ -16,10 +16,12 @@ from importlib.util import find_spec
 from logging import CRITICAL
 from multiprocessing import active_children, get_context
 from os import cpu_count
+from pathlib import Path
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from flexmodels.scratch import scratch_folder
 from pyident.simulation.process_ends import end_with_parent, interrupts_blocked
 
 P = ParamSpec("P")
@@ -148,7 +150,7 @@ def dask_cluster(
     from distributed import Client
 
     if scheduler is None:
-        with _local_cluster(module) as local, Client(local) as client:
+        with scratch_folder() as folder, _local_cluster(module, folder) as local, Client(local) as client:
             client.register_plugin(_deaf_plugin(), name="deaf")
             count = count or cpu_count() or 1
             _start(local, count)
@@ -189,8 +191,8 @@ def scheduler_configured(address: str | None) -> Iterator[None]:
         yield
 
 
-def _local_cluster(module: str | None) -> Any:
-    """No workers yet."""
+def _local_cluster(module: str | None, folder: Path) -> Any:
+    """No workers yet; theirs is `folder`, which goes even when this process is killed."""
     import dask.config
     from distributed import LocalCluster
 
@@ -198,6 +200,7 @@ def _local_cluster(module: str | None) -> Any:
         return LocalCluster(
             n_workers=0,
             threads_per_worker=1,
+            local_directory=str(folder),
             dashboard_address=":0",
             memory_limit=0,  # pyright: ignore[reportArgumentType]
             silence_logs=CRITICAL,
