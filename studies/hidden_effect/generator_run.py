@@ -58,7 +58,7 @@ class Plan:
 
 def standard(robot: Robot, **changes) -> Plan:
     """The robot file's identification experiment, 20 s long."""
-    own, n = robot.identification, len(robot.joints)
+    own, n = robot.settings.identification, len(robot.joints)
     if own is None:
         raise ValueError(f"robot {robot.name} has no [identification], from which plans are made")
     tones = own.multisine

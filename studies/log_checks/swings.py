@@ -35,9 +35,8 @@ def six_axes() -> Robot:
         replace(j, values={law: v for law, v in j.values.items() if law != "joint_coupling"})
         for j in robot.joints
     )
-    return replace(
-        robot, name="six_axes", joints=joints, transmission=None, processing=Processing(cutoff=40.0)
-    )
+    plain = replace(robot, name="six_axes", joints=joints, transmission=None)
+    return plain.with_settings(processing=Processing(cutoff=40.0))
 
 
 def recorded(robot: Robot, motion: Motion, seed: int, noise: float = 2e-6) -> pd.DataFrame:

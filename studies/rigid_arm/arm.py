@@ -42,9 +42,8 @@ def arm() -> Robot:
     joints = tuple(
         replace(j, values={law: v for law, v in j.values.items() if law in basic}) for j in robot.joints
     )
-    return replace(
-        robot, joints=joints, transmission=None, columns={}, controller=None, processing=Processing()
-    )
+    plain = replace(robot, joints=joints, transmission=None, controller=None)
+    return plain.with_settings(columns={}, processing=Processing())
 
 
 def moved(robot: Robot, rng: np.random.Generator, duration: float) -> Motion:

@@ -113,7 +113,7 @@ def samples(robot: Robot, log: Log) -> Samples | None:
             tau[:, k - 1] = log.frame[torque_of(k)].to_numpy(float)
     if robot.controller is not None:
         tau = (tau + np.concatenate([tau[:1], tau[:-1]])) / 2  # held: what acts around a sample
-    edge = _edge(q[:, : len(robot.joints)], robot.processing.cutoff, T)
+    edge = _edge(q[:, : len(robot.joints)], robot.settings.processing.cutoff, T)
     border = max(REACH, min(int(_SETTLED / edge), n // 10))
     if n < 20 * REACH or n - 2 * border < 60:
         return None
@@ -157,7 +157,7 @@ def _moving(robot: Robot, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
     """Where a joint moves: never, if all it does is a tiny part of what the busiest one does."""
     n = len(robot.joints)
     speed, way = np.abs(dq[:, :n]), np.ptp(q[:, :n], axis=0)
-    least = np.maximum(robot.processing.dead_zone, _SLOW * np.sqrt(np.mean(speed**2, axis=0)))
+    least = np.maximum(robot.settings.processing.dead_zone, _SLOW * np.sqrt(np.mean(speed**2, axis=0)))
     return ((speed > least) & (way > _STANDS * way.max())).astype(float)
 
 

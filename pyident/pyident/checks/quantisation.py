@@ -34,7 +34,7 @@ def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]
         return
     from scipy.signal import butter, sosfiltfilt  # here: much memory, for few logs
 
-    plan, T = robot.processing, log.period
+    plan, T = robot.settings.processing, log.period
     nyquist = 0.5 / T
     top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)
     share = (2 * np.pi) ** 2 * np.sqrt(top**5 / 5 / nyquist)  # rms acceleration per rms of white noise

@@ -52,12 +52,12 @@ def robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) ->
     """A log of `robot`: through a mapping file, or by the robot's own [columns]. Raises LogError."""
     if mapping is not None:
         return import_log([path], mapping, robot)
-    return _at_its_joints(read_log(path, robot.columns), robot)
+    return _at_its_joints(read_log(path, robot.settings.columns), robot)
 
 
 def open_robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) -> Log | LogFile:
     """The same, but a long log that needs neither mapping nor transmission stays on disk. Raises LogError."""
-    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.columns)
+    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.settings.columns)
     if isinstance(log, Log):
         return log if mapping else _at_its_joints(log, robot)
     foreign = any(name.startswith("motor") or name.endswith(".link") for name in log.names)

@@ -269,7 +269,7 @@ def _rows(robot: Robot, data: _Data, frame: pd.DataFrame, p: np.ndarray) -> Rows
 
 
 def _share(robot: Robot, use: np.ndarray) -> np.ndarray:
-    return fading(use) if robot.processing.decimate == 1 else use
+    return fading(use) if robot.settings.processing.decimate == 1 else use
 
 
 def _weights(data: list[_Data], rows: list[Rows], p: np.ndarray) -> np.ndarray:
