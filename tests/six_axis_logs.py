@@ -31,10 +31,12 @@ def plain(q: np.ndarray, v: np.ndarray, load: np.ndarray, time: np.ndarray) -> n
     return COULOMB * np.sign(v) + VISCOUS * v
 
 
-def made(robot: Robot, seed: int, friction: Friction = plain, duration: float = DURATION) -> Log:
-    """One log along sums of sines of its own."""
+def made(
+    robot: Robot, seed: int, friction: Friction = plain, duration: float = DURATION, pace: float = 1.0
+) -> Log:
+    """One log along sums of sines of its own; pace: their frequencies over those of a slow motion."""
     rng = np.random.default_rng(seed)
-    motion = moved(robot, rng, duration)
+    motion = moved(robot, rng, duration, pace)
     tau = motion.load + ROTOR * motion.a + friction(motion.q, motion.v, motion.load, motion.time)
     return recorded(motion, tau, torque_noise(tau), rng, f"log {seed}")
 

@@ -46,13 +46,16 @@ def arm() -> Robot:
     return plain.with_settings(columns={}, processing=Processing())
 
 
-def moved(robot: Robot, rng: np.random.Generator, duration: float) -> Motion:
-    """`duration` [s] along sums of six sines a joint, drawn; needs the package `pin`."""
+def moved(robot: Robot, rng: np.random.Generator, duration: float, pace: float = 1.0) -> Motion:
+    """`duration` [s] along sums of six sines a joint, drawn; needs the package `pin`.
+
+    pace   frequencies of the sines over those of a slow motion
+    """
     time = np.arange(0, duration, 1 / RATE)
     q, v, a = (np.zeros((len(time), 6)) for _ in range(3))
     for k in range(6):
         for harmonic in range(1, 7):
-            omega = 2 * np.pi * 0.06 * harmonic * (1 + 0.05 * rng.random())
+            omega = pace * 2 * np.pi * 0.06 * harmonic * (1 + 0.05 * rng.random())
             size, phase = REACH[k] * rng.uniform(0.2, 0.6) / harmonic, rng.uniform(0, 2 * np.pi)
             q[:, k] += size * np.sin(omega * time + phase)
             v[:, k] += size * omega * np.cos(omega * time + phase)
