@@ -1,6 +1,7 @@
 """Which package, and which room of pyident, may import which."""
 
 import ast
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -106,10 +107,15 @@ def test_no_utils_module():
     ]
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_files_are_short_and_folders_small(package):
-    files = [file for file in sources(package) if file.name != "__init__.py"]
-    long = {file.name: n for file in files if (n := len(file.read_text().splitlines())) > LONGEST}
-    assert not long
-    full = {file.parent for file in files if len([f for f in files if f.parent == file.parent]) > FULLEST}
-    assert not full
+@pytest.mark.parametrize("folder", [*PACKAGES, "studies"])
+def test_files_are_short(folder):
+    files = sorted((PACKAGES.get(folder, ROOT) / folder).rglob("*.py"))
+    assert files
+    assert not {file.name: n for file in files if (n := len(file.read_text().splitlines())) > LONGEST}
+
+
+@pytest.mark.parametrize("tree", ["models", "fmu", "pyident", "studies", "tests", "benchmarks"])
+def test_folders_are_small(tree):
+    count = Counter(file.parent for file in (ROOT / tree).rglob("*.py") if file.name != "__init__.py")
+    assert count
+    assert not {folder: n for folder, n in count.items() if n > FULLEST}
