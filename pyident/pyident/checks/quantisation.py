@@ -9,9 +9,8 @@ from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.conditioning.weak_form import DERIVATIVES
 from pyident.logs.log import Log
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_STANDING = 30  # steps: an axis that moves by less stands still
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ def runs(x: np.ndarray) -> Runs:
 def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Rounding that makes a good part of the acceleration, without noise that would smooth it."""
     step = step_of(x)
-    if step == 0 or noise_of(x) > step or np.ptp(x) < _STANDING * step:
+    if step == 0 or noise_of(x) > step or np.ptp(x) < CHANNELS.standing * step:
         return
     from scipy.signal import butter, sosfiltfilt  # here: much memory, for few logs
 
