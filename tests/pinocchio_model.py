@@ -16,7 +16,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import pytest
-from pyident.sweep.studies.rigid_arm.pinocchio_chain import body  # pyright: ignore[reportMissingImports]
+from studies.rigid_arm.pinocchio_chain import body
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.joint import Joint

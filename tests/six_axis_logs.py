@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from pyident.sweep.studies.rigid_arm.arm import (  # pyright: ignore[reportMissingImports]
+from studies.rigid_arm.arm import (
     COULOMB,
     ROTOR,
     VISCOUS,

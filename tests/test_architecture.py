@@ -1,6 +1,7 @@
 """Which package, and which room of pyident, may import which."""
 
 import ast
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -89,6 +90,19 @@ def test_identification_never_sees_the_plants_dynamics():
     for file in sources("pyident"):
         if room_of(file) not in COMPOSERS:
             assert not [name for name in imports(file) if name.startswith(forbidden)], file
+
+
+def test_the_newcomers_map_leads_to_files_that_are_there():
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    lines = [line for line in text.splitlines() if line.startswith("| ") and line.count("|") == 3]
+    places = [place for line in lines[1:] for place in re.findall(r"`([^` ]+(?:/|\.py))`", line)]
+    assert len(places) > 10
+    start = ROOT / "pyident" / "pyident"
+    tops = ("models/", "fmu/")
+    missing = [p for p in places if not ((ROOT if p.startswith(tops) else start) / p).exists()]
+    assert missing in ([], ["effect.py"])  # that one lies beside the folder named before it
+    (order,) = re.findall(r"only rooms before it: ([a-z,\s]+) \(", text)
+    assert re.split(r",\s+", order) == list(ROOMS)
 
 
 def test_only_three_files_import_fmpy():

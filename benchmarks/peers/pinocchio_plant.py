@@ -11,13 +11,13 @@ acceleration.
 import time
 
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.rigid_arm.pinocchio_chain import body  # pyright: ignore[reportMissingImports]
+from studies.rigid_arm.pinocchio_chain import body, pinocchio
 
 from flexmodels.coordinate import of_joint
 from flexmodels.joint import Joint
 from flexmodels.robot import Robot
 
+pin = pinocchio()
 _HELD = 1e12
 _SHORTEST = 1e-3  # of a step, so that a reversal at its very beginning is passed
 TURNS = ("e", "eps[2]", "eps[3]", "eps[1]")

@@ -22,6 +22,7 @@ class Runs:
 
 
 def runs(x: np.ndarray) -> Runs:
+    """Of equal values one after the other in x (N,)."""
     start = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     return Runs(start, np.diff(np.append(start, len(x))))
 

@@ -36,6 +36,10 @@ def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot |
 
 
 def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
+    """Columns (N,) of a foreign recording as a log in SI units on one clock, of even steps.
+
+    robot   refers the motors' signals to the joints; None leaves them. Raises LogError.
+    """
     frame, notes = on_one_clock(raw, mapping, source)
     frame, resampled = _even(frame, source)
     notes += resampled

@@ -96,6 +96,7 @@ def show_notes(notes: Iterable[str]) -> None:
 
 @contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
+    """What to call with the share that is done: a bar in a terminal, else a line now and then."""
     terminal = Console(stderr=True)
     if not terminal.is_terminal:
         yield lines(printable(text))
@@ -106,6 +107,7 @@ def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
 
 
 def write_json(path: str | None, content: Any) -> None:
+    """For `--json`; nothing where no path is given."""
     if path:
         with replacing(path) as file:
             file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
