@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from pyident.rules.bins import BINS
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.greybox import GREYBOX
@@ -17,7 +18,7 @@ from pyident.rules.search import SearchRules
 def test_every_threshold_says_what_it_is():
     frame = RULES.to_frame()
     assert frame.index.is_unique
-    beside = (LOG_CHECKS, CHANNELS, EQUATIONS, GREYBOX)
+    beside = (LOG_CHECKS, CHANNELS, EQUATIONS, GREYBOX, BINS)
     listed = [*lines(RULES), *(line for group in beside for line in lines(group))]
     assert len(listed) > len(frame)
     for line in listed:
