@@ -47,7 +47,7 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
     gross = [defect for defect in defects if defect.severity == "gross"]
     if gross and not force:
         more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
-        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) takes the log as it is")
+        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
     return CheckedLogs(defects)
 
 

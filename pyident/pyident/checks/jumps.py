@@ -48,7 +48,7 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     gross = sizes.max() > CHANNELS.large_jump * np.ptp(x) or len(places) > max(CHANNELS.many * len(x), 3)
     yield Defect("gross" if gross else "doubtful", "jump", name,
                  f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; a count was "
-                 f"lost or rows are missing: cut the log there or mend the channel")  # fmt: skip
+                 f"lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
 
 
 def _turn(log: Log, name: str, at: int) -> Defect:
@@ -76,7 +76,7 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     yield Defect("gross" if gross else "doubtful", "spike", name,
                  f"{log.source}: {name} sticks out by {odd[alone].max():.3g} for single samples, "
                  f"{len(alone)} times, first at "
-                 f"{time[alone[0]]:.4g} s; mend the channel or cut the log there")  # fmt: skip
+                 f"{time[alone[0]]:.4g} s; repair the channel or cut the log there")  # fmt: skip
 
 
 def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -88,7 +88,7 @@ def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         time = log.frame["time"].to_numpy(float)
         yield Defect("gross" if len(lost) > CHANNELS.many * len(x) else "doubtful", "spike", name,
                      f"{log.source}: {name} drops to zero for single samples, {len(lost)} times, first at "
-                     f"{time[lost[0]]:.4g} s; values were lost: mend the channel")  # fmt: skip
+                     f"{time[lost[0]]:.4g} s; values were lost: repair the channel")  # fmt: skip
 
 
 def _clusters(at: np.ndarray) -> list[np.ndarray]:

@@ -108,7 +108,7 @@ def identify_command(
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
     if prior and refine:
-        raise click.UsageError("--prior settles what a regression leaves open; --refine has no such thing")
+        raise click.UsageError("--prior settles what a regression leaves open; --refine does not use it")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
             found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)

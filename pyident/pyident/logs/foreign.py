@@ -91,7 +91,7 @@ def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
     motors = [name for name in frame if str(name).startswith("motor")]
     gear = robot.transmission
     if motors and gear is None:
-        raise LogError(f"{source}: column {motors[0]} is of the motor side; give the robot a [transmission]")
+        raise LogError(f"{source}: column {motors[0]} is on the motor side; give the robot a [transmission]")
     if gear is not None and motors:
         if (angles := _all(frame, "q", n, source)) is not None:
             out[[motor_of(k + 1) for k in range(n)]] = gear.angles(angles)
@@ -147,7 +147,7 @@ def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     steps = np.diff(time)
     if (steps <= 0).any():
         at = int(np.argmax(steps <= 0))
-        raise LogError(f"{source}: time does not grow at row {at + 2}; cut the log there")
+        raise LogError(f"{source}: time does not increase at row {at + 2}; cut the log there")
     period = float(np.median(steps))
     worst = float(np.abs(steps - period).max())
     if worst <= _UNEVEN * period:
