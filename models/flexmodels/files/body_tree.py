@@ -111,4 +111,5 @@ def _ancestry(robot: Robot, link: int) -> list[int]:
 
 
 def plain(vector: np.ndarray) -> tuple[float, ...]:
+    """As a robot holds it."""
     return tuple(float(v) for v in vector)
