@@ -54,8 +54,11 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         fit = fits.fit(chosen.robot, list(recordings.values()))
         replays = fits.replays(fit.robot, list(recordings.values()))
         for i, gain in enumerate(gains):
-            progress(0.3 + 0.65 * i / len(gains))
-            ours, laws = held_out(start, recordings, gain, fits)
+
+            def told(share: float, i: int = i) -> None:
+                progress(0.3 + 0.65 * (i + 0.8 * share) / len(gains))
+
+            ours, laws = held_out(start, recordings, gain, fits, told)
             theirs = {rung: _ladder_error(ladder, rung, recordings, gain, start) for rung in RUNGS}
             best = min(theirs, key=lambda rung: theirs[rung])
             text = f"{ours:.2f}° ({laws}) against {theirs[best]:.2f}° of {best}, the ladder's best"
@@ -75,10 +78,12 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     return StudyResult(rows, [page], list(chosen.told))
 
 
-def held_out(start: Robot, recordings: Recordings, gain: int, fits: Fits) -> tuple[float, str]:
+def held_out(
+    start: Robot, recordings: Recordings, gain: int, fits: Fits, progress: Callable[[float], None]
+) -> tuple[float, str]:
     """Mean absolute error [degrees] at a gain that neither the laws nor their values were chosen by."""
     others = _without(recordings, gain)
-    chosen = climbed(start, others, fits, _silent)
+    chosen = climbed(start, others, fits, progress)
     robot = fits.fit(chosen.robot, list(others.values())).robot
     return fits.error(robot, _only(recordings, gain)), chosen.laws
 
@@ -119,10 +124,6 @@ def _without(recordings: Recordings, gain: int) -> Recordings:
 
 def _only(recordings: Recordings, gain: int) -> list[ServoLog]:
     return [r for name, r in recordings.items() if _gain(name) == gain]
-
-
-def _silent(_: float) -> None:
-    """Progress of a part."""
 
 
 def _gain(name: str) -> int:
