@@ -32,6 +32,7 @@ importers: .venv/dev
 browser: .venv/dev
 	$(BIN)/pytest -m browser
 
+docs: export PATH := $(CURDIR)/$(BIN):$(PATH)
 docs: .venv/docs
 	$(BIN)/python -m sphinx -W --keep-going -n -b html docs out/docs
 

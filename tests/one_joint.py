@@ -6,6 +6,7 @@ from flexmodels.link import Link
 from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
 from flexmodels.settings.motions import Identification, Multisine
+from flexmodels.settings.settings import Settings
 
 PERIOD = 0.004
 
@@ -21,7 +22,7 @@ def one_joint() -> Robot:
         (link,),
         tip=(1.0, 0.0, 0.0),
         controller=Controller(1 / PERIOD, (400.0,), (20.0,), (800.0,)),
-        identification=Identification((1.0,), 0.4, 0.4, Multisine((1.0,), 5, 1.0, 10.0)),
+        settings=Settings(identification=Identification((1.0,), 0.4, 0.4, Multisine((1.0,), 5, 1.0, 10.0))),
     )
 
 

@@ -16,6 +16,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import pytest
+from studies.rigid_arm.pinocchio_chain import body
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.joint import Joint
@@ -61,7 +62,7 @@ class PinocchioRobot:
                 end = self._add(end, turn, place)
                 places[k].append(end - 1)
                 place = pin.SE3.Identity()
-            self.model.appendBodyToJoint(end, _inertia(robot.links[k - 1], triad), pin.SE3.Identity())
+            self.model.appendBodyToJoint(end, body(robot.links[k - 1], triad), pin.SE3.Identity())
             ends[k] = end
         self.ends = [ends[k] for k in sorted(places)]
         driven, passive = sorted(places)[: len(robot.joints)], sorted(places)[len(robot.joints) :]
@@ -224,14 +225,3 @@ def _turns(eps1: ca.SX, eps2: ca.SX, eps3: ca.SX) -> ca.SX:
     z = ca.vertcat(-ca.cos(beta) * ca.sin(gamma), -ca.sin(beta) * ca.sin(gamma), ca.cos(gamma))
     delta = ca.atan2(ca.dot(z, y_of_B), ca.dot(y, y_of_B))
     return ca.vertcat(beta, -gamma, eps1 + delta)
-
-
-def _inertia(link: Link, triad: np.ndarray):
-    """The lumped body in the axes of its joint's triad."""
-    if link.m == 0:
-        raise ValueError("Pinocchio keeps the centre of mass, so a body needs a mass; give it one")
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
-    return pin.Inertia(link.m, triad.T @ com, triad.T @ J_com @ triad)

@@ -1,6 +1,8 @@
 """Which package, and which room of pyident, may import which."""
 
 import ast
+import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -90,6 +92,19 @@ def test_identification_never_sees_the_plants_dynamics():
             assert not [name for name in imports(file) if name.startswith(forbidden)], file
 
 
+def test_the_newcomers_map_leads_to_files_that_are_there():
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    lines = [line for line in text.splitlines() if line.startswith("| ") and line.count("|") == 3]
+    places = [place for line in lines[1:] for place in re.findall(r"`([^` ]+(?:/|\.py))`", line)]
+    assert len(places) > 10
+    start = ROOT / "pyident" / "pyident"
+    tops = ("models/", "fmu/")
+    missing = [p for p in places if not ((ROOT if p.startswith(tops) else start) / p).exists()]
+    assert missing in ([], ["effect.py"])  # that one lies beside the folder named before it
+    (order,) = re.findall(r"only rooms before it: ([a-z,\s]+) \(", text)
+    assert re.split(r",\s+", order) == list(ROOMS)
+
+
 def test_only_three_files_import_fmpy():
     users = [
         file.name
@@ -106,10 +121,15 @@ def test_no_utils_module():
     ]
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_files_are_short_and_folders_small(package):
-    files = [file for file in sources(package) if file.name != "__init__.py"]
-    long = {file.name: n for file in files if (n := len(file.read_text().splitlines())) > LONGEST}
-    assert not long
-    full = {file.parent for file in files if len([f for f in files if f.parent == file.parent]) > FULLEST}
-    assert not full
+@pytest.mark.parametrize("folder", [*PACKAGES, "studies"])
+def test_files_are_short(folder):
+    files = sorted((PACKAGES.get(folder, ROOT) / folder).rglob("*.py"))
+    assert files
+    assert not {file.name: n for file in files if (n := len(file.read_text().splitlines())) > LONGEST}
+
+
+@pytest.mark.parametrize("tree", ["models", "fmu", "pyident", "studies", "tests", "benchmarks"])
+def test_folders_are_small(tree):
+    count = Counter(file.parent for file in (ROOT / tree).rglob("*.py") if file.name != "__init__.py")
+    assert count
+    assert not {folder: n for folder, n in count.items() if n > FULLEST}

@@ -11,13 +11,13 @@ acceleration.
 import time
 
 import numpy as np
-import pinocchio as pin  # pyright: ignore[reportMissingImports]
+from studies.rigid_arm.pinocchio_chain import body, pinocchio
 
 from flexmodels.coordinate import of_joint
 from flexmodels.joint import Joint
-from flexmodels.link import Link
 from flexmodels.robot import Robot
 
+pin = pinocchio()
 _HELD = 1e12
 _SHORTEST = 1e-3  # of a step, so that a reversal at its very beginning is passed
 TURNS = ("e", "eps[2]", "eps[3]", "eps[1]")
@@ -129,7 +129,7 @@ def pinocchio_model(robot: Robot):
         ):
             end = model.addJoint(end, turn, place, of_joint(k, name))
             place = pin.SE3.Identity()
-        model.appendBodyToJoint(end, _inertia(link, joint.triad), place)
+        model.appendBodyToJoint(end, body(link, joint.triad), place)
         axes = joint.triad
     return model
 
@@ -139,12 +139,3 @@ def _springs(joint: Joint) -> list[tuple[float, float]]:
     law = joint.values
     flexible = [(law["stiffness"][f"k[{i}]"], law["damping"][f"d[{i}]"]) for i in (2, 3, 1)]
     return [(0.0, law["viscous"]["viscous"]), *flexible]
-
-
-def _inertia(link: Link, triad: np.ndarray):
-    """The lumped body in the axes of its joint's triad."""
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
-    return pin.Inertia(link.m, triad.T @ com, triad.T @ J_com @ triad)

@@ -30,7 +30,7 @@ def _described(path: Path) -> ModelDescription:
         with zipfile.ZipFile(path) as archive:
             size = sum(member.file_size for member in archive.infolist())
         if size > _LARGEST:
-            raise SimulationError(f"{path} holds {size / 1e9:.3g} GB unpacked, which no FMU of ours needs")
+            raise SimulationError(f"{path} holds {size / 1e9:.3g} GB unpacked, too much for an FMU")
         return read_model_description(str(path))
     except FileNotFoundError:
         raise SimulationError(f"there is no FMU {path}; check the path") from None

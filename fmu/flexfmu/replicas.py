@@ -41,9 +41,7 @@ def run_replicas(
     """A frame per run; see LoadedFmu.simulate_batch."""
     runs = max(len(parameters), len(seeds))
     if {len(parameters), len(seeds)} - {1, runs}:
-        raise SimulationError(
-            f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not go together"
-        )
+        raise SimulationError(f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not match")
     sets = [start_values(fmu.references, experiment) | dict(p) for p in _repeated(parameters, runs)]
     drawn = [_drawn(noise, seed, len(experiment.time)) for seed in _repeated(seeds, runs)]
     binary = _binary(fmu.library)

@@ -1,4 +1,4 @@
-"""What a robot is: its joints and links, their laws, and the settings that go with them.
+"""What a robot is: its joints and links, their laws, and what drives them.
 
 All vectors in base axes at e = 0 ("zero pose"). A link's frame lies at its joint and is parallel to the
 base axes in the zero pose; its mass moments and inertia are about that point (the paper's eq. (1)).
@@ -6,6 +6,7 @@ base axes in the zero pose; its mass moments and inertia are about that point (t
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,8 @@ from flexmodels.joint import Joint, parameter_name, unit_at
 from flexmodels.link import LINK_PARAMETERS, Link
 from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.settings.controller import Controller
-from flexmodels.settings.motions import Identification, Line
-from flexmodels.settings.processing import Column, Processing
 from flexmodels.settings.servo import Servo
+from flexmodels.settings.settings import Settings
 
 
 class RobotError(ValueError):
@@ -32,6 +32,7 @@ class Robot:
 
     joints     the driven joints, numbered from 1; they have the motors, coordinates and laws
     servo      what drives the joints where commands are positions, instead of a controller
+    settings   of its logs and experiments, which no equation needs
     passive    hinges without a motor, numbered on from there
     links      of the joints, then of the passive joints
     closures   pins that make the passive joints follow
@@ -47,10 +48,7 @@ class Robot:
     gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
     controller: Controller | None = None
     servo: Servo | None = None
-    columns: Mapping[str, Column] = field(default_factory=dict)
-    processing: Processing = field(default_factory=Processing)
-    identification: Identification | None = None
-    line: Line | None = None
+    settings: Settings = field(default_factory=Settings)
     description: str = ""
     passive: tuple[PassiveJoint, ...] = ()
     closures: tuple[Closure, ...] = ()
@@ -158,6 +156,10 @@ class Robot:
         )
         joints = tuple(replace(joint, values=_renew(k, joint.values, new)) for k, joint in self.numbered)
         return replace(self, name=name or self.name, links=links, joints=joints)
+
+    def with_settings(self, **changes: Any) -> "Robot":
+        """The same robot with other `settings`; keys are fields of Settings."""
+        return replace(self, settings=replace(self.settings, **changes))
 
     def with_effect(self, joint: int, effect: str) -> "Robot":
         """The same robot with one more law at `joint` (from 1), its parameters at their start values."""

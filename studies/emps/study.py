@@ -31,7 +31,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
             [], notes=[f"skipped: {file} is not there; set PYIDENT_DATA to the folder of data sets"]
         )
     robot = load_robot("emps")
-    log = read_log(file, robot.columns)
+    log = read_log(file, robot.settings.columns)
     symmetric = identify(robot, [log])
     directional = identify(robot.with_effect(1, "asymmetric_coulomb"), [log])
     progress(0.02)
@@ -60,8 +60,8 @@ def _described(taken: Judged) -> Robot:
         f"EMPS for free runs from the voltage: {taken.structure.name} friction, fitted to DATA_EMPS.mat "
         f"alone ({taken.trained:.2f} mm rms there, {taken.error:.2f} mm on parts held out)."
     )
-    needed = {name: c for name, c in taken.robot.columns.items() if name != reference_of(1)}
-    return replace(taken.robot, name="emps_benchmark", description=text, columns=needed)
+    needed = {name: c for name, c in taken.robot.settings.columns.items() if name != reference_of(1)}
+    return replace(taken.robot, name="emps_benchmark", description=text).with_settings(columns=needed)
 
 
 def _free_run_row(result: Judged) -> dict[str, str]:

@@ -26,12 +26,12 @@ from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.workers import workers_with
 
-from .generator import LOGS, generate
-from .generator_cases import Case
+from .generator.cases import LOGS, Case
+from .generator.logs_and_key import generate
 from .oracle import Bound, bound
 
 ROBOT = "four_link"
-_OWN = ("blind.py", "oracle.py", "generator*.py")
+_OWN = ("blind.py", "oracle.py", "generator/*.py")
 
 
 def solve_all(cases: Sequence[Case], folder: Path, replicas: int, progress: Callable[[float], None]) -> None:

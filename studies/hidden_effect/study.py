@@ -13,7 +13,8 @@ from pyident.sweep.studies import StudyResult
 
 from .blind import ROBOT, solve_all
 from .confusion import confusion, figure
-from .generator import Case, case_list
+from .generator.cases import Case
+from .generator.logs_and_key import case_list
 from .scoring import Scored, score, table, unseal
 
 Progress = Callable[[float], None]

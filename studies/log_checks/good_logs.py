@@ -18,7 +18,7 @@ from pyident.logs.foreign import import_log, robot_log
 from pyident.logs.log import Log, LogError
 from pyident.simulation.fmu_runs import simulate_robot
 
-from .rigid_arm import Motion, recorded, six_axes
+from .swings import Motion, recorded, six_axes
 
 Case = tuple[str, Robot, Log]
 
@@ -68,9 +68,9 @@ def drawn(rng: np.random.Generator) -> Motion:
 
 def _sampled(robot: Robot, motion: Motion) -> Robot:
     """The robot with a controller and a filter for the motion's rate."""
-    cutoff = min(robot.processing.cutoff or 40.0, 0.2 / motion.period)
+    cutoff = min(robot.settings.processing.cutoff or 40.0, 0.2 / motion.period)
     controller = robot.controller and replace(robot.controller, rate=1 / motion.period)
-    return replace(robot, processing=Processing(cutoff=cutoff), controller=controller)
+    return replace(robot, controller=controller).with_settings(processing=Processing(cutoff=cutoff))
 
 
 def data_folder() -> Path:

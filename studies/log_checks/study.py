@@ -19,7 +19,7 @@ from . import (  # their kinds register themselves
     wrong_rows,  # noqa: F401
 )
 from .good_logs import Case, foreign, good_logs, scara, unseen
-from .rigid_arm import Motion, recorded, six_axes
+from .swings import Motion, recorded, six_axes
 from .wrong_logs import KINDS
 
 SHARE = 95.0  # [%] of the wrong logs that must be flagged

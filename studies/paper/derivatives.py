@@ -27,7 +27,7 @@ coordinate by what it leaves does the rest. It is the default for robots with a 
 
 def compare(robot: Robot, log: Log) -> pd.DataFrame:
     """One row per scheme: residual per joint and the largest error per kind of parameter [%]."""
-    central = replace(robot, processing=replace(robot.processing, derivative="central"))
+    central = robot.with_settings(processing=replace(robot.settings.processing, derivative="central"))
     held, raw = condition(log, robot), condition(log, central)
     at_once = replace(raw, target=_sampled_torque(raw, log, robot))
     filtered = _filtered(raw)

@@ -33,7 +33,7 @@ class Tip:
     @property
     def deviation(self) -> np.ndarray:
         """(N, 3) original minus wanted line [m]."""
-        plan = self.robot.line
+        plan = self.robot.settings.line
         assert plan is not None
         s = line_profile(self.plan.time / plan.duration)
         wanted = np.array(plan.start) + np.outer(s, np.subtract(plan.end, plan.start))
@@ -86,7 +86,7 @@ def path_figure(tip: Tip) -> Figure:
     """Figure 6: the line from A to B in the horizontal plane, with the deviation magnified beside it."""
     figure = Figure(figsize=(9, 3), layout="constrained")
     ax = figure.subplots()
-    plan, run = tip.robot.line, tip.runs["original"]
+    plan, run = tip.robot.settings.line, tip.runs["original"]
     assert plan is not None
     ax.plot([plan.start[0], plan.end[0]], [plan.start[1], plan.end[1]], "k--", lw=1, label="wanted line")
     ax.plot(

@@ -17,8 +17,9 @@ from pyident.diagnosis.diagnose import concluded, searched
 from pyident.simulation.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
+from .arm import arm
 from .baselines import METHODS
-from .generator import Case, arm, case_list, logs_of
+from .generator import Case, case_list, logs_of
 
 SEED, NULLS = 4711, 4
 

@@ -283,6 +283,7 @@ def test_by_keyboard_alone(tab, project):
         tabbed(tab, "try-1")
         tab.keyboard.press("Space")
         tab.wait_for_function(CURVES, arg=["waveform", 4])
+        assert tab.errors == []
 
 
 def tabbed(tab, name: str, most: int = 120) -> None:

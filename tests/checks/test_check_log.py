@@ -62,7 +62,7 @@ def test_sound_logs_have_no_defect(four_link, identification_log, sound):
 
 def test_a_measured_log_has_no_defect(data):
     robot = load_robot("emps")
-    assert check_log(robot, read_log(data / "emps/DATA_EMPS.mat", robot.columns)) == ()
+    assert check_log(robot, read_log(data / "emps/DATA_EMPS.mat", robot.settings.columns)) == ()
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def test_wrong_values_are_told_from_a_wrong_structure(folder, logs):
 
 def test_a_measured_axis_without_controller(data, folder):
     robot = load_robot("emps")
-    log = read_log(data / "emps" / "DATA_EMPS.mat", robot.columns)
+    log = read_log(data / "emps" / "DATA_EMPS.mat", robot.settings.columns)
     fitted = identify(robot, [log])
     c = compare(fitted.robot, [log], in_process, lambda _: None, FEW)
     error = c.logs[0].equations["joint1.e"]

@@ -19,7 +19,7 @@ NOISE = {"joint1.e": 2e-6}
 
 def arm() -> Robot:
     plan = Identification((1.0,), 2.0, 16.0, Multisine((1.0,), 40, 0.5, 30.0))
-    return replace(one_joint(), identification=plan)
+    return one_joint().with_settings(identification=plan)
 
 
 def having(effect: str, **values: float) -> Robot:
@@ -60,12 +60,12 @@ def test_a_robot_without_an_experiment_takes_the_logs():
     robot = arm()
     with simulated(runs_here, [robot]) as runs:
         log = Log(runs(variants(robot, duration=4.0)["the identification experiment"])[0], "own.csv")
-    plans = variants(replace(robot, identification=None), log, duration=2.0)
+    plans = variants(robot.with_settings(identification=None), log, duration=2.0)
     assert plans["the motion of own.csv at half the speed"].reference[-1] == pytest.approx(
         log.frame["joint1.r"].iloc[250]
     )
     with pytest.raises(RobotError, match="no log was given"):
-        variants(replace(robot, identification=None))
+        variants(robot.with_settings(identification=None))
 
 
 def test_what_a_refit_takes_does_not_count():

@@ -1,7 +1,6 @@
 """Which motion shows a law that the logs could not. The answer is tried: recorded, and diagnosed again."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,7 +33,7 @@ def folder(tmp_path_factory):
 
 def arm() -> Robot:
     plan = Identification((1.0,), 2.0, 16.0, Multisine((1.0,), 40, 0.5, 30.0))
-    return replace(one_joint(), identification=plan)
+    return one_joint().with_settings(identification=plan)
 
 
 def one_way() -> Experiment:
@@ -81,4 +80,4 @@ def test_no_motion_in_one_direction_would_show_it(folder):
 
 
 def one_joint_without_plan() -> Robot:
-    return replace(one_joint(), identification=None)
+    return one_joint().with_settings(identification=None)

@@ -27,7 +27,7 @@ NOISE = 1e-5
 
 def arm() -> Robot:
     plan = Identification((4.0,), 4.0, 16.0, Multisine((1.0,), 40, 0.5, 20.0))
-    return replace(one_joint(), identification=plan)
+    return one_joint().with_settings(identification=plan)
 
 
 @pytest.fixture(scope="module")

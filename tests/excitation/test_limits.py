@@ -1,7 +1,5 @@
 """Where limits come from: what is given, then the robot's file, then its own experiment."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from one_joint import one_joint
@@ -32,7 +30,7 @@ def test_the_own_experiment_fills_what_is_open_and_says_so():
 
 def test_a_robot_of_which_nothing_is_known_is_refused():
     with pytest.raises(RobotError, match=r"no limit joint1\.lower"):
-        limits_of(replace(one_joint(), identification=None))
+        limits_of(one_joint().with_settings(identification=None))
 
 
 def test_narrower_limits_lie_about_home():

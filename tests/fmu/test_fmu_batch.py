@@ -70,7 +70,7 @@ def test_bad_questions_are_answered_with_a_sentence(loaded, plan):
         loaded.simulate_batch(plan, [{"joint9.coulomb": 1.0}])
     with pytest.raises(SimulationError, match="left the finite numbers"):
         loaded.simulate_batch(plan, [{"solver.step": 4e-3}])
-    with pytest.raises(SimulationError, match="do not go together"):
+    with pytest.raises(SimulationError, match="do not match"):
         loaded.simulate_batch(plan, [{}, {}], NOISE, [1, 2, 3])
 
 

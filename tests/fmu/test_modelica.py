@@ -10,6 +10,7 @@ from flexfmu.modelica import export_modelica, modelica_text
 from flexmodels.compiler import BuildError
 from flexmodels.experiment import Experiment
 from flexmodels.settings.controller import Controller
+from flexmodels.settings.settings import Settings
 
 PERIOD = 0.004
 
@@ -25,8 +26,7 @@ def first_joints(robot, n):
         links=robot.links[:n],
         controller=controller,
         tip=(0.1, 0.0, 0.5),
-        identification=None,
-        line=None,
+        settings=Settings(),
     )
 
 

@@ -3,6 +3,7 @@
 import pickle
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import sympy
 from click.testing import CliRunner
@@ -54,9 +55,15 @@ def test_a_law_that_is_no_number_is_refused():
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-def test_every_documented_function_is_known(function):
+def test_every_documented_function_is_known_and_has_its_value(function):
     arguments = (de, 1) if function in ("Min", "Max") else (de**2 + 1,) if function == "sqrt" else (de,)
-    law(LEVEL.symbol * getattr(sympy, function)(*arguments)).check()
+    own = law(LEVEL.symbol * getattr(sympy, function)(*arguments))
+    own.check()
+    numpys = {"Min": np.minimum, "Max": np.maximum, "Abs": np.abs}.get(function, getattr(np, function, None))
+    assert numpys is not None
+    for speed in (-1.7, 0.6, 2.3):
+        expected = numpys(*(float(sympy.sympify(a).subs(de, speed)) for a in arguments))
+        assert float(own.columns["level"][e].subs(de, speed)) == pytest.approx(expected, rel=1e-12)
 
 
 def test_every_law_that_ships_passes_its_own_check():

@@ -82,5 +82,6 @@ def test_inspected(content, folder):
 @given(content=parquets(PLAIN) | mats(PLAIN))
 def test_inspected_binaries(content, folder):
     for name in ("log.parquet", "log.mat"):  # one of them is another format under a wrong ending
-        tried("logs to inspect", folder, {name: content}, "log", "inspect", name)
+        done = tried("logs to inspect", folder, {name: content}, "log", "inspect", name)
+        assert done.exit_code in (0, 2)
         (folder / name).unlink()

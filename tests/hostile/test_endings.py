@@ -94,11 +94,11 @@ def gone(processes):
 
 
 def emptied(folder):
-    """What is left when those that clean up had their time; Dask keeps an empty folder for its workers."""
+    """What is left when those that clean up had their time."""
     until = time.monotonic() + PATIENCE
     while list(folder.glob("flexident-*")) and time.monotonic() < until:
         time.sleep(0.05)
-    return [left for left in folder.iterdir() if left.name != "dask-scratch-space"]
+    return list(folder.iterdir())
 
 
 @pytest.mark.parametrize("module", ["click", "numpy", "pandas", "casadi", "pyident.verbs"])

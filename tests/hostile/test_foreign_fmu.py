@@ -66,7 +66,7 @@ def test_a_foreign_fmu_that_behaves(tmp_path, references):
     ("change", "words"),
     [
         ({"fault": "CRASH"}, "the FMU crashed (signal 11)"),
-        ({"fault": "HANG"}, "the FMU gave no sign for 4 s"),
+        ({"fault": "HANG"}, "the FMU did not respond for 4 s"),
         ({"fault": "EXIT"}, "the FMU ended its process by itself (exit code 0)"),
         ({"fault": "NOT_A_NUMBER"}, "the FMU's joint1.e is not a finite number at 0.01 s"),
         ({"fault": "INFINITE"}, "the FMU's joint1.e is not a finite number at 0.01 s"),

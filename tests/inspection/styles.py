@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.swings import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 
 from flexmodels.robot import Robot
 

@@ -128,7 +128,7 @@ def test_drives_and_gears_are_facts_of_the_mapping(tmp_path):
             "mapped twice",
         ),
         ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ndrive = 2', "only a torque has a drive"),
-        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ngear = 0', "a gear is not 0"),
+        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ngear = 0', "a gear must not be 0"),
     ],
 )
 def test_a_mapping_that_cannot_be_meant_is_questioned(text, words, tmp_path):

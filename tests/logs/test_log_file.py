@@ -52,7 +52,7 @@ PLANS = [
 @pytest.mark.parametrize("plan", PLANS, ids=repr)
 @pytest.mark.parametrize("ending", [".csv", ".parquet"])
 def test_the_equations_are_those_of_the_log_in_memory(plan, ending, tmp_path):
-    robot = replace(load_robot("emps"), processing=plan)
+    robot = load_robot("emps").with_settings(processing=plan)
     path, log = tmp_path / f"log{ending}", motor_log()
     write_log(log, path)
     file = prepared(log_file.log_file(path), robot)
@@ -79,7 +79,8 @@ def test_a_law_that_remembers_gets_the_whole_log(tmp_path):
 def test_long_logs_of_motors_are_referred_to_the_joints(tmp_path, monkeypatch):
     monkeypatch.setattr(log_file, "LARGE", 1000)
     robot = load_robot("emps")
-    geared = replace(robot, columns={}, transmission=Transmission(ratio=((-20.0,),), offset=(0.1,)))
+    gears = Transmission(ratio=((-20.0,),), offset=(0.1,))
+    geared = replace(robot, transmission=gears).with_settings(columns={})
     log = motor_log(2000)
     write_log(log, tmp_path / "joint.csv")
     turned = log.frame.rename(columns={"joint1.e": "motor1.q", "joint1.tau": "motor1.tau"})

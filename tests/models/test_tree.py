@@ -1,7 +1,5 @@
 """Branched robots, hinges that only twist and hinges that follow: against Pinocchio."""
 
-from dataclasses import replace
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -124,6 +122,6 @@ def test_a_hinge_that_only_twists_has_one_stiffness():
 
 
 def test_a_tree_survives_writing_and_reading(tmp_path):
-    robot = replace(TREES[0], identification=None, line=None)
+    robot = TREES[0].with_settings(identification=None, line=None)
     save_robot(robot, tmp_path / "tree.toml")
     assert load_robot(tmp_path / "tree.toml") == robot

@@ -47,5 +47,5 @@ def test_columns_of_a_robot_with_a_dead_zone():
     assert own == pytest.approx([1, 0.5, 0.75])
     assert shared == pytest.approx([-1, 0.5, 1], abs=0.05)  # of the sum; the law itself rounds a little
     assert Phi.matrix[:, 4, at("joint5.viscous")] == pytest.approx(speeds[:, 4])
-    sharp = replace(robot, processing=replace(robot.processing, dead_zone=0.0))
+    sharp = robot.with_settings(processing=replace(robot.settings.processing, dead_zone=0.0))
     assert regressor(sharp, motion).matrix[:, 4, at("joint5.coulomb")] == pytest.approx([1, 1, 1])

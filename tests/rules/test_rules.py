@@ -4,6 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from pyident.rules.bins import BINS
+from pyident.rules.channel_checks import CHANNELS
+from pyident.rules.equation_checks import EQUATIONS
+from pyident.rules.greybox import GREYBOX
 from pyident.rules.log_checks import LOG_CHECKS
 from pyident.rules.replicas import ReplicaRules
 from pyident.rules.rule import RulesError, lines
@@ -14,7 +18,8 @@ from pyident.rules.search import SearchRules
 def test_every_threshold_says_what_it_is():
     frame = RULES.to_frame()
     assert frame.index.is_unique
-    listed = [*lines(RULES), *lines(LOG_CHECKS)]
+    beside = (LOG_CHECKS, CHANNELS, EQUATIONS, GREYBOX, BINS)
+    listed = [*lines(RULES), *(line for group in beside for line in lines(group))]
     assert len(listed) > len(frame)
     for line in listed:
         assert line.of, line.name

@@ -7,12 +7,11 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 import pytest
-from studies.hidden_effect import generator
-from studies.hidden_effect import generator_model as model
-from studies.hidden_effect.generator import main
-from studies.hidden_effect.generator_cases import UNOBSERVABLE, Basis, draw, perturbed, plans, running, single
-from studies.hidden_effect.generator_laws import LAWS
-from studies.hidden_effect.generator_run import (
+from studies.hidden_effect.generator import logs_and_key, model
+from studies.hidden_effect.generator.__main__ import main
+from studies.hidden_effect.generator.cases import UNOBSERVABLE, Basis, draw, perturbed, plans, running, single
+from studies.hidden_effect.generator.laws import LAWS
+from studies.hidden_effect.generator.run import (
     NOISELESS,
     Hidden,
     Noise,
@@ -264,17 +263,17 @@ def test_data_that_cannot_show_an_effect_do_not(log):
 
 
 def test_a_case_whose_loop_is_unstable_is_drawn_again(monkeypatch):
-    (case,) = generator.cases_of(["torque_delay@2"], 3)
+    (case,) = logs_and_key.cases_of(["torque_delay@2"], 3)
     tried = []
 
     def runs(case, jobs):
         tried.append(case)
         if len(tried) == 1:
-            raise generator.UnstableLoop("it runs away")
+            raise logs_and_key.UnstableLoop("it runs away")
         return []
 
-    monkeypatch.setattr(generator, "_runs", runs)
-    drawn, _ = generator._running(case, 1)
+    monkeypatch.setattr(logs_and_key, "_runs", runs)
+    drawn, _ = logs_and_key._running(case, 1)
     assert drawn.id == case.id
     assert [(law.law, law.joint) for law in drawn.laws] == [("torque_delay", 2)]
     assert drawn.robot.parameters != case.robot.parameters

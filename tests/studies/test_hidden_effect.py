@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from studies.hidden_effect.blind import solve_all
 from studies.hidden_effect.confusion import ELSEWHERE, NOTHING, UNEXPLAINED, confusion
-from studies.hidden_effect.generator import cases_of
+from studies.hidden_effect.generator.logs_and_key import cases_of
 from studies.hidden_effect.scoring import FAILED, Scored, score, table, unseal
 from studies.hidden_effect.study import REDUCED, SEED, TUNING, Plan, report
 

@@ -6,7 +6,7 @@ pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes the logs"
 
 from pyident.sweep.studies.log_checks import study  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.log_checks.good_logs import HONEST, scara  # pyright: ignore[reportMissingImports]
-from pyident.sweep.studies.log_checks.rigid_arm import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.swings import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.log_checks.wrong_logs import KINDS  # pyright: ignore[reportMissingImports]
 
 from pyident.checks.check_log import check_log

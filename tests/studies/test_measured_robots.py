@@ -62,7 +62,7 @@ def swing():
 def test_thinned_equations_at_rest_are_left_out(swing):
     robot = load_robot("tx40")
     part = condition(swing, robot)
-    standing = np.abs(part.motion.dq[:, 0]) < robot.processing.dead_zone
+    standing = np.abs(part.motion.dq[:, 0]) < robot.settings.processing.dead_zone
     assert 0.5 < standing.mean() < 0.75
     assert np.array_equal(part.use[:, 0], 1.0 - standing)
     ((A, y),) = Problem(robot, (part,)).blocks()

@@ -64,7 +64,7 @@ def test_failed_runs_take_their_trajectory_with_them():
     result[5] = np.nan
     found = sensitivity("morris", RANGES, design, result)
     np.testing.assert_allclose(found["mu"], [3.0, 0.0, 0.0], atol=1e-9)
-    with pytest.raises(StudyError, match="only 0 ended well"):
+    with pytest.raises(StudyError, match="only 0 succeeded"):
         sensitivity("morris", RANGES, design, np.full(len(design), np.nan))
 
 

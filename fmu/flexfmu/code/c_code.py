@@ -63,6 +63,7 @@ def c_function(function: ca.Function, name: str, inputs: tuple[str, ...], output
 
 
 def prototype(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> str:
+    """The declaration in C of a generated function, each input and output a dense array."""
     takes = ", ".join([*(f"const real *{n}" for n in inputs), *(f"real *{n}" for n in outputs)])
     return f"void NAME({name})({takes});"
 

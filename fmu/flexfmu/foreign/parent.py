@@ -82,7 +82,7 @@ class Child:
                 raise SimulationError(f"{self._fmu}: the FMU {_ending(self._process.wait())}")
             if time.monotonic() - heard > self._silence:
                 raise SimulationError(
-                    f"{self._fmu}: the FMU gave no sign for {self._silence:g} s and was stopped"
+                    f"{self._fmu}: the FMU did not respond for {self._silence:g} s and was stopped"
                 )
             self._reader.join(_POLL if seen else _POLL / 10)
 

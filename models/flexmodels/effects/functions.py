@@ -20,7 +20,7 @@ def check_functions(effect: str, laws: Iterable[Any]) -> None:
             name = _function(part)
             if name is not None and name not in FUNCTIONS:
                 known = ", ".join(FUNCTIONS)
-                raise EffectError(f"effect {effect} uses {name}, which the FMU has not; there are {known}")
+                raise EffectError(f"effect {effect} uses {name}, which the FMU does not have; it has {known}")
             if part in _NUMBERS:
                 raise EffectError(f"effect {effect}: {law} holds {part}, which is no number to compute with")
 

@@ -56,4 +56,5 @@ def _one_line(error: BaseException) -> str:
 
 
 def in_module(module: Any) -> Iterator[Effect]:
+    """The laws that a module names at its top."""
     return (effect for effect in vars(module).values() if isinstance(effect, Effect))

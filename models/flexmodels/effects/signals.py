@@ -16,12 +16,16 @@ from sympy import Symbol
 
 
 class Beyond(NamedTuple):
+    """The next joint's motor: position [rad or m], speed, acceleration."""
+
     e: Symbol
     de: Symbol
     dde: Symbol
 
 
 class Tip(NamedTuple):
+    """From the last link's joint to the tip, base axes in the zero pose [m]."""
+
     x: Symbol
     y: Symbol
     z: Symbol

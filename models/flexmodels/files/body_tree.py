@@ -1,4 +1,4 @@
-"""What importers of other formats share: bodies lumped at joints, triads, hinges put in."""
+"""What other formats share: bodies lumped at joints and back, triads, hinges put in."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,6 +11,7 @@ from flexmodels.robot import Robot, RobotError
 
 Body = tuple[float, np.ndarray, np.ndarray]  # mass [kg], centre [m], inertia about it [kg m2], base axes
 
+_ROUNDING = 1e-9  # of an inertia's size: what a principal value may miss
 _HINGE_FREQUENCY = 10.0  # [Hz] of a nominal flexible hinge: a start, not a measurement
 _HINGE_DAMPING = 0.02  # of critical, likewise
 
@@ -32,6 +33,25 @@ def lumped(bodies: list[Body], at: np.ndarray) -> Link:
     parts = [tuple(Link.of_centre(m, centre - at, J).values.values()) for m, centre, J in bodies]
     total = np.sum(parts, axis=0) if parts else np.zeros(10)
     return Link(float(total[0]), plain(total[1:4]), plain(total[4:]))
+
+
+def centred(link: Link, k: int) -> Body:
+    """A link's mass, centre and inertia about it; of a point or a rod, principal values of exactly zero.
+
+    k: its number, for the sentence of the RobotError that is raised where no rigid body has such values.
+    """
+    if link.m <= 0:
+        raise RobotError(f"link {k} has moments of mass but no mass, as no rigid body has; give it one")
+    com = np.array(link.ms) / link.m
+    xx, xy, xz, yy, yz, zz = link.J
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    principal, axes = np.linalg.eigh(J - link.m * (com @ com * np.eye(3) - np.outer(com, com)))
+    if principal.sum() - 2 * principal.max() < -_ROUNDING * np.abs(J).max():
+        raise RobotError(
+            f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about "
+            "its centre of mass, which no rigid body has; identify the robot, or correct its J"
+        )
+    return link.m, com, axes * np.maximum(principal, 0.0) @ axes.T
 
 
 def with_hinges(
@@ -91,4 +111,5 @@ def _ancestry(robot: Robot, link: int) -> list[int]:
 
 
 def plain(vector: np.ndarray) -> tuple[float, ...]:
+    """As a robot holds it."""
     return tuple(float(v) for v in vector)

@@ -31,6 +31,7 @@ def read_joints(
 
 
 def read_closures(tables: list[Table], links: int) -> tuple[Closure, ...]:
+    """The pins of the tables [[closure]], between two of so many links. Raises RobotError."""
     return tuple(_closure(table, links) for table in tables)
 
 

@@ -33,10 +33,10 @@ def document(robot: Robot, effect_names: Mapping[str, str]) -> dict[str, Any]:
         document["controller"] = {"rate": c.rate, "Kp": list(c.Kp), "Kd": list(c.Kd), "Ki": list(c.Ki)}
     if robot.servo:
         document["servo"] = servo_document(robot.servo)
-    if robot.columns:
+    if robot.settings.columns:
         document["columns"] = {
             s: c.source if c.gain == 1 else {"source": c.source, "gain": c.gain}
-            for s, c in robot.columns.items()
+            for s, c in robot.settings.columns.items()
         }
     if robot.transmission:
         t = robot.transmission
@@ -45,13 +45,13 @@ def document(robot: Robot, effect_names: Mapping[str, str]) -> dict[str, Any]:
         document["transmission"] = {"ratio": rows if coupled else own, "offset": list(t.offset)}
         if t.drive:
             document["transmission"]["drive"] = list(t.drive)
-    if robot.processing != Processing():
-        p = robot.processing
+    if robot.settings.processing != Processing():
+        p = robot.settings.processing
         document["processing"] = {key: v for key, v in asdict(p).items() if v is not None}
-    if robot.identification:
-        document["identification"] = _plain(asdict(robot.identification))
-    if robot.line:
-        document["line"] = _plain(asdict(robot.line))
+    if robot.settings.identification:
+        document["identification"] = _plain(asdict(robot.settings.identification))
+    if robot.settings.line:
+        document["line"] = _plain(asdict(robot.settings.line))
     if robot.tip_link is not None:
         document["tip_link"] = robot.tip_link
     document["joint"] = [

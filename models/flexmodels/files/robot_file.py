@@ -18,6 +18,7 @@ from flexmodels.files.effect_copies import effects_beside
 from flexmodels.files.joint_tables import read_closures, read_joints
 from flexmodels.files.robot_document import document
 from flexmodels.files.servo_table import read_servo
+from flexmodels.files.settings_tables import read_settings
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
 from flexmodels.files.urdf_check import require_few
 from flexmodels.gearing import Transmission
@@ -25,8 +26,6 @@ from flexmodels.link import Link
 from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
-from flexmodels.settings.motions import Identification, Line, Multisine
-from flexmodels.settings.processing import Column, Processing
 
 _SLOWEST, _FASTEST = 1e-3, 1e6  # [Hz] of a controller
 
@@ -87,8 +86,6 @@ def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     servo = read_servo(table.table("servo"), len(joints)) if "servo" in table else None
     if controller and servo:
         raise RobotError("servo and controller both drive the joints; keep one of them")
-    columns = _columns(table.table("columns")) if "columns" in table else {}
-    processing = _processing(table.table("processing")) if "processing" in table else Processing()
     robot = Robot(
         name=table.text("name", path.stem),
         joints=joints,
@@ -97,12 +94,7 @@ def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
         gravity=table.vector("gravity", 3, (0.0, 0.0, -9.81)),
         controller=controller,
         servo=servo,
-        columns=columns,
-        processing=processing,
-        identification=_identification(table.table("identification"), len(joints))
-        if "identification" in table
-        else None,
-        line=_line(table.table("line"), len(joints)) if "line" in table else None,
+        settings=read_settings(table, len(joints)),
         description=_description(table),
         passive=passive,
         closures=read_closures(table.tables("closure"), count) if "closure" in table else (),
@@ -168,19 +160,6 @@ def _controller(table: Table, n: int) -> Controller:
     return controller
 
 
-def _columns(table: Table) -> dict[str, Column]:
-    columns = {}
-    for signal, value in table.data.items():
-        line_of_text(signal, f"{table.where} key")
-        if isinstance(value, str):
-            columns[signal] = Column(value)
-        else:
-            entry = Table(value, table.place(signal))
-            columns[signal] = Column(entry.text("source"), entry.number("gain", 1.0))
-            entry.done()
-    return columns
-
-
 def _transmission(table: Table, n: int) -> Transmission:
     """ratio: a number per joint, or the rows of a matrix."""
     rows = table.get("ratio")
@@ -200,51 +179,3 @@ def _transmission(table: Table, n: int) -> Transmission:
     )
     table.done()
     return transmission
-
-
-def _processing(table: Table) -> Processing:
-    derivative = table.get("derivative") if "derivative" in table else None
-    if derivative not in (None, "central", "hat"):
-        raise RobotError(f"{table.place('derivative')} must be central or hat, not {derivative!r}")
-    processing = Processing(
-        derivative=derivative,
-        cutoff=table.number("cutoff", lower=0.0, above=True) if "cutoff" in table else None,
-        order=table.whole(table.get("order", 4), "order", 1, 20),
-        decimate=table.whole(table.get("decimate", 1), "decimate", 1, 1_000_000),
-        dead_zone=table.number("dead_zone", 0.0, lower=0.0),
-    )
-    table.done()
-    return processing
-
-
-def _identification(table: Table, n: int) -> Identification:
-    multisine = table.table("multisine")
-    experiment = Identification(
-        swing=table.vector("swing", n),
-        period=table.number("period", lower=0.0, above=True),
-        duration=table.number("duration", lower=0.0, above=True),
-        multisine=Multisine(
-            rms=multisine.vector("rms", n, lower=0.0),
-            lines=multisine.whole(multisine.get("lines"), "lines", 1, 100_000),
-            lowest=multisine.number("lowest", lower=0.0, above=True),
-            highest=multisine.number("highest", lower=0.0, above=True),
-        ),
-    )
-    multisine.done()
-    table.done()
-    return experiment
-
-
-def _line(table: Table, n: int) -> Line:
-    listed = table.get("locked", ())
-    if not isinstance(listed, list | tuple):
-        raise RobotError(f"{table.place('locked')} must be a list of joints from 1 to {n}")
-    locked = tuple(table.whole(k, "locked", 1, n) for k in listed)
-    line = Line(
-        start=table.vector("start", 3),
-        end=table.vector("end", 3),
-        duration=table.number("duration", lower=0.0, above=True),
-        locked=locked,
-    )
-    table.done()
-    return line

@@ -24,12 +24,14 @@ class Table:
         self.data, self.where, self.read = data, where, set()
 
     def place(self, key: str) -> str:
+        """The key as a sentence names it."""
         return f"{self.where}.{key}" if self.where else key
 
     def __contains__(self, key: str) -> bool:
         return key in self.data
 
     def get(self, key: str, default: Any = None) -> Any:
+        """Any value. Raises RobotError where it is missing and there is no default."""
         self.read.add(key)
         if key in self.data:
             return self.data[key]
@@ -49,9 +51,11 @@ class Table:
         above: bool = False,
         upper: float = LARGEST_NUMBER,
     ) -> float:
+        """Finite, from `lower` (or above it) to `upper`. Raises RobotError."""
         return number(self.get(key, default), self.place(key), lower, above, upper)
 
     def vector(self, key: str, size: int, default: Any = None, lower: float = -np.inf) -> tuple[float, ...]:
+        """So many numbers, none below `lower`. Raises RobotError."""
         value = self.get(key, default)
         if not isinstance(value, list | tuple) or len(value) != size:
             raise RobotError(f"{self.place(key)} must be {size} numbers")
@@ -67,6 +71,7 @@ class Table:
         return int(found)
 
     def flag(self, key: str) -> bool:
+        """True or false, false where it is absent. Raises RobotError."""
         self.read.add(key)
         value = self.data.get(key, False)
         if not isinstance(value, bool):
@@ -74,15 +79,18 @@ class Table:
         return value
 
     def table(self, key: str) -> "Table":
+        """A table in this one. Raises RobotError."""
         return Table(self.get(key), self.place(key))
 
     def tables(self, key: str) -> list["Table"]:
+        """A list of tables, at least one. Raises RobotError."""
         value = self.get(key)
         if not isinstance(value, list) or not value:
             raise RobotError(f"{self.place(key)} must be a list of tables ([[{key}]])")
         return [Table(v, f"{self.place(key)}[{i + 1}]") for i, v in enumerate(value)]
 
     def done(self) -> None:
+        """Raises RobotError where a key was never asked for."""
         unknown = sorted(set(self.data) - self.read)
         if unknown:
             raise RobotError(f"{self.place(unknown[0])[:_SHOWN]} is not a known key; remove or rename it")
@@ -92,10 +100,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file. Raises RobotError."""
     try:
         if path.stat().st_size > _LARGEST:
-            raise RobotError(f"{path}: more than {_LARGEST // 10**6} MB are no TOML file of ours")
+            raise RobotError(f"{path}: more than {_LARGEST // 10**6} MB are too much for a TOML file")
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except RecursionError:
-        raise RobotError(f"{path}: not a TOML file of ours (its tables are nested too deeply)") from None
+        raise RobotError(f"{path}: not a usable TOML file (its tables are nested too deeply)") from None
     except ValueError as error:  # of TOML, of UTF-8, and of whole numbers with thousands of digits
         raise RobotError(f"{path}: not a TOML file ({error})") from None
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from flexmodels.atomic import replacing
 from flexmodels.coordinate import joint_name
+from flexmodels.files.body_tree import centred
 from flexmodels.joint import Joint
 from flexmodels.link import Link
 from flexmodels.robot import Robot, RobotError
 
 KEPT = frozenset({"coulomb", "viscous"})
-_ROUNDING = 1e-9  # of an inertia's size: how far a principal value may miss the triangle inequality
 
 
 def export_urdf(robot: Robot, path: str | Path) -> list[str]:
@@ -42,21 +42,11 @@ def _add_link(root: Element, k: int, link: Link, triad: np.ndarray) -> None:
     element = SubElement(root, "link", name=f"link{k}")
     if not any(link.values.values()):
         return
-    if link.m <= 0:
-        raise RobotError(f"link {k} has moments of mass but no mass, as no rigid body has; give it one")
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J = triad.T @ (J - link.m * (com @ com * np.eye(3) - np.outer(com, com))) @ triad
-    principal = np.linalg.eigvalsh(J)
-    if principal.sum() - 2 * principal.max() < -_ROUNDING * np.abs(link.J).max():
-        raise RobotError(
-            f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about "
-            "its centre of mass, which no rigid body has; identify the robot, or correct its J"
-        )
+    m, com, J = centred(link, k)
+    J = triad.T @ J @ triad
     inertial = SubElement(element, "inertial")
     SubElement(inertial, "origin", xyz=_text(triad.T @ com), rpy="0 0 0")
-    SubElement(inertial, "mass", value=repr(link.m))
+    SubElement(inertial, "mass", value=repr(m))
     names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     values = {name: repr(float(v)) for name, v in zip(names, J[np.triu_indices(3)], strict=True)}
     SubElement(inertial, "inertia", values)

@@ -84,7 +84,7 @@ def _parse(path: Path) -> Any:
         raise RobotError(f"{path} cannot be read as URDF: {error}") from None
     except (etree.XMLSyntaxError, core.ParseError, AssertionError, ValueError, KeyError) as error:
         first = (str(error).strip() or "it has no single root link").splitlines()
-        raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); mend the file") from None
+        raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); correct the file") from None
     return model
 
 

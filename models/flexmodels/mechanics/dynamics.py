@@ -163,6 +163,10 @@ def base_acceleration(m: Mechanism) -> SX:
 
 
 def motion_transform(hinge: Hinge) -> SX:
+    """(6, 6): a spatial motion (angular, then linear) of the parent's frame in that of the hinge.
+
+    Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 2.
+    """
     Et = hinge.E.T
     return ca.blockcat([[Et, ca.SX.zeros(3, 3)], [-Et @ ca.skew(hinge.r), Et]])
 

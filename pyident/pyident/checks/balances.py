@@ -16,16 +16,9 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
+from pyident.rules.equation_checks import EQUATIONS
 
 _ROWS = 1500  # samples at which Φ is evaluated
-_SLOW = 0.05  # of a joint's rms speed: below, the sign of friction is not known
-_STANDS = 3e-4  # of the busiest joint's way: what goes no farther is a brake's play and an encoder's noise
-_ENERGY = 0.99  # of a speed's energy that lies below the motion's highest frequency
-_ABOVE = 3.0  # times that frequency is kept
-_BAND = (0.05, 0.6)  # of the Nyquist frequency: what the filter's edge may be
-_SETTLED = 3.0  # periods of the filter's edge that its ends may spoil
-_FEWEST = 30  # samples on which a joint must move
-_DETERMINED = 1e-9  # of the largest eigenvalue: below, a direction is noise
 
 
 @dataclass(frozen=True)
@@ -79,7 +72,8 @@ class Balances:
     def joints(self) -> list[int]:
         """Those (from 0) that move and whose torque is logged."""
         use, tau = self.samples.use, self.torque
-        return [k for k in range(use.shape[1]) if use[:, k].sum() > _FEWEST and np.ptp(tau[:, k]) > 0]
+        moves = use.sum(axis=0) > EQUATIONS.fewest_moving
+        return [k for k in range(use.shape[1]) if moves[k] and np.ptp(tau[:, k]) > 0]
 
     @cached_property
     def torque(self) -> np.ndarray:
@@ -113,8 +107,8 @@ def samples(robot: Robot, log: Log) -> Samples | None:
             tau[:, k - 1] = log.frame[torque_of(k)].to_numpy(float)
     if robot.controller is not None:
         tau = (tau + np.concatenate([tau[:1], tau[:-1]])) / 2  # held: what acts around a sample
-    edge = _edge(q[:, : len(robot.joints)], robot.processing.cutoff, T)
-    border = max(REACH, min(int(_SETTLED / edge), n // 10))
+    edge = _edge(q[:, : len(robot.joints)], robot.settings.processing.cutoff, T)
+    border = max(REACH, min(int(EQUATIONS.settled / edge), n // 10))
     if n < 20 * REACH or n - 2 * border < 60:
         return None
     from scipy.signal import butter
@@ -147,7 +141,7 @@ def solved(normal: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarra
     scale = np.sqrt(np.diag(normal))
     scale = np.where(scale > 0, scale, 1.0)
     values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
-    kept = values > _DETERMINED * max(values[-1], 1e-300)
+    kept = values > EQUATIONS.determined * max(values[-1], 1e-300)
     half = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
     inverse = half @ half.T
     return inverse @ right, inverse
@@ -157,14 +151,15 @@ def _moving(robot: Robot, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
     """Where a joint moves: never, if all it does is a tiny part of what the busiest one does."""
     n = len(robot.joints)
     speed, way = np.abs(dq[:, :n]), np.ptp(q[:, :n], axis=0)
-    least = np.maximum(robot.processing.dead_zone, _SLOW * np.sqrt(np.mean(speed**2, axis=0)))
-    return ((speed > least) & (way > _STANDS * way.max())).astype(float)
+    slow = EQUATIONS.slow * np.sqrt(np.mean(speed**2, axis=0))
+    least = np.maximum(robot.settings.processing.dead_zone, slow)
+    return ((speed > least) & (way > EQUATIONS.stands * way.max())).astype(float)
 
 
 def _edge(q: np.ndarray, cutoff: float | None, period: float) -> float:
     """The filter's edge as a share of the Nyquist frequency: well above what the joints' speeds hold."""
     spectrum = np.square(np.abs(np.fft.rfft(np.diff(q, axis=0), axis=0)))
     energy = np.cumsum(spectrum.sum(axis=1))
-    highest = float(np.searchsorted(energy, _ENERGY * energy[-1])) / max(len(energy) - 1, 1)
-    edge = float(np.clip(_ABOVE * highest, *_BAND))
+    highest = float(np.searchsorted(energy, EQUATIONS.energy * energy[-1])) / max(len(energy) - 1, 1)
+    edge = float(np.clip(EQUATIONS.above * highest, *EQUATIONS.band))
     return edge if cutoff is None else min(edge, 2 * cutoff * period)

@@ -10,11 +10,11 @@ from pyident.checks.balances import Balances, Samples, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
 from pyident.kinematics.structure import StructureError
+from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
-_EQUATIONS = 10  # per parameter: with fewer, anything fits
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Better:
 def best_change(of: Balances) -> Better | None:
     """The change that explains a log far better than its channels as they are, None where there is none."""
     now = misfit(of)
-    if not now.material or len(of.samples.at) * len(of.joints) < _EQUATIONS * len(of.columns):
+    if not now.material or len(of.samples.at) * len(of.joints) < EQUATIONS.per_parameter * len(of.columns):
         return None
     few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
     looped = bool(of.samples.robot.closures)  # then other positions are out of reach, and slow to find so

@@ -10,13 +10,8 @@ from pyident.checks.defect import Defect, Severity
 from pyident.checks.jumps import jumps, spikes
 from pyident.checks.quantisation import Runs, coarse, runs, step_of
 from pyident.logs.log import Log
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_NEIGHBOURS = 6  # runs on either side that a stuck one is compared with
-_BRAKING = 0.01  # [s] between samples: with more, a joint may well stop from one to the next
-_AT_SPEED = 0.25  # of a joint's rms speed: what it has when it meets the end of its channel
-_FROZEN = 0.1  # [s] that a torque must keep one value
-_WAY = 0.03  # of a joint's range: what it goes while it moves
 
 
 def channels(robot: Robot, log: Log) -> Iterator[Defect]:
@@ -76,7 +71,8 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     usual = float(np.delete(steps, ends[ends < len(steps)]).max(initial=0.0))
     for at in long:
         start, length = int(of.start[at]), int(of.length[at])
-        before, after = of.length[max(at - _NEIGHBOURS, 0) : at], of.length[at + 1 : at + 1 + _NEIGHBOURS]
+        many = CHANNELS.neighbours
+        before, after = of.length[max(at - many, 0) : at], of.length[at + 1 : at + 1 + many]
         if len(before) < 3 or length < LOG_CHECKS.freeze * before.max():
             continue
         ended = start + length >= len(x)
@@ -99,8 +95,8 @@ def _frozen(log: Log, name: str, start: int, length: int, after: np.ndarray) -> 
         return False
     tau, x = log.frame[name].to_numpy(float), log.frame[e].to_numpy(float)
     at_end = min(tau.max() - tau[start], tau[start] - tau.min()) < 0.01 * np.ptp(tau)  # a limit, not stuck
-    long = length > max(2 * LOG_CHECKS.gap_rows, _FROZEN / log.period)
-    return long and not at_end and np.ptp(x[start : start + length]) > _WAY * np.ptp(x)
+    long = length > max(2 * LOG_CHECKS.gap_rows, CHANNELS.frozen / log.period)
+    return long and not at_end and np.ptp(x[start : start + length]) > CHANNELS.way * np.ptp(x)
 
 
 def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
@@ -122,10 +118,10 @@ def _sudden(log: Log, steps: np.ndarray) -> bool:
 
     The second (the first is cut short) is as long as those beyond, in a log that resolves a braking.
     """
-    if log.period > _BRAKING or len(steps) < 6:
+    if log.period > CHANNELS.braking or len(steps) < 6:
         return False
     second, beyond = float(steps[1]), float(steps[2:6].mean())
-    return second > 0.8 * beyond and second > _AT_SPEED * float(np.sqrt(np.mean(steps**2)))
+    return second > 0.8 * beyond and second > CHANNELS.at_speed * float(np.sqrt(np.mean(steps**2)))
 
 
 def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:

@@ -21,9 +21,9 @@ from pyident.estimation.lock_unlogged import locked
 from pyident.kinematics.structure import StructureError
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log, LogError
+from pyident.rules.channel_checks import CHANNELS
 
 _WINDOW = 20_000  # rows of a log on disk that are looked at
-_FEWEST = 50  # rows below which nothing can be said
 _BREAKING = ("jump", "wrapped", "stuck", "rows", "rate", "constant", "same", "time")
 
 
@@ -47,7 +47,7 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
     gross = [defect for defect in defects if defect.severity == "gross"]
     if gross and not force:
         more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
-        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) takes the log as it is")
+        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
     return CheckedLogs(defects)
 
 
@@ -63,7 +63,7 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
         raise LogError(f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; add "
                        "it, or "
                        f"map it under [columns] in the robot file")  # fmt: skip
-    if len(log) < _FEWEST:
+    if len(log) < CHANNELS.fewest_rows:
         return ()
     robot, _ = locked(robot, [log])
     defects = [*whole_log(robot, log), *channels(robot, log)]

@@ -17,8 +17,7 @@ from pyident.logs.foreign import delayed
 from pyident.logs.log import Log
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
-
-_CERTAIN = 3.0  # standard deviations from which a delay is corrected
+from pyident.rules.equation_checks import EQUATIONS
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ def without_skew(log: Log, skews: list[Skew]) -> tuple[Log, list[str]]:
     """The log with late link encoders put right where the delay is certain, and a sentence on each."""
     frame, notes = log.frame, []
     for skew in skews:
-        sure = abs(skew.delay) > _CERTAIN * skew.std
+        sure = abs(skew.delay) > EQUATIONS.sure_delay * skew.std
         fate = "corrected" if sure else "which this log cannot tell, so it is left as it is"
         notes.append(
             f"joint {skew.joint}: link encoder {1e3 * skew.delay:.3g} ± {1e3 * skew.std:.2g} ms late, {fate}"

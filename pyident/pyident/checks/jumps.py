@@ -9,17 +9,8 @@ from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.checks.quantisation import noise_of, step_of
 from pyident.logs.log import Log
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_LARGE = 0.02  # of a channel's range: a jump that no fit survives
-_TINY = 1e-5  # of a channel's range
-_TURN = 0.02  # turns per sample: faster, a jump of a turn is no jump
-_STEPS = 40.0  # of an encoder, in a fourth difference
-_EDGE = 25  # samples at either end, which a filter without phase shift bends
-_BRAKING = 0.01  # [s] between samples: with more, a joint may well start or stop from one to the next
-_FEW = 3  # samples
-_SPIKE = 1.0  # of the range of all others
-_MANY = 0.002  # of the samples
 
 
 def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -27,15 +18,18 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     joint = robot.joints[joint_number(name) - 1]
     turns = np.diff(x) / (2 * np.pi)
     wrapped = np.flatnonzero((np.abs(turns) > 0.9) & (np.abs(turns) < 1.1))
-    if joint.kind == "revolute" and len(wrapped) and np.median(np.abs(turns)) < _TURN:
+    if joint.kind == "revolute" and len(wrapped) and np.median(np.abs(turns)) < CHANNELS.whole_turns:
         yield _turn(log, name, int(wrapped[0]))
         return
     fourth = np.abs(np.diff(x, 4))
     scale = 1.4826 * float(np.median(fourth))
     bound = max(
-        LOG_CHECKS.odd * scale, LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)), _STEPS * step_of(x)
+        LOG_CHECKS.odd * scale,
+        LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)),
+        CHANNELS.encoder_steps * step_of(x),
     )
-    high = _EDGE + np.flatnonzero(fourth[_EDGE:-_EDGE] > bound)
+    bent = CHANNELS.bent_ends
+    high = bent + np.flatnonzero(fourth[bent:-bent] > bound)
     if not len(high):
         return
     from scipy.ndimage import median_filter  # here and below: much memory, for few logs
@@ -46,13 +40,15 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
     first = float(time[places[0] + 1])
     others = np.abs(np.delete(increment, places))
-    if sizes.max() < _TINY * np.ptp(x) or (log.period > _BRAKING and sizes.max() < 2 * others.max()):
+    if sizes.max() < CHANNELS.tiny_jump * np.ptp(x):
+        return
+    if log.period > CHANNELS.braking and sizes.max() < 2 * others.max():
         return
     again = "" if len(places) == 1 else f" and at {len(places) - 1} other samples"
-    gross = sizes.max() > _LARGE * np.ptp(x) or len(places) > max(_MANY * len(x), 3)
+    gross = sizes.max() > CHANNELS.large_jump * np.ptp(x) or len(places) > max(CHANNELS.many * len(x), 3)
     yield Defect("gross" if gross else "doubtful", "jump", name,
                  f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; a count was "
-                 f"lost or rows are missing: cut the log there or mend the channel")  # fmt: skip
+                 f"lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
 
 
 def _turn(log: Log, name: str, at: int) -> Defect:
@@ -72,15 +68,15 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     alone = np.flatnonzero(odd > max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)))
     if not len(alone) or len(alone) > 0.02 * len(x):
         return
-    wide = odd[alone].max() > _SPIKE * np.ptp(np.delete(x, alone))
-    if not wide and len(alone) < _FEW:
+    wide = odd[alone].max() > CHANNELS.wide_spike * np.ptp(np.delete(x, alone))
+    if not wide and len(alone) < CHANNELS.few:
         return
     time = log.frame["time"].to_numpy(float)
-    gross = len(alone) > max(_MANY * len(x), 3) or wide
+    gross = len(alone) > max(CHANNELS.many * len(x), 3) or wide
     yield Defect("gross" if gross else "doubtful", "spike", name,
                  f"{log.source}: {name} sticks out by {odd[alone].max():.3g} for single samples, "
                  f"{len(alone)} times, first at "
-                 f"{time[alone[0]]:.4g} s; mend the channel or cut the log there")  # fmt: skip
+                 f"{time[alone[0]]:.4g} s; repair the channel or cut the log there")  # fmt: skip
 
 
 def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -88,11 +84,11 @@ def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     before, after = x[:-2], x[2:]
     far = np.minimum(np.abs(before), np.abs(after)) > max(0.05 * np.std(x), 3 * step_of(x))
     lost = np.flatnonzero((x[1:-1] == 0) & far & (before * after > 0)) + 1
-    if len(lost) >= _FEW:
+    if len(lost) >= CHANNELS.few:
         time = log.frame["time"].to_numpy(float)
-        yield Defect("gross" if len(lost) > _MANY * len(x) else "doubtful", "spike", name,
+        yield Defect("gross" if len(lost) > CHANNELS.many * len(x) else "doubtful", "spike", name,
                      f"{log.source}: {name} drops to zero for single samples, {len(lost)} times, first at "
-                     f"{time[lost[0]]:.4g} s; values were lost: mend the channel")  # fmt: skip
+                     f"{time[lost[0]]:.4g} s; values were lost: repair the channel")  # fmt: skip
 
 
 def _clusters(at: np.ndarray) -> list[np.ndarray]:

@@ -9,9 +9,8 @@ from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.conditioning.weak_form import DERIVATIVES
 from pyident.logs.log import Log
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_STANDING = 30  # steps: an axis that moves by less stands still
 
 
 @dataclass(frozen=True)
@@ -23,6 +22,7 @@ class Runs:
 
 
 def runs(x: np.ndarray) -> Runs:
+    """Of equal values one after the other in x (N,)."""
     start = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     return Runs(start, np.diff(np.append(start, len(x))))
 
@@ -30,11 +30,11 @@ def runs(x: np.ndarray) -> Runs:
 def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Rounding that makes a good part of the acceleration, without noise that would smooth it."""
     step = step_of(x)
-    if step == 0 or noise_of(x) > step or np.ptp(x) < _STANDING * step:
+    if step == 0 or noise_of(x) > step or np.ptp(x) < CHANNELS.standing * step:
         return
     from scipy.signal import butter, sosfiltfilt  # here: much memory, for few logs
 
-    plan, T = robot.processing, log.period
+    plan, T = robot.settings.processing, log.period
     nyquist = 0.5 / T
     top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)
     share = (2 * np.pi) ** 2 * np.sqrt(top**5 / 5 / nyquist)  # rms acceleration per rms of white noise

@@ -11,10 +11,8 @@ from flexmodels.coordinate import joint_name, motor_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
+from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_SPEAKS = 0.05  # of the torques' variance that the file's masses must explain beyond all else
-_HEAVY = 0.05  # of the largest joint's torque (energy) by the file: less is light
 
 
 def scale(of: Balances, source: str) -> Iterator[Defect]:
@@ -92,7 +90,7 @@ def _one_joint(of: Balances, source: str) -> Iterator[Defect]:
     }
     for k, own in size.items():
         factor = file_factor(of, [k])
-        if factor is None or own < _HEAVY * max(size.values()):
+        if factor is None or own < EQUATIONS.heavy * max(size.values()):
             continue
         if max(factor, 1 / factor) > LOG_CHECKS.prior_gross:
             yield Defect(
@@ -120,7 +118,7 @@ def file_factor(of: Balances, joints: list[int] | None = None) -> float | None:
         alone = solved(normal[np.ix_(rest, rest)], right[rest])[0]
         gain = float(right @ p - right[rest] @ alone)
         left = energy - float(right @ p)
-        if p[0] > 0 and gain > max(_SPEAKS * energy, left):
+        if p[0] > 0 and gain > max(EQUATIONS.speaks * energy, left):
             return float(p[0])
     return None
 

@@ -10,11 +10,10 @@ from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
 from pyident.conditioning.motion import Motion
 from pyident.regression.regressor import regressor
+from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
 _POSES = 6  # of the log at which a joint's inertia is looked at
-_COLOURED = 2.0  # times the standard deviation of white residuals that neighbouring samples leave
-_ESTIMABLE = 1e-3  # of a combination of parameters that the samples may leave open
 
 
 def signs(of: Balances, source: str) -> Iterator[Defect]:
@@ -42,7 +41,7 @@ def against(of: Balances, k: int) -> str | None:
         if not row.any() or not _estimable(of.normal[k], inverse, row):
             return False
         value = float(row @ p[:, 0])
-        std = _COLOURED * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
+        std = EQUATIONS.coloured * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
         return value < -LOG_CHECKS.sure * std and value < -least
 
     de, dde = of.samples.dq[used, k], of.samples.ddq[used, k]
@@ -58,7 +57,8 @@ def _estimable(normal: np.ndarray, inverse: np.ndarray, row: np.ndarray) -> bool
     inside = np.where(scale > 0, row / np.where(scale > 0, scale, 1.0), 0.0)
     back = (normal @ (inverse @ row)) / np.where(scale > 0, scale, 1.0)
     absent = bool((row[scale == 0] != 0).any())
-    return not absent and float(np.linalg.norm(back - inside)) <= _ESTIMABLE * float(np.linalg.norm(inside))
+    off, size = float(np.linalg.norm(back - inside)), float(np.linalg.norm(inside))
+    return not absent and off <= EQUATIONS.estimable * size
 
 
 def _friction(of: Balances, k: int, de: np.ndarray) -> np.ndarray:

@@ -8,10 +8,9 @@ import numpy as np
 from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances
 from pyident.checks.defect import Defect
+from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
-_LONGEST = 0.15  # [s] that is looked for, either way
-_MOST = 60  # samples
 _FINE = 9  # half samples on either side that are looked at first
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
@@ -43,7 +42,7 @@ class Delay:
 
 def delay(of: Balances, k: int) -> Delay | None:
     """Of joint k (from 0); None where moving its torque does not explain it far better."""
-    most = min(_MOST, max(4, round(_LONGEST / of.samples.period)))
+    most = min(EQUATIONS.most_shift, max(4, round(EQUATIONS.longest_shift / of.samples.period)))
     shifts = np.unique(np.concatenate([np.arange(-_FINE, _FINE + 1) / 2, np.arange(-most, most + 1)]))
     left = energies(of, k, shifts)
     best, now = int(np.argmin(left)), float(left[shifts == 0][0])

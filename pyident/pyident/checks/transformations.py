@@ -9,9 +9,9 @@ import numpy as np
 
 from flexmodels.coordinate import joint_name, motor_of, torque_of
 from flexmodels.robot import Robot
+from pyident.rules.equation_checks import EQUATIONS
 
 _MOST_PAIRS = 8  # joints: of more, only neighbours are exchanged
-_ROOM = 3.0  # rad or m: smaller positions are neither degrees nor millimetres
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _units(robot: Robot, reach: np.ndarray) -> Iterator[Transformation]:
     alike = [[k for k in range(n) if robot.joints[k].kind == kind] for kind in names]
     for joints in (*alone, *(of for of in alike if of)):
         for unit, factor in names[robot.joints[joints[0]].kind]:
-            if factor < 1 and reach[joints].max() < _ROOM:
+            if factor < 1 and reach[joints].max() < EQUATIONS.room:
                 continue  # a motion made so small that nothing speaks against it
             motion = np.eye(n)
             motion[joints, joints] = factor

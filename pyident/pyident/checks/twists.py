@@ -8,9 +8,8 @@ from flexmodels.coordinate import deformation_of, of_joint
 from flexmodels.joint import parameter_name
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
+from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_COLOURED = 2.0  # times the standard deviation of white residuals
 
 
 def twists(of: Balances, source: str) -> Iterator[Defect]:
@@ -70,7 +69,7 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
     spread = energy / (len(of.Phi) * len(robot.q))
     for c in bending:
         at = of.columns.index(str(c.stiffness))
-        std = _COLOURED * float(np.sqrt(max(inverse[at, at], 0.0) * spread))
+        std = EQUATIONS.coloured * float(np.sqrt(max(inverse[at, at], 0.0) * spread))
         if p[at, 0] < -LOG_CHECKS.sure * std:
             yield _negative(source, c.name)
 
@@ -89,5 +88,5 @@ def _spring(of: Balances, k: int, twist: np.ndarray) -> tuple[float, float, floa
     y = of.torque[used, k]
     p, inverse = solved(columns.T @ columns, columns.T @ y)
     energy = float(np.square(y - columns @ p).sum())
-    std = _COLOURED * np.sqrt(max(inverse[0, 0] * energy / max(len(y) - 6, 1), 0.0))
+    std = EQUATIONS.coloured * np.sqrt(max(inverse[0, 0] * energy / max(len(y) - 6, 1), 0.0))
     return float(p[0]), float(std), energy / max(of.variance(k), 1e-300)

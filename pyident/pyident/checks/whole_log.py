@@ -9,9 +9,8 @@ from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.logs.log import Log
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
-
-_BUSY = 0.7  # of the channels change from row to row in a log that moves
 
 
 def whole_log(robot: Robot, log: Log) -> Iterator[Defect]:
@@ -51,9 +50,10 @@ def _clock(log: Log) -> Iterator[Defect]:
 def _repeated_rows(log: Log, logged: list[str]) -> Iterator[Defect]:
     time, q = log.frame["time"].to_numpy(float), log.signals(logged)
     changed = (np.diff(q, axis=0) != 0).mean(axis=1)  # share of the channels
-    if len(logged) < 2 or np.median(changed) < _BUSY:
+    if len(logged) < 2 or np.median(changed) < CHANNELS.busy:
         return
-    alone = np.flatnonzero((changed[1:-1] == 0) & (np.minimum(changed[:-2], changed[2:]) > _BUSY)) + 1
+    around = np.minimum(changed[:-2], changed[2:])
+    alone = np.flatnonzero((changed[1:-1] == 0) & (around > CHANNELS.busy)) + 1
     if len(alone) >= 3:
         yield Defect("gross" if len(alone) > 0.02 * len(q) else "doubtful", "rows", "",
                      f"{log.source}: {len(alone)} rows repeat the row before in every channel, first at "

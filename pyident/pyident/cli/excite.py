@@ -19,21 +19,23 @@ from pyident.cli.common.shared import (
 )
 
 limit_option = assignments(
-    "--limit", "limits", "joint2.speed=1.5", "A limit beside the robot file's, SI units"
+    "--limit", "limits", "joint2.speed=1.5", "A limit in addition to the robot file's, in SI units"
 )
 noise_option = assignments("--noise", "noise", "joint1.e=2e-6", "Standard deviation of a sensor's noise")
-radius_option = click.option("--radius", type=float, help="Thickness [m] of the links, as capsules.")
-floor_option = click.option(
-    "--floor", type=float, default=0.0, show_default=True, help="Height of the floor over the base [m]."
+radius_option = click.option(
+    "--radius", type=float, help="Radius [m] of the capsules that stand for the links."
 )
-no_floor_option = click.option("--no-floor", is_flag=True, help="Nothing is below the robot.")
+floor_option = click.option(
+    "--floor", type=float, default=0.0, show_default=True, help="Height of the floor above the base [m]."
+)
+no_floor_option = click.option("--no-floor", is_flag=True, help="There is no floor below the robot.")
 
 
 @click.command(name="excite")
 @click.argument("model")
 @output_option(LOG)
-@click.option("--duration", type=float, default=10.0, show_default=True, help="Of the motion [s].")
-@click.option("--rate", type=float, help="Samples a second, where no controller sets them.")
+@click.option("--duration", type=float, default=10.0, show_default=True, help="Duration of the motion [s].")
+@click.option("--rate", type=float, help="Samples per second, if no controller sets them.")
 @click.option("--separate", nargs=2, metavar="EFFECT@JOINT EFFECT@JOINT", help="Tell two effects apart.")
 @click.option("--reveal", metavar="EFFECT@JOINT[=SIZE]", help="Make an effect visible.")
 @limit_option
@@ -41,9 +43,15 @@ no_floor_option = click.option("--no-floor", is_flag=True, help="Nothing is belo
 @radius_option
 @floor_option
 @no_floor_option
-@click.option("--seconds", type=float, default=120.0, show_default=True, help="The search ends then.")
-@click.option("--evaluations", type=click.IntRange(20), default=1500, show_default=True, help="Or then.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the search.")
+@click.option("--seconds", type=float, default=120.0, show_default=True, help="Time limit of the search [s].")
+@click.option(
+    "--evaluations",
+    type=click.IntRange(20),
+    default=1500,
+    show_default=True,
+    help="Most evaluations of the search.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 @effects_option
 @json_option
 @reported
@@ -123,7 +131,9 @@ def check_command(
     no_floor: bool,
     json_file: str | None,
 ) -> None:
-    """Say whether MODEL may run PLAN: limits, torques, its own links, the floor. Exit code 1: it must not.
+    """Check PLAN against the limits and torques of MODEL, its own links and the floor.
+
+    The exit code is 1 if the robot must not run it.
 
     Example: pyident plan check plan.parquet four_link --limit joint2.torque=400
     """
@@ -141,7 +151,7 @@ def check_command(
 @click.argument("plan_file", metavar="PLAN")
 @click.argument("model")
 @output_option(TRAJECTORY)
-@click.option("--rate", type=float, help="Points a second.  [default: the plan's]")
+@click.option("--rate", type=float, help="Points per second.  [default: the plan's]")
 @click.option("--degrees", is_flag=True, help="Degrees and mm in a table, instead of rad and m.")
 @effects_option
 @reported

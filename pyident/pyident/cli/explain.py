@@ -20,9 +20,13 @@ from pyident.cli.common.shared import (
 @click.command(name="explain")
 @click.argument("model")
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
-@click.option("--log", "chosen", metavar="LOG", help="Where the stretch is.  [default: the first log]")
-@click.option("--equation", metavar="COORDINATE", help="As joint2.e.  [default: the one that fails most]")
-@click.option("--span", nargs=2, type=float, metavar="FROM TO", help="Seconds of the log.  [default: all]")
+@click.option("--log", "chosen", metavar="LOG", help="Log that holds the stretch.  [default: the first log]")
+@click.option(
+    "--equation", metavar="COORDINATE", help="Equation, such as joint2.e.  [default: the one that fails most]"
+)
+@click.option(
+    "--span", nargs=2, type=float, metavar="FROM TO", help="Start and end of the stretch [s].  [default: all]"
+)
 @click.option("--holdout", multiple=True, metavar="LOG", help="Log to which nothing is fitted; repeatable.")
 @effects_option
 @mapping_option
@@ -40,7 +44,7 @@ def explain_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Rank the laws by what each would take of one stretch of MODEL's residual in LOGs.
+    """Rank the laws by how much of MODEL's residual each would explain on one stretch of a log.
 
     A ranking of one stretch is no verdict: what stands first may only imitate what is missing. See
     `pyident diagnose`.

@@ -32,19 +32,19 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @output_option(ROBOT, required=False)
 @effects_option
-@click.option("--robust", is_flag=True, help="Give single equations that stick out less weight (Huber).")
+@click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber).")
 @click.option(
     "--estimator",
     type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
     default="iv",
     show_default=True,
-    help="Instruments from the simulated model, output error, or a least squares for comparison.",
+    help="Instrumental variables from the simulated model, output error, or least squares for comparison.",
 )
 @click.option(
-    "--prior", metavar="MODEL", help="Near whose bodies stays what the data leave open: CAD or URDF."
+    "--prior", metavar="MODEL", help="Robot from CAD or URDF: what the data leave open stays near its bodies."
 )
 @click.option(
-    "--refine", is_flag=True, help="Go on until the simulated FMU follows the logs (a minute or so)."
+    "--refine", is_flag=True, help="Continue until the simulated FMU follows the logs (about a minute)."
 )
 @parameters_option
 @interface_option
@@ -71,8 +71,8 @@ def identify_command(
 ) -> None:
     """Identify the dynamic parameters of MODEL from LOGS.
 
-    MODEL may also be an FMU of any tool: --parameters then names what to find, and the logs' columns are
-    called as its inputs and outputs.
+    MODEL may also be an FMU of any tool: --parameters then names what to find, and the logs' columns have
+    the names of its inputs and outputs.
 
     A MODEL with a [servo] table is fitted in closed loop to positions alone; --set gives what is known of
     its servos, such as servo.kp=400.
@@ -108,7 +108,7 @@ def identify_command(
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
     if prior and refine:
-        raise click.UsageError("--prior settles what a regression leaves open; --refine has no such thing")
+        raise click.UsageError("--prior settles what a regression leaves open; --refine does not use it")
     with progress_bar("refining" if refine else "identifying") as progress:
         if refine:
             found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)

@@ -8,9 +8,13 @@ from pyident.cli.common.shared import json_option, output_option, reported, show
 
 @click.command(name="inspect")
 @click.argument("files", nargs=-1, required=True)
-@click.option("--robot", "model", metavar="MODEL", help="Robot whose joints and equations are witnesses.")
 @click.option(
-    "--rate", type=click.FloatRange(0, min_open=True), help="Samples a second, if no time is logged."
+    "--robot", "model", metavar="MODEL", help="Robot whose joints and equations help to tell the channels."
+)
+@click.option(
+    "--rate",
+    type=click.FloatRange(0, min_open=True),
+    help="Samples per second, if the recording has no time.",
 )
 @output_option(MAPPING, required=False)
 @json_option

@@ -13,7 +13,7 @@ COMMANDS = {
         "pyident.cli.effects", "effects", "List the laws that a robot file may name, or show one."
     ),
     "explain": Entry(
-        "pyident.cli.explain", "explain_command", "Rank the laws by what each would take of one stretch."
+        "pyident.cli.explain", "explain_command", "Rank the laws by what each would explain of one stretch."
     ),
     "excite": Entry(
         "pyident.cli.excite", "excite_command", "Design the motion that tells the most about MODEL."
@@ -29,14 +29,16 @@ COMMANDS = {
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
     "sweep": Entry("pyident.cli.study", "sweep", "Simulate the parameter sets that a plan describes."),
-    "trust": Entry("pyident.cli.trust", "trust_command", "Let files of effects or metrics run."),
+    "trust": Entry(
+        "pyident.cli.trust", "trust_command", "Trust Python files of effects or metrics, so that they run."
+    ),
 }
 
 
 @click.group(cls=lazy_group(COMMANDS), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="flexident")
 def main() -> None:
-    """Model, simulate as FMU and identify robots with flexible joints.
+    """Model robots with flexible joints, simulate them as FMUs, identify and diagnose them.
 
     MODEL is a shipped robot's name (see `pyident robots`) or a TOML file.
     """

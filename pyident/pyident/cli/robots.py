@@ -69,7 +69,7 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
 @output_option(JSON)
 @reported
 def schema_command(output: str) -> None:
-    """Write the JSON Schema of robot files, with which editors complete and explain their keys.
+    """Write the JSON Schema of robot files, by which editors complete and explain the keys.
 
     A robot file names it in its first line: `#:schema robot.schema.json`.
 
@@ -84,7 +84,13 @@ def schema_command(output: str) -> None:
 @robots.command(name="export")
 @click.argument("model")
 @output_option(MODEL)
-@click.option("--log", "logs", multiple=True, metavar="LOG", help="Say what is lost on this log; repeatable.")
+@click.option(
+    "--log",
+    "logs",
+    multiple=True,
+    metavar="LOG",
+    help="Report what the export loses on this log; repeatable.",
+)
 @click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
 @effects_option
 @json_option

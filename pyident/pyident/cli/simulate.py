@@ -78,8 +78,20 @@ def export(
 @output_option(LOG, default="simulation.parquet")
 @effects_option
 @set_option
-@click.option("--time-limit", type=float, default=60.0, show_default=True, help="Silence of an FMU [s].")
-@click.option("--window", type=int, default=20, show_default=True, help="Samples before a free run.")
+@click.option(
+    "--time-limit",
+    type=float,
+    default=60.0,
+    show_default=True,
+    help="Longest silence of an FMU before it is stopped [s].",
+)
+@click.option(
+    "--window",
+    type=int,
+    default=20,
+    show_default=True,
+    help="Samples from which a free run takes its initial state.",
+)
 @json_option
 @reported
 def simulate(
@@ -95,8 +107,8 @@ def simulate(
     """Simulate MODEL as an FMU and write the log (CSV, Parquet or MAT by its ending).
 
     MODEL may also be an FMU, of any tool, with inputs joint{k}.r and outputs joint{k}.e and so on; the
-    experiment is then a file. A recorded log is replayed under its own commands. A robot that nothing
-    controls runs freely under a log's torques, from where the first samples of its positions say.
+    experiment is then a file. A recorded log is replayed under its own commands. A robot without a
+    controller runs freely under a log's torques, from the state that its first samples show.
 
     Example: pyident simulate four_link --experiment identification -o log.parquet
     """

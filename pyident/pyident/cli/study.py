@@ -69,9 +69,9 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
 @click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
 @effects_option
 @scheduler_option
-@click.option("--workers", type=click.IntRange(1), help="Processes of this machine.  [default: every core]")
+@click.option("--workers", type=click.IntRange(1), help="Processes on this machine.  [default: every core]")
 @set_option
-@click.option("--yes", is_flag=True, help="Do not ask before a very long study.")
+@click.option("--yes", is_flag=True, help="Do not ask for confirmation before a very long study.")
 @json_option
 @reported
 def sweep(
@@ -84,7 +84,7 @@ def sweep(
 ) -> None:
     """Simulate the parameter sets that PLAN, a TOML file, describes; one row per run in results.parquet.
 
-    The same call goes on after an interrupt.
+    After an interruption the same call continues.
 
     Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
     """

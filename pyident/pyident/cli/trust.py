@@ -13,7 +13,7 @@ from pyident.cli.common.shared import json_option, reported, show, write_json
 def trust_command(files: tuple[str, ...], json_file: str | None) -> None:
     """Let files of effects or metrics run whenever a robot file or a plan names them.
 
-    Recorded, in your own configuration, is their content: a file that changes is trusted no longer.
+    What is recorded, in your user configuration, is their content: a file that changes is no longer trusted.
 
     Example: pyident trust my_effects.py
     """

@@ -17,14 +17,7 @@ from flexmodels.robot import Robot
 from pyident.comparison.model_against_replicas import Part
 from pyident.conditioning.motion import Motion
 from pyident.regression.spectrum import Band, Floor, floor
-
-EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # Hz
-_TOP = 0.4  # of the Nyquist frequency: above, differences and noise are all there is
-_LEAST_GAIN = 0.02
-_LEAST_LINES = 4  # of the spectrum in a band
-_QUANTILES = (0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0)
-_LEAST_SPREAD = 0.02  # of the logarithm of a replica's mean square
-_PIECES = 6  # of a log's time
+from pyident.rules.bins import BINS
 
 
 @dataclass(frozen=True)
@@ -104,7 +97,7 @@ def band_of(part: Part) -> Band:
     """The frequencies at which the equations are sound."""
     samples = len(part.residual)
     length = int(next_fast_len(samples, real=True))  # pyright: ignore[reportArgumentType]
-    top = _TOP * 0.5 / part.period / part.part.thinning
+    top = BINS.top * 0.5 / part.period / part.part.thinning
     return Band(length, max(2, int(top * length * part.period)), part.period)
 
 
@@ -125,11 +118,12 @@ def _band_bins(
     coordinate: str, data: Sequence[Part], c: int, spectra: Sequence[Sequence[Spectrum]]
 ) -> list[Bin]:
     frequencies = np.concatenate([band_of(p).frequencies for p in data])
-    at = np.digitize(frequencies, EDGES) - 1
+    at = np.digitize(frequencies, BINS.edges) - 1
     energies = [np.concatenate([np.abs(S[:, c]) ** 2 for _, S in parts]) for parts in spectra]
     masks, rows = [], []
-    for i, (low, high) in enumerate(zip(EDGES, (*EDGES[1:], float(frequencies.max())), strict=True)):
-        if (at == i).sum() >= _LEAST_LINES:
+    highs = (*BINS.edges[1:], float(frequencies.max()))
+    for i, (low, high) in enumerate(zip(BINS.edges, highs, strict=True)):
+        if (at == i).sum() >= BINS.lines:
             label = f"below {high:g} Hz" if i == 0 else f"at {low:g} to {high:.3g} Hz"
             masks.append(at == i)
             rows.append(("frequency", label, low, high, "Hz"))
@@ -170,10 +164,10 @@ def _filtered(spectra: Sequence[Spectrum], c: int, parts: Sequence[Part], bands:
     """Squares over the used samples of the residual behind Wiener's filter."""
     out = []
     for (band, S), p in zip(spectra, parts, strict=True):
-        gain = np.full(band.bins, _LEAST_GAIN)
+        gain = np.full(band.bins, BINS.least_gain)
         for b in bands:
             inside = (band.frequencies >= b.low) & (band.frequencies <= b.high)
-            gain[inside] = max(_LEAST_GAIN, 1 - 1 / max(b.ratio, 1e-9) ** 2)
+            gain[inside] = max(BINS.least_gain, 1 - 1 / max(b.ratio, 1e-9) ** 2)
         full = np.zeros(band.length // 2 + 1, complex)
         full[: band.bins] = S[:, c] * gain
         over_time = np.asarray(irfft(full * np.sqrt(band.length), band.length))[: len(p.residual)]
@@ -214,8 +208,9 @@ def _edges(key: str, values: np.ndarray) -> np.ndarray:
     if key == "direction":
         return np.array([-np.inf, 0.0, np.inf])
     if key == "time":
-        return np.linspace(0, values.max(), _PIECES + 1)
-    return np.unique([float(f"{x:.2g}") for x in np.quantile(values, _QUANTILES)[1:-1]] + [-np.inf, np.inf])
+        return np.linspace(0, values.max(), BINS.pieces + 1)
+    inner = [float(f"{x:.2g}") for x in np.quantile(values, BINS.quantiles)[1:-1]]
+    return np.unique([-np.inf, *inner, np.inf])
 
 
 def _masks(values: np.ndarray, edges: np.ndarray) -> Iterator[np.ndarray]:
@@ -252,7 +247,7 @@ def _judged(coordinate: str, rows: Sequence[Row], found: np.ndarray, counts: np.
     """Bins from mean squares (1 + B, bins): of the data, then of the replicas."""
     data, level = found[0], np.maximum(found[1:].mean(axis=0), 1e-300)
     variance = np.var(np.log(np.maximum(found[1:], 1e-300) / level), axis=0, ddof=1)
-    spread = np.sqrt((variance + variance.mean()) / 2) + _LEAST_SPREAD  # few replicas: lean on all bins
+    spread = np.sqrt((variance + variance.mean()) / 2) + BINS.least_spread  # few replicas: lean on all bins
     kinds = np.array([row[0] for row in rows])
     over = np.maximum(data - level, 0) * counts
     bins = []

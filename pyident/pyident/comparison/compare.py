@@ -63,16 +63,16 @@ class Comparison:
 
 
 def compare(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress, rules: Rules = RULES
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules = RULES
 ) -> Comparison:
     """Hold an identified robot, with the parameters that it has, against logs.
 
-    open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
+    open_pool   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
     rules          every threshold
     Raises LogError, and what the simulation raises.
     """
     trial = on_trial(robot, logs)
-    with open_workers(trial.simulated) as workers:
+    with open_pool(trial.simulated) as workers:
         data, made = run_trial(trial, workers, progress, rules.comparison.replicas)
     return compared(trial, data, made, rules.comparison)
 

@@ -13,14 +13,8 @@ import numpy as np
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
-
-RIBBON = (5.0, 95.0)  # percentiles of the replicas
-_LEAST_CUTOFF = 5.0  # Hz: a slower residual would be smeared over its causes
-_STANDS_OUT = 1.25  # times the floor: a band that counts
-_WINDOW = 0.25  # s over which the residual's rms is compared with the replicas'
-_LEAVES = 1.5  # times the replicas' rms: a bump
-_VALLEY = np.log(2.0)  # of the energy's logarithm: what parts two bumps
-MOST_BUMPS = 12
+from pyident.rules.bins import BINS
+from pyident.rules.rules import RULES
 
 
 @dataclass(frozen=True)
@@ -101,10 +95,10 @@ def traces(
 def bumps(trace: Trace) -> list[Bump]:
     """Where the residual leaves the ribbon, the largest first."""
     period = float(trace.time[1] - trace.time[0])
-    width = max(int(_WINDOW / period), 1)
+    width = max(int(BINS.window / period), 1)
     energy = _moving_mean(trace.residual**2, width)
     level = np.maximum(_moving_mean(np.maximum(trace.high, -trace.low) ** 2, width), 1e-300)
-    outside = energy > _LEAVES**2 * level
+    outside = energy > BINS.leaves**2 * level
     beyond = np.maximum(energy - level, 0.0)
     total = max(float(beyond.sum()), 1e-300)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
@@ -114,7 +108,7 @@ def bumps(trace: Trace) -> list[Bump]:
         ratio = float(np.sqrt(np.max(energy[at] / level[at])))
         share = float(beyond[at].sum()) / total
         stretches.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
-    return sorted(stretches, key=lambda bump: -bump.share)[:MOST_BUMPS]
+    return sorted(stretches, key=lambda bump: -bump.share)[: BINS.most_bumps]
 
 
 def _split(energy: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -122,14 +116,14 @@ def _split(energy: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int
     from scipy.signal import find_peaks
 
     for start, stop in stretches:
-        valleys, _ = find_peaks(-np.log(energy[start:stop] + 1e-300), prominence=_VALLEY)
+        valleys, _ = find_peaks(-np.log(energy[start:stop] + 1e-300), prominence=BINS.valley)
         yield from pairwise([start, *(start + valleys), stop])
 
 
 def _cutoff(bands: Sequence[Bin]) -> float:
     """The upper edge of the highest band that stands above its floor."""
-    standing = [b.high for b in bands if b.ratio > _STANDS_OUT]
-    return max([_LEAST_CUTOFF, *standing])
+    standing = [b.high for b in bands if b.ratio > RULES.comparison.matters]
+    return max([BINS.least_cutoff, *standing])
 
 
 def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
@@ -147,8 +141,8 @@ def _ribbon(replicas: Sequence[np.ndarray], samples: int, period: float) -> tupl
     from scipy.ndimage import uniform_filter1d
 
     stacked = np.stack([r[:samples] for r in replicas])
-    low, high = np.percentile(stacked, RIBBON, axis=0)
-    width = max(int(_WINDOW / period), 1)
+    low, high = np.percentile(stacked, BINS.ribbon, axis=0)
+    width = max(int(BINS.window / period), 1)
     return uniform_filter1d(low, width), uniform_filter1d(high, width)
 
 

@@ -78,12 +78,11 @@ class Recipe:
         before = torque
         if robot.controller is not None:
             before = np.concatenate([torque[:1], torque[:-1]])
-        scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
-        q, dq, ddq = scheme(q, self.period)
+        q, dq, ddq = derivatives_of(robot)(q, self.period)
         torque, before, target = torque[REACH:-REACH], before[REACH:-REACH], np.zeros_like(q)
         target[:, :joints] = (torque + before) / 2
         motion = Motion(q, dq, ddq, torque, time, before if robot.controller is not None else None)
-        return Conditioned(motion, target, np.ones_like(target), robot.processing.decimate)
+        return Conditioned(motion, target, np.ones_like(target), robot.settings.processing.decimate)
 
     def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
         """Without the equations in which friction is not known; mean square speeds of the log (joints,)."""
@@ -95,7 +94,7 @@ class Recipe:
 
 def recipe(log: Sampled, robot: Robot) -> Recipe:
     """What the robot's [processing] asks of a log. Raises LogError."""
-    plan = robot.processing
+    plan = robot.settings.processing
     require(log, robot, _needed(plan, len(robot.linear_parameters)))
     return Recipe(robot, log.period, None if plan.cutoff is None else _low_pass(plan, log))
 
@@ -122,6 +121,11 @@ def hat_means(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.
 
 
 DERIVATIVES: dict[str, Callable] = {"central": central_differences, "hat": hat_means}
+
+
+def derivatives_of(robot: Robot) -> Callable:
+    """The scheme that the robot's [processing] names; without a name that which fits its torque."""
+    return DERIVATIVES[robot.settings.processing.derivative or ("hat" if robot.controller else "central")]
 
 
 def _even(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -163,7 +167,7 @@ def _off_rest(robot: Robot, dq: np.ndarray, _: np.ndarray) -> np.ndarray:
     moving = np.ones((len(dq), len(robot.joints)))
     for k, joint in enumerate(robot.joints):
         if any(effect.holds_still for effect in joint.effects):
-            moving[:, k] = np.abs(dq[:, k]) >= robot.processing.dead_zone
+            moving[:, k] = np.abs(dq[:, k]) >= robot.settings.processing.dead_zone
     return moving
 
 

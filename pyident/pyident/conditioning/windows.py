@@ -27,7 +27,7 @@ class ConditionedFile:
 
     @property
     def thinning(self) -> int:
-        return self.recipe.robot.processing.decimate
+        return self.recipe.robot.settings.processing.decimate
 
     def pieces(self) -> Iterator[Piece]:
         """All samples in order, window by window; the first own sample is one that thinning keeps."""

@@ -51,7 +51,7 @@ class Task:
     def wave(self) -> tuple[np.ndarray, np.ndarray]:
         """(N, joints) torques of the robot's own multisine, as large as the limits allow, and their peaks."""
         time = np.arange(round(self.duration * self.rate) + 1) / self.rate
-        plan, joints = self.robot.identification, len(self.robot.joints)
+        plan, joints = self.robot.settings.identification, len(self.robot.joints)
         if plan is None or self.robot.controller is None:
             return np.zeros((len(time), joints)), np.zeros(joints)
         tones = plan.multisine

@@ -102,7 +102,7 @@ def _from_call(robot: Robot, values: dict[str, np.ndarray], given: Mapping[str, 
 def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, ...]:
     """What the robot's own identification experiment shows that it may do, where nothing else tells."""
     open_ = {name: np.isnan(v) for name, v in values.items()}
-    if robot.identification is None or not any(v.any() for v in open_.values()):
+    if robot.settings.identification is None or not any(v.any() for v in open_.values()):
         return ()
     plan = identification(robot)
     period = float(plan.time[1] - plan.time[0])

@@ -76,7 +76,7 @@ def _thinned(plan: Experiment, rate: float) -> Reference:
     every = round(own / rate)
     if not np.isfinite(rate) or rate <= 0 or every < 1 or abs(own / every - rate) > 1e-6 * rate:
         raise RobotError(
-            f"a plan of {own:g} points a second cannot be written with {rate:g}; divide it evenly"
+            f"a plan of {own:g} points per second cannot be written at {rate:g}; divide it evenly"
         )
     kept = slice(None, None, every)
     return Reference(motion.time[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept])

@@ -9,11 +9,11 @@ from typing import Literal
 
 import numpy as np
 
+from pyident.rules.confidence import CONSTANT, PERIODS
+
 BINS = 16  # of a signal's quantiles
 _DELAYS = (0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # [samples], either way
 _ORDERS = 120  # highest order per turn
-_PERIODS = 2.0  # that must be passed for a function to be called periodic
-_STILL = 1e-9  # of a signal's largest value: what moves less is constant
 
 Kind = Literal["delay", "order", "signal"]
 PARSIMONY: tuple[Kind, ...] = ("delay", "order", "signal")
@@ -46,7 +46,7 @@ def candidates(
         yield from _orders(name, signals[name])
     for name, values in signals.items():
         x = np.concatenate(values)
-        if np.ptp(x) <= _STILL * max(np.abs(x).max(), np.finfo(float).tiny):
+        if np.ptp(x) <= CONSTANT * max(np.abs(x).max(), np.finfo(float).tiny):
             continue
         edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)[1:-1]))
         yield Candidate("signal", name, 0.0, tuple(_binned(v, edges) for v in values))
@@ -70,7 +70,7 @@ def _orders(name: str, values: Sequence[np.ndarray]) -> Iterator[Candidate]:
     span = max(float(np.ptp(v)) for v in values)
     if span <= 0:
         return
-    lowest = int(np.ceil(_PERIODS * 2 * np.pi / span))
+    lowest = int(np.ceil(PERIODS * 2 * np.pi / span))
     for n in range(lowest, _ORDERS + 1):
         columns = tuple(np.column_stack([np.cos(n * v), np.sin(n * v)]) for v in values)
         yield Candidate("order", name, float(n), columns)

@@ -14,16 +14,13 @@ import numpy as np
 from flexmodels.inputs import SimulationError
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
+from pyident.rules.greybox import GREYBOX
 
 _STEP = 1e-3  # of a parameter's size: central differences
 _FINER = (0.1, 0.01)  # of that step: slopes by two must agree, or the outputs jump with the parameters
-_SMOOTH = 0.05  # relative difference of the two
 _ROUNDS = 3  # of weights
 _FAILED = 1e3  # times the first residual: where the model cannot be simulated
 _FLOOR = 1e-9  # of an output's size: its least noise
-_BLIND = 1e-6  # singular value over the largest, slopes scaled: not seen
-_AT_BOUND = 1e-6  # of a parameter's size
-_CANDIDATES = 16  # starts tried where all bounds are finite
 
 
 @dataclass(frozen=True)
@@ -160,7 +157,7 @@ def _settled_slopes(search: _Search, p: np.ndarray) -> tuple[np.ndarray, bool]:
     slopes = search.slopes(p)
     for part in _FINER:
         finer = search.slopes(p, part)
-        if np.linalg.norm(slopes - finer) <= _SMOOTH * np.linalg.norm(slopes):
+        if np.linalg.norm(slopes - finer) <= GREYBOX.smooth * np.linalg.norm(slopes):
             return finer, False
         slopes = finer
     return slopes, True
@@ -176,14 +173,13 @@ def _start(search: _Search) -> tuple[np.ndarray, tuple[str, ...]]:
     search.worst = _FAILED * max(float(first.max()), 1.0)
     if not all(np.isfinite([f.low, f.high]).all() for f in free):
         return p, ()
-    spread = qmc.LatinHypercube(len(free), rng=0).random(_CANDIDATES)
+    spread = qmc.LatinHypercube(len(free), rng=0).random(GREYBOX.starts)
     low, high = (np.array([getattr(f, side) for f in free]) for side in ("low", "high"))
     tried = [p, *(low + u * (high - low) for u in spread)]
     cost = [float(np.sum(search.residual(q) ** 2)) for q in tried]
     best = int(np.argmin(cost))
-    note = (
-        f"{_CANDIDATES} starts within the bounds were tried; the {'model' if best == 0 else 'best of them'}"
-    )
+    origin = "model" if best == 0 else "best of them"
+    note = f"{GREYBOX.starts} starts within the bounds were tried; the {origin}"
     return tried[best], (
         note + (" own start was nearest" if best == 0 else " was nearer than the model's own"),
     )
@@ -193,7 +189,7 @@ def _judged(
     search: _Search, p: np.ndarray, slopes: np.ndarray, left: Sequence[np.ndarray], claims: bool
 ) -> tuple[Estimate, ...]:
     at_bound = [
-        min(abs(v - f.low), abs(f.high - v)) <= _AT_BOUND * max(abs(v), f.size)
+        min(abs(v - f.low), abs(f.high - v)) <= GREYBOX.at_bound * max(abs(v), f.size)
         for f, v in zip(search.free, p, strict=True)
     ]
     inside = ~np.array(at_bound)
@@ -216,9 +212,9 @@ def _covariance(
     scale = np.linalg.norm(slopes, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     _, s, Vt = np.linalg.svd(slopes / scale, full_matrices=False)
-    blind = Vt[s <= _BLIND * max(s[0], np.finfo(float).tiny)]
+    blind = Vt[s <= GREYBOX.unseen * max(s[0], np.finfo(float).tiny)]
     seen = (np.linalg.norm(blind, axis=0) < 1e-3) & (np.linalg.norm(slopes, axis=0) > 0)
-    inverse = np.where(s > _BLIND * s[0], 1 / np.maximum(s, np.finfo(float).tiny), 0)
+    inverse = np.where(s > GREYBOX.unseen * s[0], 1 / np.maximum(s, np.finfo(float).tiny), 0)
     bread = (Vt.T * inverse**2) @ Vt
     scatter, first = np.zeros_like(bread), 0
     for m in left:

@@ -13,15 +13,8 @@ from math import ceil
 import numpy as np
 
 from pyident.greybox.candidates import PARSIMONY, Candidate, Kind, candidates, delayed
+from pyident.rules.greybox import GREYBOX
 
-_FOLDS = 4
-_SHIFTS = 199  # at least; more for many outputs, so that the level can be reached
-_LEVEL = 0.05  # chance of a finding where there is none, over all outputs
-_MATTERS = 0.01  # share of a residual below which a dependence is not worth a sentence
-_TIED = 0.8  # of the best share: what explains as much is named beside it
-_SHOWN = 4  # names of a tie
-_TERMS = 3  # per output
-_LAGS = 20  # of the test for white noise
 _RIDGE = 1e-9
 
 
@@ -75,7 +68,7 @@ def shown(
     if rms > 0:
         listed = list(candidates(times, simulated, signals, angles))
         whole = sum(float(r @ r) for r in left)
-        for _ in range(_TERMS):
+        for _ in range(GREYBOX.terms):
             finding, part = _best(output, listed, left, outputs)
             if finding is None:
                 break
@@ -97,7 +90,7 @@ def whiteness(residuals: Sequence[np.ndarray]) -> float:
         n, energy = len(r), float(r @ r)
         if energy == 0:
             continue
-        lags = range(1, min(_LAGS, n // 4) + 1)
+        lags = range(1, min(GREYBOX.lags, n // 4) + 1)
         correlation = np.array([float(r[k:] @ r[:-k]) / energy for k in lags])
         q = n * (n + 2) * np.sum(correlation**2 / (n - np.array(lags)))
         smallest = min(smallest, float(chi2.sf(q, len(correlation))))
@@ -109,18 +102,18 @@ def _best(
 ) -> tuple[Finding | None, list[np.ndarray]]:
     """The candidate that foretells most, where chance does not; and its part of the residual."""
     rng = np.random.default_rng(0)
-    shifts = max(_SHIFTS, ceil(outputs / _LEVEL))
+    shifts = max(GREYBOX.shifts, ceil(outputs / GREYBOX.level))
     moved = [_turned(r, shifts, rng) for r in left]
     folds = _parts(moved)
     shares = np.array([_share(c, folds) for c in listed])
     top, chance = shares[:, 0].max(), shares[:, 1:].max(axis=0)
     p = float((1 + np.sum(chance >= top)) / (1 + len(chance)))
-    if p > _LEVEL / outputs or top < _MATTERS:
+    if p > GREYBOX.level / outputs or top < GREYBOX.material:
         return None, []
-    near = [i for i in np.argsort(-shares[:, 0]) if shares[i, 0] >= _TIED * top]
+    near = [i for i in np.argsort(-shares[:, 0]) if shares[i, 0] >= GREYBOX.tie * top]
     kind = min((listed[i].kind for i in near), key=PARSIMONY.index)
     tied = [listed[i] for i in near if listed[i].kind == kind]
-    names = tuple(dict.fromkeys(c.of for c in tied if c.of))[:_SHOWN]
+    names = tuple(dict.fromkeys(c.of for c in tied if c.of))[: GREYBOX.shown]
     best = tied[0]
     part = _fitted(best, left)
     size = float(np.sqrt(np.mean(np.concatenate(part) ** 2)))
@@ -137,9 +130,9 @@ def _turned(residual: np.ndarray, count: int, rng: np.random.Generator) -> np.nd
 
 def _parts(residuals: Sequence[np.ndarray]) -> list[list[tuple[int, slice, np.ndarray, np.ndarray]]]:
     """Per fold: recording, rows, residuals there and their energies."""
-    folds: list[list[tuple[int, slice, np.ndarray, np.ndarray]]] = [[] for _ in range(_FOLDS)]
+    folds: list[list[tuple[int, slice, np.ndarray, np.ndarray]]] = [[] for _ in range(GREYBOX.folds)]
     for i, R in enumerate(residuals):
-        ends = np.linspace(0, len(R), _FOLDS + 1).astype(int)
+        ends = np.linspace(0, len(R), GREYBOX.folds + 1).astype(int)
         for fold, begin, end in zip(folds, ends[:-1], ends[1:], strict=True):
             fold.append((i, slice(begin, end), R[begin:end], np.sum(R[begin:end] ** 2, axis=0)))
     return folds

@@ -27,7 +27,7 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
                 mapping.signals["time"].gain if mapping.rate is None else 1.0
             )
             if len(own) != len(values[name]) or len(own) < 4 or (np.diff(own) <= 0).any():
-                raise LogError(f"{source}: {s.clock} is no clock of {s.column}: it must grow and be as long")
+                raise LogError(f"{source}: {s.clock} is no clock of {s.column}: it must rise and be as long")
             if not np.isfinite(values[name]).all():
                 raise LogError(f"{source}: column {s.column} holds values that are not finite")
             values[name] = CubicSpline(own, values[name])(np.clip(time, own[0], own[-1]))

@@ -119,7 +119,7 @@ def _remote(name: str, found: DataSet, file: Recording, download: bool) -> Path:
 
     folder = Path(pooch.os_cache("flexident")) / name
     if not download and not (folder / file.here).is_file():
-        raise LogError(f"data set {name} is not here; run: pyident data fetch {name}")
+        raise LogError(f"data set {name} is not on this machine; run: pyident data fetch {name}")
     url = f"{_RAW}/{found.repository}/{found.commit}/{quote(file.there)}"
     try:
         (folder / file.here).parent.mkdir(parents=True, exist_ok=True)

@@ -36,6 +36,10 @@ def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot |
 
 
 def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot: Robot | None) -> Log:
+    """Columns (N,) of a foreign recording as a log in SI units on one clock, of even steps.
+
+    robot   refers the motors' signals to the joints; None leaves them. Raises LogError.
+    """
     frame, notes = on_one_clock(raw, mapping, source)
     frame, resampled = _even(frame, source)
     notes += resampled
@@ -52,12 +56,12 @@ def robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) ->
     """A log of `robot`: through a mapping file, or by the robot's own [columns]. Raises LogError."""
     if mapping is not None:
         return import_log([path], mapping, robot)
-    return _at_its_joints(read_log(path, robot.columns), robot)
+    return _at_its_joints(read_log(path, robot.settings.columns), robot)
 
 
 def open_robot_log(path: str | Path, robot: Robot, mapping: Mapping | None = None) -> Log | LogFile:
     """The same, but a long log that needs neither mapping nor transmission stays on disk. Raises LogError."""
-    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.columns)
+    log = robot_log(path, robot, mapping) if mapping else open_log(path, robot.settings.columns)
     if isinstance(log, Log):
         return log if mapping else _at_its_joints(log, robot)
     foreign = any(name.startswith("motor") or name.endswith(".link") for name in log.names)
@@ -87,7 +91,7 @@ def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
     motors = [name for name in frame if str(name).startswith("motor")]
     gear = robot.transmission
     if motors and gear is None:
-        raise LogError(f"{source}: column {motors[0]} is of the motor side; give the robot a [transmission]")
+        raise LogError(f"{source}: column {motors[0]} is on the motor side; give the robot a [transmission]")
     if gear is not None and motors:
         if (angles := _all(frame, "q", n, source)) is not None:
             out[[motor_of(k + 1) for k in range(n)]] = gear.angles(angles)
@@ -143,7 +147,7 @@ def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     steps = np.diff(time)
     if (steps <= 0).any():
         at = int(np.argmax(steps <= 0))
-        raise LogError(f"{source}: time does not grow at row {at + 2}; cut the log there")
+        raise LogError(f"{source}: time does not increase at row {at + 2}; cut the log there")
     period = float(np.median(steps))
     worst = float(np.abs(steps - period).max())
     if worst <= _UNEVEN * period:

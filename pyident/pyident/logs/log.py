@@ -188,6 +188,7 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
 
 
 def median_step(time: np.ndarray) -> float:
+    """[s] between the samples of a time column (N,)."""
     return float(np.median(np.diff(time)))
 
 

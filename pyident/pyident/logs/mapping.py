@@ -80,7 +80,7 @@ def _plausible(signals: dict[str, Source]) -> None:
         if other != name:
             what = " is the column of time and" if "time" in (name, other) else ""
             raise LogError(
-                f"column {source.column}{what} is mapped twice, to {other} and to {name}; mend one"
+                f"column {source.column}{what} is mapped twice, to {other} and to {name}; correct one"
             )
 
 
@@ -106,7 +106,7 @@ def _source(table: Table, i: int, count: int, k: int = 0, motor: bool = False) -
                              ("gear", 1.0))
     )  # fmt: skip
     if gear == 0 or (drive != 1 and not motor):
-        raise LogError(f"{table.place('gear' if gear == 0 else 'drive')}: a gear is not 0, and only a "
+        raise LogError(f"{table.place('gear' if gear == 0 else 'drive')}: a gear must not be 0, and only a "
                        "torque has "
                        f"a drive (N m per A, or per unit of the column)")  # fmt: skip
     side = gear if motor else 1 / gear

@@ -63,11 +63,11 @@ class _Data:
 
 
 def identify_by_instruments(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Identify `robot`; its own parameters are never used. Raises LogError.
 
-    open_workers   robot -> context manager of processes that hold its FMU
+    open_pool   robot -> context manager of processes that hold its FMU
     Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals.
     """
     parts = [condition(log, robot) for log in logs]
@@ -80,7 +80,7 @@ def identify_by_instruments(
     simulated, again = repeats(best.robot, logs)
     notes = tuple(r.note for r in again[:1] if r.note)
     try:
-        with open_workers(simulated) as workers:
+        with open_pool(simulated) as workers:
             best = _nearest(starts, again, workers)
             solution, reason = _rounds(robot, best, data, again, workers, progress)
     except SimulationError as error:
@@ -269,7 +269,7 @@ def _rows(robot: Robot, data: _Data, frame: pd.DataFrame, p: np.ndarray) -> Rows
 
 
 def _share(robot: Robot, use: np.ndarray) -> np.ndarray:
-    return fading(use) if robot.processing.decimate == 1 else use
+    return fading(use) if robot.settings.processing.decimate == 1 else use
 
 
 def _weights(data: list[_Data], rows: list[Rows], p: np.ndarray) -> np.ndarray:

@@ -23,20 +23,20 @@ Progress = Callable[[float], None]
 class Estimator(Protocol):
     """Identifies a robot from logs in memory; its own parameters are never used. Raises LogError.
 
-    open_workers   robot -> context manager of processes that hold its FMU
+    open_pool   robot -> context manager of processes that hold its FMU
     """
 
     def __call__(
         self,
         robot: Robot,
         logs: Sequence[Log],
-        open_workers: OpenPool,
+        open_pool: OpenPool,
         progress: Progress | None = None,
     ) -> Identified: ...
 
 
 def ordinary(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, every equation alike."""
     problem = _problem(robot, logs)
@@ -45,14 +45,14 @@ def ordinary(
 
 
 def weighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Least squares, each coordinate's equations weighted by what they leave."""
     return identified(robot, *estimate(_problem(robot, logs)))
 
 
 def reweighted(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Weighted least squares in which single equations that stick out count less (Huber)."""
     found = identified(robot, *estimate(_problem(robot, logs), robust=True))
@@ -60,7 +60,7 @@ def reweighted(
 
 
 def total(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Total least squares."""
     reduced, solution = estimate(_problem(robot, logs))
@@ -69,7 +69,7 @@ def total(
 
 
 def refined(
-    robot: Robot, logs: Sequence[Log], open_workers: OpenPool, progress: Progress | None = None
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
     """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
     for log in logs:
@@ -77,8 +77,8 @@ def refined(
         if obstacle:
             raise LogError(f"{log.source}: {obstacle}")
     told = progress or (lambda _: None)
-    start = identify_by_instruments(robot, logs, open_workers, lambda share: told(0.3 * share))
-    with open_workers(robot) as simulate:
+    start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
+    with open_pool(robot) as simulate:
         return output_error(robot, list(logs), start, simulate, progress=lambda s: told(0.3 + 0.7 * s))[0]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.conditioning.weak_form import DERIVATIVES, REACH
+from pyident.conditioning.weak_form import REACH, derivatives_of
 from pyident.estimation.instrumental_variables import Rows
 from pyident.regression.regressor import regressor_blocks
 
@@ -22,7 +22,7 @@ _STEP = 1e-6  # rad, rad/s: finite differences of Φ p
 
 def carries(robot: Robot) -> bool:
     """Whether the equations are samples as they were conditioned, neither filtered nor thinned out."""
-    return robot.processing.cutoff is None and robot.processing.decimate == 1
+    return robot.settings.processing.cutoff is None and robot.settings.processing.decimate == 1
 
 
 def noise_scatter(
@@ -64,9 +64,8 @@ def noise_scatter(
 
 def _stencils(robot: Robot, period: float) -> dict[str, np.ndarray]:
     """Field of the motion -> weights of the samples from REACH before to REACH after."""
-    scheme = DERIVATIVES[robot.processing.derivative or ("hat" if robot.controller else "central")]
     impulses = np.eye(2 * REACH + 1)
-    fields = zip(("q", "dq", "ddq"), scheme(impulses, period), strict=True)
+    fields = zip(("q", "dq", "ddq"), derivatives_of(robot)(impulses, period), strict=True)
     return {field: values[0] for field, values in fields}
 
 

@@ -104,7 +104,7 @@ class _Law:
         return lambda part: (after(part) + before(part)) / 2
 
     def _function(self, law: sympy.Expr, known: Mapping[str, np.ndarray]) -> Callable[[slice], np.ndarray]:
-        names, value = compiled(blurred(law, self.robot.processing.dead_zone))
+        names, value = compiled(blurred(law, self.robot.settings.processing.dead_zone))
         given = [self._signal(name, known) for name in names]
         return lambda part: value(*(x[part] if isinstance(x, np.ndarray) else x for x in given))
 

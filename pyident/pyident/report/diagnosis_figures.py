@@ -29,6 +29,7 @@ def row_name(row: Row) -> str:
 
 
 def band_name(band: tuple[float, float]) -> str:
+    """Its edges [Hz], as an axis names them."""
     return f"{band[0]:g}–{band[1]:.2g}"
 
 

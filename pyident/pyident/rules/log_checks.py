@@ -1,4 +1,4 @@
-"""Thresholds by which a log is called wrong or doubtful; those that one check alone needs stand beside it."""
+"""Thresholds by which a log is called wrong or doubtful."""
 
 from dataclasses import dataclass
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from pyident.rules.confidence import LEVEL
 from pyident.rules.rule import RulesError, in_range, rule
 
 _TUNING = "not recorded; in use when studies/hidden_effect was scored"
@@ -11,7 +12,7 @@ _TUNING = "not recorded; in use when studies/hidden_effect was scored"
 class SearchRules:
     """What a candidate must show to be named."""
 
-    level: float = rule(0.05, "chance of a name when nothing is missing", "the usual level", "convention")
+    level: float = rule(LEVEL, "chance of a name when nothing is missing", "the usual level", "convention")
     material: float = rule(0.005, "floor's energy that a gain reaches", "less is not worth a name", _TUNING)
     explained: tuple[float, ...] = rule(
         (0.4, 0.65, 0.8),

@@ -17,11 +17,11 @@ from flexmodels.experiment import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.workers import Make, Workers, inline, workers_with
+from pyident.simulation.workers import Make, Processes, inline, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")
-OpenWorkers = Callable[[Make[LoadedFmu]], AbstractContextManager[Workers[LoadedFmu]]]
+OpenProcesses = Callable[[Make[LoadedFmu]], AbstractContextManager[Processes[LoadedFmu]]]
 
 
 def simulate_robot(
@@ -43,18 +43,18 @@ def fmu_joints(path: str | Path) -> int:
 class FmuRuns:
     """Many simulations of one robot with different parameters; use as a context manager.
 
-    workers   gives the processes: all cores, or the Dask cluster that is configured, if nothing is said
+    open_processes   gives them: all cores, or the Dask cluster that is configured, if nothing is said
     """
 
-    def __init__(self, robot: Robot, workers: OpenWorkers = workers_with):
-        self._robot, self._open = robot, workers
+    def __init__(self, robot: Robot, open_processes: OpenProcesses = workers_with):
+        self._robot, self._open = robot, open_processes
 
     def __enter__(self) -> "FmuRuns":
         with scratch_folder() as folder:
             path = export_fmu(equations(self._robot), folder / "plant.fmu", light=True)
             content = path.read_bytes()
         self._stack = ExitStack()
-        self._workers = self._stack.enter_context(self._open(partial(loaded_fmu, content)))
+        self._processes = self._stack.enter_context(self._open(partial(loaded_fmu, content)))
         return self
 
     def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
@@ -64,7 +64,7 @@ class FmuRuns:
         self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
     ) -> Iterator[pd.DataFrame]:
         """One frame per set of parameters, in their order. Raises SimulationError."""
-        jobs = [self._workers.submit(LoadedFmu.simulate, experiment, dict(p)) for p in parameters]
+        jobs = [self._processes.submit(LoadedFmu.simulate, experiment, dict(p)) for p in parameters]
         for job in jobs:
             yield job.result()
 
@@ -72,7 +72,7 @@ class FmuRuns:
         self, work: Callable[Concatenate[LoadedFmu, P], R], *arguments: P.args, **named: P.kwargs
     ) -> "Future[R]":
         """Call `work(fmu, *arguments)` in one of the processes; `work` is a function of a module."""
-        return self._workers.submit(work, *arguments, **named)
+        return self._processes.submit(work, *arguments, **named)
 
 
 def runs_here(robot: Robot) -> FmuRuns:

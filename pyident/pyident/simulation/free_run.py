@@ -70,12 +70,12 @@ def free_run_of(robot: Robot, log: Log, window: int = WINDOW, part: tuple[int, i
         if name not in log.frame:
             raise LogError(
                 f"{log.source}: column {name} is missing; robot {robot.name} has no [controller], so it runs "
-                "freely under recorded torques, from where the first positions say"
+                "freely under recorded torques, from its first positions"
             )
     first, last = part or (0, len(log))
     if not _ORDER < window < last - first:
         raise LogError(
-            f"{log.source}: an initial window of {window} samples does not go with {last - first} samples; "
+            f"{log.source}: an initial window of {window} samples does not fit {last - first} samples; "
             f"it must have more than {_ORDER} of them and leave some to simulate"
         )
     frame = log.frame.iloc[first:last]

@@ -117,7 +117,7 @@ def _residual(robot: Robot, log: Log, p: np.ndarray) -> np.ndarray:
 def _power(residual: np.ndarray, robot: Robot, log: Log) -> np.ndarray:
     """Mean power per coordinate and part of the noise band, as one vector."""
     S = np.abs(np.fft.rfft(residual * np.hanning(len(residual))[:, None], axis=0)) ** 2
-    cutoff = robot.processing.cutoff
+    cutoff = robot.settings.processing.cutoff
     top = len(S) * min(1.0, 2 * cutoff * log.period if cutoff else 1.0)
     edges = np.linspace(_FROM * top, _TO * top, _PARTS + 1).astype(int)
     return np.array([S[a:b].mean(axis=0) for a, b in pairwise(edges)]).T.ravel()

@@ -16,10 +16,12 @@ from importlib.util import find_spec
 from logging import CRITICAL
 from multiprocessing import active_children, get_context
 from os import cpu_count
+from pathlib import Path
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from flexmodels.scratch import scratch_folder
 from pyident.simulation.process_ends import end_with_parent, interrupts_blocked
 
 P = ParamSpec("P")
@@ -37,7 +39,7 @@ class WorkersError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Workers(Generic[T]):
+class Processes(Generic[T]):
     """executor: where tasks go; count: of processes; token: under which they keep their tool."""
 
     executor: Executor
@@ -53,7 +55,7 @@ class Workers(Generic[T]):
 
 
 @contextmanager
-def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
+def workers_with(make: Make[T]) -> Iterator[Processes[T]]:
     """The Dask cluster that is configured (DASK_SCHEDULER_ADDRESS), else processes of this machine."""
     scheduler = configured_scheduler()
     with dask_workers(make, scheduler) if scheduler else local_processes(make) as workers:
@@ -61,14 +63,14 @@ def workers_with(make: Make[T]) -> Iterator[Workers[T]]:
 
 
 @contextmanager
-def local_processes(make: Make[T]) -> Iterator[Workers[T]]:
+def local_processes(make: Make[T]) -> Iterator[Processes[T]]:
     """One process per core, started when first needed; `make` builds the tool and is sent by pickle."""
     token, count = uuid.uuid4().hex, cpu_count() or 1
     pool = ProcessPoolExecutor(
         count, mp_context=get_context("spawn"), initializer=_start_process, initargs=(token, make)
     )
     try:
-        yield Workers(pool, count, token)
+        yield Processes(pool, count, token)
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -86,18 +88,18 @@ class _Here(Executor):
 
 
 @contextmanager
-def inline(make: Make[T]) -> Iterator[Workers[T]]:
+def inline(make: Make[T]) -> Iterator[Processes[T]]:
     """No other process: for work that is shorter than the start of one, and for tests."""
     token = uuid.uuid4().hex
     _install(token, make)
     try:
-        yield Workers(_Here(), 1, token)
+        yield Processes(_Here(), 1, token)
     finally:
         _remove(token)
 
 
 @contextmanager
-def dask_workers(make: Make[T], scheduler: str | None = None) -> Iterator[Workers[T]]:
+def dask_workers(make: Make[T], scheduler: str | None = None) -> Iterator[Processes[T]]:
     """The workers of the cluster at `scheduler`, else one per core of this machine, with their tool."""
     with dask_cluster(scheduler) as cluster, cluster.holding(make) as workers:
         yield workers
@@ -111,7 +113,7 @@ class Cluster:
     count: int
 
     @contextmanager
-    def holding(self, make: Make[T]) -> Iterator[Workers[T]]:
+    def holding(self, make: Make[T]) -> Iterator[Processes[T]]:
         """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too."""
         token = uuid.uuid4().hex
         try:
@@ -129,7 +131,7 @@ class Cluster:
             ) from None
         executor = self.client.get_executor(pure=False)
         try:
-            yield Workers(executor, self.count, token)
+            yield Processes(executor, self.count, token)
         finally:
             executor.shutdown(wait=False)
             self.client.unregister_worker_plugin(token)
@@ -148,7 +150,7 @@ def dask_cluster(
     from distributed import Client
 
     if scheduler is None:
-        with _local_cluster(module) as local, Client(local) as client:
+        with scratch_folder() as folder, _local_cluster(module, folder) as local, Client(local) as client:
             client.register_plugin(_deaf_plugin(), name="deaf")
             count = count or cpu_count() or 1
             _start(local, count)
@@ -189,8 +191,8 @@ def scheduler_configured(address: str | None) -> Iterator[None]:
         yield
 
 
-def _local_cluster(module: str | None) -> Any:
-    """No workers yet."""
+def _local_cluster(module: str | None, folder: Path) -> Any:
+    """No workers yet; theirs is `folder`, which goes even when this process is killed."""
     import dask.config
     from distributed import LocalCluster
 
@@ -198,6 +200,7 @@ def _local_cluster(module: str | None) -> Any:
         return LocalCluster(
             n_workers=0,
             threads_per_worker=1,
+            local_directory=str(folder),
             dashboard_address=":0",
             memory_limit=0,  # pyright: ignore[reportArgumentType]
             silence_logs=CRITICAL,

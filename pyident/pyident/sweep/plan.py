@@ -175,7 +175,7 @@ def _values(given: Any, place: str, own: float | None) -> list[float]:
         return [number(v, place) for v in given]
     share = number(given, place, lower=0.0)
     if own is None:
-        raise StudyError(f"{place} is a share of a value that an FMU file does not tell; give [from, to]")
+        raise StudyError(f"{place} is a share of a value that an FMU file does not state; give [from, to]")
     return [own - share * abs(own), own + share * abs(own)]
 
 

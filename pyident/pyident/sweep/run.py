@@ -22,7 +22,7 @@ from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.workers import Workers, configured_scheduler, dask_cluster
+from pyident.simulation.workers import Processes, configured_scheduler, dask_cluster
 from pyident.sweep.metrics import METRICS, Metric, evaluate
 from pyident.sweep.plan import StudyPlan
 from pyident.sweep.store import ResultsStore, StudyError
@@ -75,8 +75,10 @@ def parameter_study(
         with closing(ResultsStore(folder, of)) as store:
             left = _left(design, store)
             if left:
-                with cluster.holding(partial(bench, content, experiment, reference, metrics)) as pool:
-                    _Study(pool, store, len(design), progress).run(_batches(left, seconds, pool.count))
+                with cluster.holding(partial(bench, content, experiment, reference, metrics)) as processes:
+                    _Study(processes, store, len(design), progress).run(
+                        _batches(left, seconds, processes.count)
+                    )
             return store.finish(design)
 
 
@@ -110,13 +112,15 @@ def run_plan(
 class _Study:
     """Batches on their way to the store."""
 
-    def __init__(self, workers: Workers[Bench], store: ResultsStore, total: int, progress: Progress | None):
-        self._workers, self._store, self._total, self._progress = workers, store, total, progress
+    def __init__(
+        self, processes: Processes[Bench], store: ResultsStore, total: int, progress: Progress | None
+    ):
+        self._processes, self._store, self._total, self._progress = processes, store, total, progress
         self._done = len(store.rows())
 
     def run(self, batches: Sequence[Sequence[Row]]) -> None:
         """All batches at once; then, one by one, the rows of those that took their worker with them."""
-        waiting = {self._workers.submit(Bench.batch, batch): batch for batch in batches}
+        waiting = {self._processes.submit(Bench.batch, batch): batch for batch in batches}
         suspects: list[Row] = []
         try:
             for future in as_completed(dict(waiting)):
@@ -140,7 +144,7 @@ class _Study:
     def _alone(self, row: Row) -> None:
         """With no other run beside it, a worker that dies is this row's doing."""
         try:
-            self._keep(self._workers.submit(Bench.batch, [row]).result())
+            self._keep(self._processes.submit(Bench.batch, [row]).result())
         except CancelledError:
             raise
         except Exception as error:

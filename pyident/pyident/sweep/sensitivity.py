@@ -55,7 +55,7 @@ def sensitivity(method: Method, ranges: Ranges, design: pd.DataFrame, result: np
     y = np.asarray(result, dtype=float).reshape(-1, size)
     whole = np.isfinite(y).all(axis=1)
     if whole.sum() < 2:
-        raise StudyError(f"{method} needs two whole groups of {size} runs, but only {whole.sum()} ended well")
+        raise StudyError(f"{method} needs two full groups of {size} runs, but only {whole.sum()} succeeded")
     x = design[list(ranges)].to_numpy(dtype=float).reshape(len(y), size, -1)[whole].reshape(-1, len(ranges))
     return _analysed(method, _problem(ranges), x, y[whole].ravel(), list(ranges))
 

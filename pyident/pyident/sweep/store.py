@@ -74,7 +74,7 @@ class ResultsStore:
             rows = self.rows()
             rows = rows.drop(columns=[name for name in design if name in rows])
             if not np.isin(rows["run"].to_numpy(), design.index.to_numpy()).all():
-                raise StudyError(f"{self._folder} holds runs that the design has not; name another folder")
+                raise StudyError(f"{self._folder} holds runs of another design; name another folder")
             table = pd.concat([design.loc[rows["run"]].reset_index(drop=True), rows], axis=1)
             with replacing(self.results) as file:
                 table.to_parquet(file, index=False)
@@ -88,7 +88,7 @@ class ResultsStore:
         """What lies under our names but is no study of ours is not to be replaced."""
         for path in (self.results, self._parts):
             if path.exists():
-                raise StudyError(f"{path} is there already, but no study.json beside it; name another folder")
+                raise StudyError(f"{path} exists, but there is no study.json beside it; name another folder")
 
 
 def _locked(folder: Path) -> int:

@@ -28,6 +28,7 @@ def row(what: str, value: str, goal: str = "", met: bool | None = None) -> dict[
 
 
 def study_names() -> list[str]:
+    """What `pyident study` takes, sorted."""
     return sorted(file.parent.name for file in _folder().glob("*/study.py"))
 
 

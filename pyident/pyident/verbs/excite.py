@@ -159,7 +159,7 @@ def _task(
     driven = robot.controller or robot.servo
     own = 1 / driven.period if driven else _RATE
     if rate is not None and driven and abs(rate - own) > 1e-6 * own:
-        raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the rate of the plan at that")
+        raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the plan at that rate")
     if not duration > 0:
         raise RobotError("the duration of a motion must be above zero")
     allowed: Limits = limits_of(robot, limits)
@@ -170,7 +170,7 @@ def _task(
     unknown = set(noise or {}) - {*robot.coordinates, *robot.torques}
     if unknown:
         raise RobotError(
-            f"robot {robot.name} has no sensor {min(unknown)}; noise is of {robot.coordinates[0]} and so on"
+            f"robot {robot.name} has no sensor {min(unknown)}; they are {robot.coordinates[0]} and so on"
         )
     shape: Geometry = geometry_of(robot, radius, floor)
     return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own)

@@ -113,7 +113,7 @@ def identify_servo(
     ]
     unknown = [name for name in names if name not in settable(robot)]
     if unknown:
-        raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that could be found")
+        raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that can be identified")
     with batches_here(robot) as simulate:
         found = fit_closed_loop(robot, recordings, names, simulate)
     if progress:

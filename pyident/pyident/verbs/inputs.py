@@ -148,7 +148,7 @@ def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:
         log = Log(log, "the data frame")
     if mapping is not None and not set(mapping.signals) <= set(log.names):
         return map_frame(log.frame, mapping, log.source, robot)
-    frame = renamed(log.frame, robot.columns, log.source)
+    frame = renamed(log.frame, robot.settings.columns, log.source)
     check(frame, log.source)
     return replace(log, frame=at_joints(frame.reset_index(drop=True), robot, log.source))
 

@@ -110,6 +110,7 @@ class Checked(Result):
 
     @property
     def safe(self) -> bool:
+        """Whether no run broke a limit."""
         return not self.violations
 
     def to_frame(self) -> "pd.DataFrame":

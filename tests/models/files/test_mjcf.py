@@ -12,6 +12,8 @@ from scipy.integrate import solve_ivp
 from flexmodels.files.mjcf.exporter import export_mjcf
 from flexmodels.files.mjcf.importer import import_mjcf
 from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.joint import Joint
+from flexmodels.link import Link
 from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot, RobotError
@@ -214,6 +216,20 @@ def test_flexible_hinges_are_written_as_joints_with_springs(tmp_path):
     x, p = np.r_[q, np.zeros(8)], list(eq.parameters.values())
     ours = np.array(eq.rates(x, np.zeros(4), p, np.ones(4))[0]).ravel()[8:]
     np.testing.assert_allclose(data.qacc[order], ours, rtol=0, atol=1e-3 * np.abs(ours).max())
+
+
+@pytest.mark.parametrize("rod", [0.0, 0.004], ids=["point", "rod"])
+def test_a_load_without_extent_is_written(rod, tmp_path):
+    """0.49 kg at 0.1 m, by rounding a little less than a rigid body; M against m l² and the rod's."""
+    load = Link.of_centre(0.49, np.array([0.0, 0.0, -0.1]), np.diag([rod, rod, 0.0]))
+    joint = Joint("revolute", (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), False, {})
+    robot = Robot("stand", (joint,), (load,), (0.0, 0.0, -0.1))
+    export_mjcf(robot, tmp_path / "stand.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "stand.xml"))
+    data, inertia = mujoco.MjData(model), np.zeros((1, 1))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, inertia)
+    assert inertia[0, 0] == pytest.approx(0.49 * 0.1**2 + rod, abs=1e-11)
 
 
 @pytest.mark.parametrize(

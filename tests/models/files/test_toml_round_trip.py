@@ -60,12 +60,13 @@ def test_settings(tmp_path_factory, description, rate, gains, cutoff, decimate, 
     robot = load_robot("four_link")
     Kp, Kd, Ki = (tuple(gains[i : i + 4]) for i in (0, 4, 8))
     first = replace(robot.joints[0], limits=Limits(position=tuple(limits), speed=1.0, effort=None))
+    plan = Processing(cutoff=cutoff, decimate=decimate, dead_zone=dead_zone)
     changed = replace(
         robot,
         description=description,
         gravity=gravity,
         controller=Controller(rate, Kp, Kd, Ki),
-        processing=Processing(cutoff=cutoff, decimate=decimate, dead_zone=dead_zone),
+        settings=replace(robot.settings, processing=plan),
         joints=(first, *robot.joints[1:]),
     )
     assert _again(changed, tmp_path_factory) == changed

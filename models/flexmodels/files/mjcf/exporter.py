@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from flexmodels.atomic import replacing
+from flexmodels.files.body_tree import centred
 from flexmodels.joint import Joint
 from flexmodels.link import Link
 from flexmodels.linkage import PassiveJoint
@@ -19,6 +20,7 @@ from flexmodels.robot import Robot, RobotError
 
 KEPT = frozenset({"motor_inertia", "coulomb", "viscous", "stiffness", "damping", "joint_spring"})
 _TIMESTEP = 0.001  # [s] where there is no controller
+_LEAST_INERTIA = 1e-12  # [kg m2] about the centre of mass, of a point or a rod: MuJoCo refuses zero
 _AXES = {1: ("x", 1.0), 2: ("z", 1.0), 3: ("y", -1.0)}  # about which triad axis eps[i] turns
 
 
@@ -116,20 +118,10 @@ def _deformations(joint: Joint) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def _add_inertial(body: Element, k: int, link: Link) -> None:
-    if link.m <= 0:
-        raise RobotError(f"link {k} has moments of mass but no mass, as no rigid body has; give it one")
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
-    principal = np.linalg.eigvalsh(J)
-    if principal.min() <= 0 or principal.sum() < 2 * principal.max() * (1 - 1e-9):
-        raise RobotError(
-            f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about "
-            "its centre of mass, which no rigid body has; identify the robot, or correct its J"
-        )
+    m, com, J = centred(link, k)
+    J = J + max(_LEAST_INERTIA - float(np.linalg.eigvalsh(J).min()), 0.0) * np.eye(3)
     full = (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])
-    SubElement(body, "inertial", pos=_text(com), mass=repr(link.m), fullinertia=_text(full))
+    SubElement(body, "inertial", pos=_text(com), mass=repr(m), fullinertia=_text(full))
 
 
 def _add_drives(root: Element, robot: Robot) -> None:

@@ -96,7 +96,7 @@ def _compiled(path: Path) -> tuple[Any, Any]:
         model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         text = " ".join(str(error).split())
-        raise RobotError(f"{path} cannot be read as MJCF ({text}); mend the file") from None
+        raise RobotError(f"{path} cannot be read as MJCF ({text}); correct the file") from None
     finally:
         mujoco.set_mju_user_warning(None)
     for j in range(model.njnt):

@@ -31,7 +31,7 @@ def parameters_option(command: Command) -> Command:
         multiple=True,
         metavar="NAME[=LOW:HIGH]...",
         callback=lambda context, option, given: _bounded(given),
-        help="What to identify of an FMU, behind the logs; bounds where wanted.",
+        help="Parameters of an FMU to identify, with bounds if you like; give them after the logs.",
     )(command)
 
 
@@ -40,7 +40,7 @@ def interface_option(command: Command) -> Command:
     return click.option(
         "--interface",
         type=click.Choice(["CoSimulation", "ModelExchange"]),
-        help="How an FMU is run.  [default: CoSimulation where it has it]",
+        help="How an FMU is run.  [default: CoSimulation if the FMU has it]",
     )(command)
 
 

@@ -78,7 +78,7 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
             f"{path} is a folder; name a file in it, such as {path / ('out' + kind.endings[0])}"
         )
     if path.exists() and not path.is_file():
-        raise OutputError(f"{path} is a device or a pipe, no file; write to a file")
+        raise OutputError(f"{path} is a device or a pipe, not a file; write to a file")
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: there is no such folder; make it first")
     if path.suffix not in kind.endings:

@@ -96,6 +96,7 @@ def show_notes(notes: Iterable[str]) -> None:
 
 @contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
+    """What to call with the share that is done: a bar in a terminal, else a line now and then."""
     terminal = Console(stderr=True)
     if not terminal.is_terminal:
         yield lines(printable(text))
@@ -106,6 +107,7 @@ def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
 
 
 def write_json(path: str | None, content: Any) -> None:
+    """For `--json`; nothing where no path is given."""
     if path:
         with replacing(path) as file:
             file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
@@ -123,7 +125,7 @@ def output_option(
         default=default,
         show_default=default is not None,
         type=Output(kind),
-        help=f"{kind.what.capitalize()} ({endings}) to write.",
+        help=f"{kind.what[0].upper()}{kind.what[1:]} ({endings}) to write.",
     )
     return lambda command: _with_overwrite(option(command))
 
@@ -143,7 +145,7 @@ def effects_option(command: Command) -> Command:
         is_flag=True,
         expose_value=False,
         callback=lambda context, _, value: value and context.with_resource(code_allowed()),
-        help="Run the Python files that the files given here name.",
+        help="Run the Python files that the given files refer to.",
     )(command)
 
 
@@ -167,9 +169,9 @@ def _configure_scheduler(context: click.Context, _: click.Parameter, address: st
 
 def force_option(command: Command) -> Command:
     """`--force`, wherever a log is believed."""
-    return click.option("--force", is_flag=True, help="Take logs that the checks refuse as grossly wrong.")(
-        command
-    )
+    return click.option(
+        "--force", is_flag=True, help="Use logs even if the checks refuse them as grossly wrong."
+    )(command)
 
 
 def mapping_option(command: Command) -> Command:
@@ -181,20 +183,23 @@ def mapping_option(command: Command) -> Command:
 
 def set_option(command: Command) -> Command:
     """`--set NAME=VALUE`, wherever something is simulated; a dictionary in `parameters`."""
-    return assignments("--set", "parameters", "joint1.coulomb=3.5", "Another value of a parameter, SI units")(
-        command
-    )
+    return assignments(
+        "--set",
+        "parameters",
+        "joint1.coulomb=3.5",
+        "Value of a parameter in SI units, instead of the model's",
+    )(command)
 
 
 def assignments(flag: str, name: str, example: str, text: str) -> Callable[[Command], Command]:
-    """An option NAME=VALUE that may be given again; a dictionary in `name`."""
+    """An option NAME=VALUE that is repeatable; a dictionary in `name`."""
     return click.option(
         flag,
         name,
         multiple=True,
         metavar="NAME=VALUE",
         callback=lambda context, option, given: dict(_assignment(one, example) for one in given),
-        help=f"{text}; may be given again.",
+        help=f"{text}; repeatable.",
     )
 
 
@@ -219,5 +224,5 @@ def _with_overwrite(command: Command) -> Command:
         expose_value=False,
         is_eager=True,
         callback=lambda context, _, value: context.meta.update({OVERWRITE: value}),
-        help="Replace existing files of another kind too.",
+        help="Also replace existing files of another kind.",
     )(command)

@@ -52,7 +52,7 @@ def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -
     Of the robot's own identification experiment, or of a log's references where it has none; no variant goes
     further or faster than that. Raises RobotError, and LogError for a log without references.
     """
-    if robot.identification is not None:
+    if robot.settings.identification is not None:
         whole, name = identification(robot), "the identification experiment"
     elif log is not None:
         whole, name = replay_of(robot, log).plan, f"the motion of {log.source}"

@@ -22,12 +22,12 @@ from pyident.diagnosis.base.projection import Base, Columns, gain
 from pyident.diagnosis.unexplained.smooth import whitened_columns
 from pyident.regression.regressor import regressor
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import PERIODS
 
 HIGHEST_ORDER = 200
 _NEIGHBOURS = 101
 _QUIET = 20.0  # percent of the neighbours: the others may be skirts of the peak itself
 _LEFT = 0.05  # of a wave that the base must leave: what it imitates is the motion itself
-_PERIODS = 2.0  # that an angle must have passed for its force to be called periodic
 _STEP = 1e-6  # rad, of the differences
 _PER_BIN = 2  # frequencies tried per resolved one
 
@@ -187,5 +187,5 @@ def _grid(logs: Sequence[Equations], over: Over) -> np.ndarray:
         top = min(float(log.band.frequencies[-1]) for log in logs)
         return np.arange(2 * _PER_BIN, int(top * longest * _PER_BIN)) / longest / _PER_BIN
     span = max(float(np.ptp(log.part.motion.q[:, over.column])) for log in logs)
-    lowest = _PERIODS * 2 * np.pi / max(span, 1e-9)
+    lowest = PERIODS * 2 * np.pi / max(span, 1e-9)
     return np.arange(np.ceil(lowest), HIGHEST_ORDER + 1)

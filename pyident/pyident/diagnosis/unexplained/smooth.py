@@ -17,10 +17,10 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Columns
 from pyident.regression.laws import Signals
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import CONSTANT
 
 SPLINES = 15  # per signal; one is lost to the constant
 _DEGREE = 3
-_REST = 1e-9  # of a signal's largest value: what changes less is constant
 
 Form = Literal["force", "friction"]
 
@@ -72,7 +72,7 @@ def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variabl
     return [
         Variable(name, words, form, values)
         for name, words, values in found
-        if np.ptp(np.concatenate(values)) > _REST * np.abs(np.concatenate(values)).max()
+        if np.ptp(np.concatenate(values)) > CONSTANT * np.abs(np.concatenate(values)).max()
         for form in ("force", "friction")
     ]
 

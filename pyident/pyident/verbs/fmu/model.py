@@ -196,7 +196,7 @@ def _free(fmu: FmuModel, name: str, parameters: Parameters) -> Free:
     _require(fmu, fmu.title, {name: 0.0})
     quantity: Quantity = fmu.quantities[name]
     if not quantity.continuous or quantity.causality == "input":
-        raise RobotError(f"{fmu.title}: {name} is no continuous parameter, so it cannot be identified")
+        raise RobotError(f"{fmu.title}: {name} is not a continuous parameter, so it cannot be identified")
     low = -np.inf if quantity.minimum is None else quantity.minimum
     high = np.inf if quantity.maximum is None else quantity.maximum
     free = Free(name, quantity.unit, 0.0 if quantity.start is None else quantity.start, low, high)

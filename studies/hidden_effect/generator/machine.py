@@ -12,8 +12,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from . import generator_model as model
-from .generator_model import Arm
+from . import model
+from .model import Arm
 
 _DRIVER = """
 void advance(double t, double h, int steps, double *x, const double *u, const double *p) {

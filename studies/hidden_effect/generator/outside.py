@@ -5,7 +5,7 @@ import numpy as np
 
 from flexmodels.coordinate import motor_of, of_joint
 
-from .generator_law import dry, law
+from .law import dry, law
 
 
 @law(

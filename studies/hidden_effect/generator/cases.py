@@ -9,9 +9,9 @@ import numpy as np
 from flexmodels.link import LINK_PARAMETERS, Link
 from flexmodels.robot import Robot
 
-from .generator_laws import LAWS, Draw, Law, Levels
-from .generator_run import Hidden, Noise, Plan, reference_levels, standard
-from .generator_stability import LinearLoop
+from .laws import LAWS, Draw, Law, Levels
+from .run import Hidden, Noise, Plan, reference_levels, standard
+from .stability import LinearLoop
 
 LOGS = ("train1", "train2", "heldout")
 DECAY = 0.999  # per controller period, of the slowest oscillation of a true robot

@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 from flexmodels.robot import Robot
 
-from . import generator_model as model
+from . import model
 
 
 class LinearLoop:

@@ -9,9 +9,9 @@ import pandas as pd
 from flexmodels.coordinate import deformation_of, joint_name, motor_of, of_joint, torque_of
 from flexmodels.robot import Robot
 
-from .generator_laws import LAWS, Levels
-from .generator_machine import Machine
-from .generator_model import Arm
+from .laws import LAWS, Levels
+from .machine import Machine
+from .model import Arm
 
 STEPS = 40  # per controller period: 0.1 ms at 250 Hz
 
@@ -58,7 +58,7 @@ class Plan:
 
 def standard(robot: Robot, **changes) -> Plan:
     """The robot file's identification experiment, 20 s long."""
-    own, n = robot.identification, len(robot.joints)
+    own, n = robot.settings.identification, len(robot.joints)
     if own is None:
         raise ValueError(f"robot {robot.name} has no [identification], from which plans are made")
     tones = own.multisine

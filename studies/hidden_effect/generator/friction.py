@@ -4,7 +4,7 @@ import casadi as ca
 
 from flexmodels.coordinate import motor_of, of_joint
 
-from .generator_law import dry, law
+from .law import dry, law
 
 
 @law("stribeck", lambda d: {"excess": d.strong(0.8, 1.4, d.value("coulomb")), "speed": d.between(0.05, 0.2)})

@@ -4,7 +4,7 @@ import casadi as ca
 
 from flexmodels.coordinate import deformation_of, of_joint
 
-from .generator_law import dead_zone, law
+from .law import dead_zone, law
 
 
 @law(

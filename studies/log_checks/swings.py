@@ -9,6 +9,8 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 
+from ..rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
+
 _FRICTION = (0.06, 0.03)  # of the joint's rms torque: Coulomb, and viscous at its rms speed
 _MOTORS = 0.15  # of the mean of a joint's mass matrix element
 
@@ -33,9 +35,8 @@ def six_axes() -> Robot:
         replace(j, values={law: v for law, v in j.values.items() if law != "joint_coupling"})
         for j in robot.joints
     )
-    return replace(
-        robot, name="six_axes", joints=joints, transmission=None, processing=Processing(cutoff=40.0)
-    )
+    plain = replace(robot, name="six_axes", joints=joints, transmission=None)
+    return plain.with_settings(processing=Processing(cutoff=40.0))
 
 
 def recorded(robot: Robot, motion: Motion, seed: int, noise: float = 2e-6) -> pd.DataFrame:
@@ -43,14 +44,11 @@ def recorded(robot: Robot, motion: Motion, seed: int, noise: float = 2e-6) -> pd
 
     noise   [rad or m] of the encoders; torques have 0.5 % of their rms
     """
-    import pinocchio as pin  # pyright: ignore[reportMissingImports]
-
     rng = np.random.default_rng(seed)
     q, dq, ddq, time = _swings(robot, motion, rng)
-    model = _model(robot, rng)
-    data = model.createData()
-    tau = np.array([pin.rnea(model, data, *row) for row in zip(q, dq, ddq, strict=True)])
-    M = np.mean([np.diag(pin.crba(model, data, row)) for row in q[:: max(1, len(q) // 20)]], axis=0)
+    model = chain(robot, rng.uniform(0.8, 1.2, len(robot.links)))
+    tau, data = inverse_dynamics(model, q, dq, ddq), model.createData()
+    M = np.mean([np.diag(pinocchio().crba(model, data, row)) for row in q[:: max(1, len(q) // 20)]], axis=0)
     tau += _MOTORS * M * ddq
     level, speed = tau.std(axis=0) + 1e-3 * np.abs(tau).max(), dq.std(axis=0) + 1e-9
     tau += level * (_FRICTION[0] * np.tanh(dq / 1e-3) + _FRICTION[1] * dq / speed)
@@ -97,25 +95,3 @@ def _faded(time: np.ndarray, start: float, stop: float, over: float, out: bool) 
     down = rise(stop - time)
     return [up[0] * down[0], up[1] * down[0] - up[0] * down[1],
             up[2] * down[0] - 2 * up[1] * down[1] + up[0] * down[2]]  # fmt: skip
-
-
-def _model(robot: Robot, rng: np.random.Generator):
-    """The arm in Pinocchio, every link's mass and inertia times its own number."""
-    import pinocchio as pin  # pyright: ignore[reportMissingImports]
-
-    model, before, axes = pin.Model(), 0, np.eye(3)
-    model.gravity.linear = np.array(robot.gravity)
-    for k, joint in robot.numbered:
-        triad = joint.triad
-        kind = pin.JointModelRX() if joint.kind == "revolute" else pin.JointModelPX()
-        place = pin.SE3(axes.T @ triad, axes.T @ np.array(joint.origin))
-        before, axes = model.addJoint(before, kind, place, f"joint{k}"), triad
-        link = robot.links[k - 1]
-        com = np.array(link.ms) / link.m
-        xx, xy, xz, yy, yz, zz = link.J
-        J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
-        times = float(rng.uniform(0.8, 1.2))
-        body = pin.Inertia(times * link.m, triad.T @ com, times * (triad.T @ J_com @ triad))
-        model.appendBodyToJoint(before, body, pin.SE3.Identity())
-    return model

@@ -5,7 +5,7 @@ import numpy as np
 
 from flexmodels.coordinate import motor_of
 
-from .generator_law import Constants, Draw, law
+from .law import Constants, Draw, law
 
 
 @law(

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmodels.coordinate import of_joint
 
-from .generator_model import SMOOTH, Arm
+from .model import SMOOTH, Arm
 
 SX = Any
 Constants = dict[str, float]
