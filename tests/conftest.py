@@ -2,6 +2,7 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
@@ -9,6 +10,9 @@ from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.mechanics.plant import equations
 from pyident.logs.log import Log
+
+settings.register_profile("the same cases every time", derandomize=True)
+settings.load_profile("the same cases every time")
 
 
 @pytest.fixture(scope="session")

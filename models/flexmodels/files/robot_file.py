@@ -45,8 +45,9 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
     if not path.is_file():
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
+    content = read_toml(path)
     try:
-        return _robot(read_toml(path), path, allow_effects)
+        return _robot(content, path, allow_effects)
     except (RobotError, EffectError) as error:
         raise RobotError(f"{path}: {error}") from None
 

@@ -103,7 +103,7 @@ def read_toml(path: Path) -> dict[str, Any]:
             raise RobotError(f"{path}: more than {_LARGEST // 10**6} MB are too much for a TOML file")
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except RecursionError:
-        raise RobotError(f"{path}: not a usable TOML file (its tables are nested too deeply)") from None
+        raise RobotError(f"{path}: not a TOML file (its tables are nested too deeply)") from None
     except ValueError as error:  # of TOML, of UTF-8, and of whole numbers with thousands of digits
         raise RobotError(f"{path}: not a TOML file ({error})") from None
 

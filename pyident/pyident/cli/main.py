@@ -30,7 +30,9 @@ COMMANDS = {
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
     "sweep": Entry("pyident.cli.study", "sweep", "Simulate the parameter sets that a plan describes."),
     "trust": Entry(
-        "pyident.cli.trust", "trust_command", "Trust Python files of effects or metrics, so that they run."
+        "pyident.cli.trust",
+        "trust_command",
+        "Let Python files of effects or metrics run.",
     ),
 }
 

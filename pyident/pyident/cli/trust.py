@@ -11,7 +11,7 @@ from pyident.cli.common.shared import json_option, reported, show, write_json
 @json_option
 @reported
 def trust_command(files: tuple[str, ...], json_file: str | None) -> None:
-    """Let files of effects or metrics run whenever a robot file or a plan names them.
+    """Let Python files of effects or metrics run whenever a robot file or a plan names them.
 
     What is recorded, in your user configuration, is their content: a file that changes is no longer trusted.
 

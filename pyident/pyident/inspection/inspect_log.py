@@ -18,6 +18,7 @@ from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
 from pyident.logs.units import FACTORS
 
+_LARGEST = 1e100  # in whatever unit
 _SIGNALS = ("position", "torque", "current")
 
 
@@ -32,15 +33,15 @@ def inspect_log(
     """
     if not files:
         raise LogError("there is no file; give one or more of one recording")
-    recording = _joined([(Path(file), read_recording(Path(file))) for file in files])
+    recording, notes = _measured(_joined([(Path(file), read_recording(Path(file))) for file in files]))
     channels = first_guesses(recording, robot)
     time = next((c for c in channels if c.signal == "time"), None)
     period = _period(time) if time is not None else 1 / rate if rate else None
     channels = nameless(channels, robot, period)
     channels = with_velocities_found(with_motion_units(channels, robot, period), period)
-    notes: list[str] = []
     if robot is not None and (time is not None or rate):
-        channels, notes = with_physics(channels, recording.columns, robot, rate)
+        channels, further = with_physics(channels, recording.columns, robot, rate)
+        notes += further
     channels = _judged(channels, robot)
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
@@ -66,6 +67,19 @@ def _joined(read: list[tuple[Path, Recording]]) -> Recording:
         units |= {own[n]: unit for n, unit in recording.units.items()}
         clocks |= {own[n]: own[clock] for n, clock in recording.clocks.items()}
     return Recording(columns, units, clocks, all(recording.header for _, recording in read))
+
+
+def _measured(recording: Recording) -> tuple[Recording, list[str]]:
+    """Without columns that no sensor can have measured, and a note on each."""
+    notes = {}
+    for name, x in recording.columns.items():
+        if not np.isfinite(x).any():
+            notes[name] = f"{name} is left out: it holds no number"
+        elif np.nanmax(np.abs(x)) > _LARGEST:
+            notes[name] = f"{name} is left out: no sensor measures values beyond {_LARGEST:g}"
+    kept = {name: x for name, x in recording.columns.items() if name not in notes}
+    clocks = {name: clock for name, clock in recording.clocks.items() if name in kept and clock in kept}
+    return replace(recording, columns=kept, clocks=clocks), list(notes.values())
 
 
 def _period(time: Channel) -> float:
