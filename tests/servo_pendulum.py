@@ -12,7 +12,7 @@ from flexmodels.robot import Robot
 from flexmodels.settings.servo import Servo
 
 MASS, ARM, WEIGHT, ARMATURE = 0.5, 0.1, 0.5 * 9.81 * 0.1, 0.002
-RATE, KT, R, SUPPLY = 1000.0, 0.35, 4.0, 7.4
+RATE, KT, R, SUPPLY, SATURATION = 1000.0, 0.35, 4.0, 7.4, 0.2
 
 
 def pendulum() -> Robot:
@@ -27,7 +27,7 @@ def pendulum() -> Robot:
     link = Link(MASS, (0.0, 0.0, -MASS * ARM), (MASS * ARM**2, 0.0, 0.0, MASS * ARM**2, 0.0, 0.0))
     servo = Servo(
         rate=RATE, supply=SUPPLY, kp=(300.0,), gain=(0.003,), kt=(KT,), R=(R,), ki=(150.0,), kd=(2.0,),
-        limit=(0.8,), dead_band=(0.01,), delay=0.0125,
+        limit=(0.8,), dead_band=(0.01,), saturation=(SATURATION,), delay=0.0125,
     )  # fmt: skip
     return replace(base, name="pendulum", joints=(joint,), links=(link,), controller=None, servo=servo)
 
@@ -44,7 +44,8 @@ def by_hand(plan: Experiment, armature: float = ARMATURE, kt: float = KT) -> np.
             error = late[i] - e if abs(late[i] - e) >= 0.01 else 0.0
             integral += error / RATE if i else 0.0
             duty = np.clip(0.003 * (300 * error + 150 * integral - 2 * de), -0.8, 0.8)
-            torque = kt / R * (SUPPLY * duty - kt * de)
+            current = (SUPPLY * duty - kt * de) / R
+            torque = kt * current / (1 + SATURATION * abs(current))
         else:
             integral = 0.0
 

@@ -3,10 +3,6 @@
 import os
 import re
 import shutil
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -27,7 +23,6 @@ _FLAGS = [
     "--disable-sync",
     "--no-first-run",
 ]
-PATIENCE = 300_000  # ms that a journey waits for work on a busy machine
 
 
 @pytest.fixture(scope="session")
@@ -46,23 +41,6 @@ def project(recordings, tmp_path) -> Path:
     folder = tmp_path / "project"
     shutil.copytree(recordings, folder)
     return folder
-
-
-@contextmanager
-def served(folder: Path, port: int = 0) -> Iterator[str]:
-    """The URL of a workbench on the folder."""
-    words = [sys.executable, "-m", "pyident", "open", str(folder), "--no-browser", "--port", str(port)]
-    # NiceGUI behaves differently where it believes that it is under test
-    plain = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=plain)
-    try:
-        assert process.stdout is not None
-        url = next((m[0] for line in process.stdout if (m := re.search(r"http://\S+", line))), None)
-        assert url, "the workbench printed no URL"
-        yield url
-    finally:
-        process.terminate()
-        process.wait(30)
 
 
 @pytest.fixture(scope="session")

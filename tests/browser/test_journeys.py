@@ -1,7 +1,6 @@
 """What a person does with the workbench, done by a browser."""
 
 import json
-import os
 import re
 import shlex
 import shutil
@@ -10,55 +9,13 @@ import sys
 from zipfile import ZipFile
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
-from conftest import PATIENCE, served
 from fmpy.validation import validate_fmu
+from steps import CURVES, PATIENCE, accessible, checked, compared, curves, pictured, served
 
 from flexmodels.files.robot_file import load_robot
 from pyident.logs.log import read_log, write_log
 
 pytestmark = pytest.mark.browser
-
-
-CURVES = "([id, n]) => document.querySelector(`[data-testid=${id}]`).data?.length === n"
-
-
-def curves(tab, name: str) -> int:
-    """How many curves a figure has, once it is drawn."""
-    tab.wait_for_function("id => document.querySelector(`[data-testid=${id}]`)?.data", arg=name)
-    return tab.evaluate("id => document.querySelector(`[data-testid=${id}]`).data.length", name)
-
-
-def pictured(tab, name: str) -> None:
-    """A picture of the page, where PICTURES names a folder for them."""
-    if "PICTURES" in os.environ:
-        tab.wait_for_timeout(1500)
-        tab.screenshot(path=f"{os.environ['PICTURES']}/{name}.png", full_page=True)
-
-
-def accessible(tab) -> None:
-    """No violation that axe-core calls serious or critical."""
-    results = Axe().run(tab).response["violations"]
-    serious = [v for v in results if v["impact"] in ("serious", "critical")]
-    words = [f"{v['id']}: {v['help']}: {[n['html'][:200] for n in v['nodes'][:3]]}" for v in serious]
-    assert not words, "\n".join(words)
-
-
-def compared(tab, url: str) -> None:
-    """Check, compare, and wait until every law has been asked."""
-    checked(tab, url)
-    tab.get_by_test_id("place-where").click()
-    tab.get_by_test_id("compare").click()
-    tab.get_by_test_id("where-sentence").wait_for(timeout=PATIENCE)
-    tab.get_by_test_id("job-ask").wait_for(state="detached", timeout=PATIENCE)
-    curves(tab, "states")
-
-
-def checked(tab, url: str) -> None:
-    """Open the workbench and let it check the logs."""
-    tab.goto(url)
-    tab.get_by_test_id("check").click()
-    tab.get_by_test_id("sound").wait_for(timeout=PATIENCE)
 
 
 def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
@@ -259,60 +216,6 @@ def test_the_robot_stands_in_3d(tab, project):
         )
         assert coloured > 50  # the joints' discs
         assert tab.errors == []
-
-
-def test_by_keyboard_alone(tab, project):
-    """Tab reaches every control in turn and Enter works it; the focus can be seen."""
-    with served(project) as url:
-        tab.goto(url)
-        tab.get_by_test_id("check").wait_for()
-        tabbed(tab, "check")
-        tab.keyboard.press("Enter")
-        tab.get_by_test_id("sound").wait_for(timeout=PATIENCE)
-        tabbed(tab, "place-where")
-        tab.keyboard.press("Enter")
-        tabbed(tab, "compare")
-        tab.keyboard.press("Enter")
-        tab.get_by_test_id("where-sentence").wait_for(timeout=PATIENCE)
-        tab.get_by_test_id("job-ask").wait_for(state="detached", timeout=PATIENCE)
-        tabbed(tab, "bump-1")
-        tab.keyboard.press("Enter")
-        tab.get_by_test_id("whole").wait_for()
-        tabbed(tab, "to-why")
-        tab.keyboard.press("Enter")
-        tabbed(tab, "try-1")
-        tab.keyboard.press("Space")
-        tab.wait_for_function(CURVES, arg=["waveform", 4])
-        assert tab.errors == []
-
-
-def tabbed(tab, name: str, most: int = 120) -> None:
-    """Press Tab until a control has the focus."""
-    for _ in range(most):
-        if tab.evaluate("document.activeElement?.dataset?.testid ?? ''") == name:
-            return
-        tab.keyboard.press("Tab")
-    raise AssertionError(f"{most} times Tab do not reach {name}")
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-def test_nothing_is_wider_than_the_screen(tab, project, width):
-    tab.set_viewport_size({"width": width, "height": 800})
-    with served(project) as url:
-        for place in ("data", "model", "next"):
-            tab.goto(f"{url}&place={place}")
-            tab.get_by_test_id("verdict").wait_for()
-            tab.wait_for_timeout(500)
-            assert tab.evaluate("document.documentElement.scrollWidth") <= width + 1
-
-
-@pytest.mark.parametrize("place", ["data", "model", "next"])
-def test_everybody_can_use_it(tab, project, place):
-    with served(project) as url:
-        tab.goto(f"{url}&place={place}")
-        tab.get_by_test_id("verdict").wait_for()
-        tab.wait_for_timeout(500)
-        accessible(tab)
 
 
 def test_a_urdf_becomes_a_robot_file(tab, project):

@@ -26,7 +26,7 @@ void servo_sample(Servo *servo, const double parameter[N_SERVO], const double in
     memcpy(servo->command[servo->ticks % SERVO_HISTORY], reference, N_JOINTS * sizeof *reference);
     for (j = 0; j < N_JOINTS; ++j) {
         const double *p = parameter + j;
-        double error = late(servo, j, delay) - position[j], duty;
+        double error = late(servo, j, delay) - position[j], duty, current;
         torque[j] = added[j];
         if (on[j] < 0.5) {
             servo->integral[j] = 0;
@@ -36,7 +36,8 @@ void servo_sample(Servo *servo, const double parameter[N_SERVO], const double in
         if (servo->ticks) servo->integral[j] += PERIOD * error;
         duty = p[SERVO_GAIN] * (p[SERVO_KP] * error + p[SERVO_KI] * servo->integral[j] - p[SERVO_KD] * speed[j]);
         duty = fmin(fmax(duty, -p[SERVO_LIMIT]), p[SERVO_LIMIT]);
-        torque[j] += p[SERVO_KT] / p[SERVO_R] * (supply * duty - p[SERVO_KT] * speed[j]);
+        current = (supply * duty - p[SERVO_KT] * speed[j]) / p[SERVO_R];
+        torque[j] += p[SERVO_KT] * current / (1 + p[SERVO_SATURATION] * fabs(current));
     }
     ++servo->ticks;
 }

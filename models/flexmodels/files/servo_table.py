@@ -6,7 +6,7 @@ from flexmodels.files.toml_table import Table
 from flexmodels.robot import RobotError
 from flexmodels.settings.servo import LONGEST_DELAY, PER_JOINT, POSITIVE, SHARED, Servo
 
-_DEFAULTS = {"ki": 0.0, "kd": 0.0, "limit": 1.0, "dead_band": 0.0}
+_DEFAULTS = {"ki": 0.0, "kd": 0.0, "limit": 1.0, "dead_band": 0.0, "saturation": 0.0}
 
 
 def read_servo(table: Table, joints: int) -> Servo:

@@ -4,9 +4,11 @@ A digital position loop sets the duty of the voltage on a DC motor:
 
     error  = r(t - delay) - e, zero within the dead band
     duty   = gain (kp error + ki ∫ error dt - kd de), held within ± limit
-    torque = kt / R (supply duty - kt de), held until the next sample; zero while the servo is off
+    current = (supply duty - kt de) / R
+    torque = kt current / (1 + saturation |current|), held until the next sample; zero while the servo is off
 
-kt and R are those seen at the joint: of the motor, times the gear's ratio and its square.
+kt and R are those seen at the joint: of the motor, times the gear's ratio and its square. Iron that
+saturates loses torque by Froelich's curve (Fitzgerald, Kingsley and Umans, Electric Machinery).
 """
 
 from collections.abc import Mapping
@@ -25,6 +27,7 @@ PER_JOINT: dict[str, tuple[str, str]] = {
     "dead_band": ("rad", "Error that the servo takes for none"),
     "kt": ("N.m/A", "Torque per current at the joint, and voltage per speed"),
     "R": ("Ohm", "Resistance of the motor"),
+    "saturation": ("1/A", "Inverse of the current at which half of the torque is lost to saturation"),
 }
 SHARED: dict[str, tuple[str, str]] = {
     "supply": ("V", "Voltage of the supply"),
@@ -51,6 +54,7 @@ class Servo:
     kd: tuple[float, ...]
     limit: tuple[float, ...]
     dead_band: tuple[float, ...]
+    saturation: tuple[float, ...]
     delay: float = 0.0
     unknown: tuple[str, ...] = ()
 
@@ -103,5 +107,6 @@ class Servo:
         duty = np.clip(
             np.array(self.gain) * (drive - np.array(self.kd) * de), -np.array(self.limit), self.limit
         )
-        kt, R = np.array(self.kt), np.array(self.R)
-        return kt / R * (self.supply * duty - kt * de) * (on > 0.5)
+        kt = np.array(self.kt)
+        current = (self.supply * duty - kt * de) / np.array(self.R)
+        return kt * current / (1 + np.array(self.saturation) * np.abs(current)) * (on > 0.5)
