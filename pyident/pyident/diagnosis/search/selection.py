@@ -4,14 +4,16 @@ The effect that explains most leads; with the fewest others that it needs it mus
 the floor on the equations where it acts, and hold on logs that were not used (see `gate`). Its joint's next
 effect must take away most of what is left there: what an inexact law leaves behind is shared among many
 candidates, a true effect is taken by one. Where no effect passes, the equation stays unexplained and the
-others go on. At last a law whose coefficients change over the logs is dropped, and one that leaves what
-depends on a signal that it does not know: they stand in for something else (see `constancy`, `imitation`).
+others go on. At last a law whose coefficients change over the logs is dropped, one whose gain rests on a few
+samples away from where it acts, and one that leaves what depends on a signal that it does not know: they
+stand in for something else (see `constancy`, `breadth`, `imitation`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.gate import Refusal, counts, group_for, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
@@ -123,6 +125,9 @@ def _fault(whole: Search, candidate: Candidate) -> str:
     quantity = changes_with(whole, candidate)
     if quantity:
         return f"its coefficients change with {quantity}"
+    samples = rests_on(whole, candidate)
+    if samples:
+        return f"most of its gain rests on {samples}, where little of its force is"
     words = stands_in_for(whole, candidate)
     return f"what it leaves depends on {words}, beside which it explains little" if words else ""
 
