@@ -44,6 +44,8 @@ def test_sentences_name_what_they_mean():
     assert "nexplained" not in sentence
     rest = sentence_of("missing_effect", [ONE], _places("unexplained"), place)
     assert "Unexplained remains joint3, link side (7 floors)" in rest
+    three = sentence_of("missing_effect", [ONE, ONE, ONE], calm, place)
+    assert three.count("; stribeck at joint2") == 2
     rivals = sentence_of("cannot_tell", [RIVALS], calm, place)
     assert "or presliding" in rivals
     assert "cannot tell which" in rivals

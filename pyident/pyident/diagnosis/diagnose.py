@@ -34,7 +34,7 @@ _ALONG = "the controller is not known: replicas go along the measured motion, wi
 def diagnose(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenPool,
+    open_pool: OpenPool,
     heldout: Sequence[Log] = (),
     progress: Progress = lambda _: None,
     draft: bool = False,
@@ -42,21 +42,21 @@ def diagnose(
 ) -> Diagnosis:
     """What `robot` lacks in `logs`; its own dynamic parameters are never used.
 
-    open_workers   gives processes that hold a robot's FMU (pyident.simulation.fmu_runs.FmuRuns)
+    open_pool   gives processes that hold a robot's FMU (pyident.simulation.fmu_runs.FmuRuns)
     heldout        logs on which the findings must hold
     draft          look for a formula where no law explains the residual
     rules          every threshold
     Raises LogError.
     """
-    search = searched(robot, logs, open_workers, lambda share: progress(0.8 * share), rules)
-    found = concluded(search, open_workers, heldout)
+    search = searched(robot, logs, open_pool, lambda share: progress(0.8 * share), rules)
+    found = concluded(search, open_pool, heldout)
     if found.verdict == "unexplained":
-        found = with_dependences(search, found, open_workers, draft)
+        found = with_dependences(search, found, open_pool, draft)
     if not search.examination.setting.simulates:
         progress(1.0)
         return replace(found, notes=(_ALONG, *found.notes))
-    found = with_experiments(search, found, open_workers, lambda share: progress(0.85 + 0.1 * share))
-    found = with_revealing(search, found, open_workers, lambda share: progress(0.95 + 0.05 * share))
+    found = with_experiments(search, found, open_pool, lambda share: progress(0.85 + 0.1 * share))
+    found = with_revealing(search, found, open_pool, lambda share: progress(0.95 + 0.05 * share))
     progress(1.0)
     return found
 
@@ -64,7 +64,7 @@ def diagnose(
 def searched(
     robot: Robot,
     logs: Sequence[Log],
-    open_workers: OpenPool,
+    open_pool: OpenPool,
     progress: Progress = lambda _: None,
     rules: Rules = RULES,
 ) -> Search:
@@ -76,7 +76,7 @@ def searched(
     progress(0.05)
 
     def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
-        with workers_of(start, open_workers) as workers:
+        with workers_of(start, open_pool) as workers:
             found = adjust(start, workers)
             progress(0.2)
             return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
@@ -94,7 +94,7 @@ def searched(
         ) from None
 
 
-def concluded(search: Search, open_workers: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
+def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
     """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.
@@ -103,7 +103,7 @@ def concluded(search: Search, open_workers: OpenPool, heldout: Sequence[Log] = (
     found = conclusion(search, select(search, held), held, heldout)
     if found.verdict != "unexplained" or not search.examination.setting.simulates:
         return found
-    return _by_signature(search, found, traces(search, heldout, open_workers))
+    return _by_signature(search, found, traces(search, heldout, open_pool))
 
 
 def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> Diagnosis:

@@ -46,13 +46,13 @@ def with_experiments(
 
 
 def with_revealing(
-    search: Search, found: Diagnosis, open_workers: OpenPool, progress: Callable[[float], None]
+    search: Search, found: Diagnosis, open_pool: OpenPool, progress: Callable[[float], None]
 ) -> Diagnosis:
     """Every law that these logs cannot show with the motion that would, found by simulating the model."""
     if not any(limit.reason for limit in found.limits):
         return found
     try:
-        with open_workers(search.examination.setting.simulated) as workers:
+        with open_pool(search.examination.setting.simulated) as workers:
             return replace(found, limits=tuple(revealing(search, found.limits, workers, progress)))
     except (RobotError, LogError):
         return found  # no experiment to vary: the laws' own words stay
@@ -91,10 +91,10 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
     return steadied(set_up(robot, setting.logs)).simulated
 
 
-def with_dependences(search: Search, found: Diagnosis, open_workers: OpenPool, draft: bool) -> Diagnosis:
+def with_dependences(search: Search, found: Diagnosis, open_pool: OpenPool, draft: bool) -> Diagnosis:
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
-    with workers_of(examination.setting, open_workers) as workers:
+    with workers_of(examination.setting, open_pool) as workers:
         leads = depends_on(examination, workers, search.base)
     if not draft or not leads.dependences:
         return replace(found, depends_on=(*found.depends_on, *leads.sentences))

@@ -39,9 +39,8 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    names = " and ".join(
-        f"{' or '.join(f'{n.effect} at {n.joint}' for n in f.tie)} ({_share(f)})" for f in findings
-    )
+    each = [f"{' or '.join(f'{n.effect} at {n.joint}' for n in f.tie)} ({_share(f)})" for f in findings]
+    names = " and ".join(each) if len(each) < 3 else "; ".join(each)
     which = "; these logs cannot tell which" if verdict == "cannot_tell" else ""
     left = [
         f"{p.joint}, {p.balance} side ({p.over_floor[1]:.2g} floors)"

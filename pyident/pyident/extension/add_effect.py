@@ -123,22 +123,22 @@ def add_effect(
     effect: str,
     logs: Sequence[Log],
     heldout: Sequence[Log],
-    open_workers: OpenPool,
+    open_pool: OpenPool,
     progress: Progress,
     rules: Rules = RULES,
 ) -> Extended:
     """Fit `robot` with one more law at `joint` (from 1) and judge it on data that were held out.
 
-    open_workers   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
+    open_pool   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
     Raises RobotError where the law cannot act, LogError, and what the simulation raises.
     """
     wider = robot.with_effect(joint, effect)
     if wider.units == robot.units:
         raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
     parts = split(logs, heldout, rules)
-    base = _fitted(robot, parts, open_workers, rules, _share(progress, 0.0, 0.5))
+    base = _fitted(robot, parts, open_pool, rules, _share(progress, 0.0, 0.5))
     wider = _with_best_values(base, wider, joint, effect)
-    new = _fitted(wider, parts, open_workers, rules, _share(progress, 0.5, 1.0))
+    new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.5, 1.0))
     return _judged(base, new, joint, effect)
 
 
@@ -157,10 +157,10 @@ class _Fit:
         )
 
 
-def _fitted(robot: Robot, parts: Split, open_workers: OpenPool, rules: Rules, progress: Progress) -> _Fit:
+def _fitted(robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progress: Progress) -> _Fit:
     """Fit, remove the bias, judge."""
     setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
-    with open_workers(setting.simulated) as workers:
+    with open_pool(setting.simulated) as workers:
         setting = unbiased(setting, workers)
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)

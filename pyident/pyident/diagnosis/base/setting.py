@@ -79,9 +79,9 @@ def _unsimulated() -> AbstractContextManager[Simulator]:
     return nullcontext(Unsimulated())
 
 
-def workers_of(setting: Setting, open_workers: OpenPool) -> AbstractContextManager[Workers]:
+def workers_of(setting: Setting, open_pool: OpenPool) -> AbstractContextManager[Workers]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
-    return open_workers(setting.simulated) if setting.simulates else inline(_unsimulated)
+    return open_pool(setting.simulated) if setting.simulates else inline(_unsimulated)
 
 
 def unbiased(

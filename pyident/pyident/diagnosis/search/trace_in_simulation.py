@@ -59,14 +59,14 @@ class Trace:
         return shown and (self.heldout is None or self.heldout > 0)
 
 
-def traces(search: Search, heldout: Sequence[Log], open_workers: OpenPool) -> list[Trace]:
+def traces(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -> list[Trace]:
     """The laws whose signature is the data's residual, best first; empty when there is none.
 
     Only where a deformation's equation exceeds its floor most: a motor's laws can be evaluated. Raises
     LogError.
     """
     search = search.resting_on(())
-    judge = _Judge(search, heldout, open_workers)
+    judge = _Judge(search, heldout, open_pool)
     found = [judge.trace(c) for c in _suspects(search)]
     ranked = sorted((t for t in found if t is not None), key=lambda t: -t.followed)
     if ranked:
@@ -93,8 +93,8 @@ def _suspects(search: Search) -> list[Candidate]:
 class _Judge:
     """Holds signatures against the data's residual."""
 
-    def __init__(self, search: Search, heldout: Sequence[Log], open_workers: OpenPool):
-        self.search, self.open_workers = search, open_workers
+    def __init__(self, search: Search, heldout: Sequence[Log], open_pool: OpenPool):
+        self.search, self.open_pool = search, open_pool
         ex = search.examination
         self.setting, self.level, self.heldout = ex.setting, ex.floor, tuple(heldout)
         self.data = ex.base.residual
@@ -105,7 +105,7 @@ class _Judge:
         setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
         others = tuple(repeat_like(setting.simulated, setting.robot, log) for log in self.heldout)
         try:
-            with self.open_workers(setting.simulated) as workers:
+            with self.open_pool(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)
                 arguments = setting, self.setting.robot, self.level, others
                 jobs = [workers.submit(_signature, *arguments, seed) for seed in range(_REPLICAS)]
