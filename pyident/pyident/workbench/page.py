@@ -105,7 +105,7 @@ class Page:
             locked = place not in ("data", "model") and not self.bench.sound
             button = ui.button(label, on_click=lambda p=place: self.go(place=p)).classes("w-full")
             button.props(
-                f'data-testid="place-{place}" align=left no-caps'
+                f'data-testid="place-{place}" align=left no-caps padding="sm"'
                 + (" flat" if place != self.view.place else "")
             )
             button.set_enabled(not locked)
