@@ -9,13 +9,15 @@ def main() -> None:
     request = read()
     kinds = [("time", float), *((name, float) for name in request.inputs)]
     table = np.array(list(zip(request.time, *request.inputs.values(), strict=True)), dtype=kinds)
+    # in co-simulation the FMU keeps to the steps of its own
+    tolerance = {"relative_tolerance": 1e-9} if request.interface == "ModelExchange" else {}
     result = simulate_fmu(
         request.fmu,
         fmi_type=request.interface,
         start_time=0.0,
         stop_time=request.time[-1],
         output_interval=request.step,
-        relative_tolerance=1e-9 if request.interface == "ModelExchange" else None,  # else the FMU's own steps
+        **tolerance,
         record_events=False,
         use_event_mode=request.event_mode,
         input=table,
