@@ -1,5 +1,7 @@
 """FMPy's own simulate_fmu: co-simulation, or model exchange with CVode."""
 
+from functools import partial
+
 import numpy as np
 from fmpy import simulate_fmu
 from request import read, write
@@ -10,14 +12,14 @@ def main() -> None:
     kinds = [("time", float), *((name, float) for name in request.inputs)]
     table = np.array(list(zip(request.time, *request.inputs.values(), strict=True)), dtype=kinds)
     # in co-simulation the FMU keeps to the steps of its own
-    tolerance = {"relative_tolerance": 1e-9} if request.interface == "ModelExchange" else {}
-    result = simulate_fmu(
+    exact = partial(simulate_fmu, relative_tolerance=1e-9)
+    simulate = exact if request.interface == "ModelExchange" else simulate_fmu
+    result = simulate(
         request.fmu,
         fmi_type=request.interface,
         start_time=0.0,
         stop_time=request.time[-1],
         output_interval=request.step,
-        **tolerance,
         record_events=False,
         use_event_mode=request.event_mode,
         input=table,
