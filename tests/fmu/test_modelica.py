@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pyident as pi
-from flexfmu.modelica import export_modelica, modelica_text
+from flexfmu.code.modelica import export_modelica, modelica_text
 from flexmodels.compiler import BuildError
 from flexmodels.experiment import Experiment
 from flexmodels.settings.controller import Controller

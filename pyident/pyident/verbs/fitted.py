@@ -57,7 +57,7 @@ class Fit(Result):
 
     def plot(self) -> "Figure":
         """How well the data tell each base parameter: its 95 % interval over its value."""
-        from pyident.verbs.plots import determination
+        from pyident.verbs.figures.plots import determination
 
         return determination(self.identified.base)
 

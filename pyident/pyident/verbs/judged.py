@@ -56,7 +56,7 @@ class Compared(Result):
 
     def plot(self) -> "Figure":
         """Every signal's error over its floor, a panel per log."""
-        from pyident.verbs.plots import over_floor
+        from pyident.verbs.figures.plots import over_floor
 
         return over_floor(
             {log.log: [(name, e.ratio) for name, e in _told(log)] for log in self.comparison.logs}
@@ -117,7 +117,7 @@ class Diagnosed(Result):
 
     def plot(self) -> "Figure":
         """Every equation's residual over the floor, per band of frequency."""
-        from pyident.verbs.plots import heat_map
+        from pyident.verbs.figures.plots import heat_map
 
         return heat_map(self.diagnosis.rows)
 
@@ -172,7 +172,7 @@ class Added(Result):
 
     def plot(self) -> "Figure":
         """Errors on held-out data over their floors, without and with the effect."""
-        from pyident.verbs.plots import waterfall
+        from pyident.verbs.figures.plots import waterfall
 
         return waterfall(self.extended.waterfall)
 

@@ -86,7 +86,7 @@ def export_fmu(
     Raises RobotError, BuildError.
     """
     from flexfmu.build import without_controller
-    from flexfmu.modelica import export_modelica
+    from flexfmu.code.modelica import export_modelica
     from flexfmu.ssp import export_ssp
 
     robot = robot_of(model, parameters, allow_effects)

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 from nicegui import ui
 
-from pyident.verbs.pictures import MovingArm, arm_script
+from pyident.verbs.figures.pictures import MovingArm, arm_script
 
 
 def scripts() -> str:

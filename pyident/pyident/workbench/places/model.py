@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from pyident.verbs.pictures import standing_arm
+from pyident.verbs.figures.pictures import standing_arm
 from pyident.workbench.linked import name_upload, show_arm
 from pyident.workbench.places.data import keep
 from pyident.workbench.project import LARGEST_UPLOAD, MODELS, ProjectError
