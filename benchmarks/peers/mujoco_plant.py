@@ -119,10 +119,7 @@ def _hinges(joint: Joint, settings: Settings) -> dict[str, dict[str, str]]:
 
 
 def _add_inertia(body: ET.Element, link: Link) -> None:
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
+    com, J = link.about_centre()
     full = (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])
     ET.SubElement(body, "inertial", pos=_text(com), mass=repr(link.m), fullinertia=_text(full))
 

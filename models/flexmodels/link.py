@@ -36,3 +36,10 @@ class Link:
         return Link(
             float(m), tuple(float(v) for v in m * com), tuple(float(v) for v in J[np.triu_indices(3)])
         )
+
+    def about_centre(self) -> tuple[np.ndarray, np.ndarray]:
+        """The centre of mass [m] and the 3 x 3 inertia about it [kg m2]; of a link that has a mass."""
+        com = np.array(self.ms) / self.m
+        xx, xy, xz, yy, yz, zz = self.J
+        J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return com, J - self.m * (com @ com * np.eye(3) - np.outer(com, com))

@@ -36,10 +36,7 @@ def body(link: Link, triad: np.ndarray, scale: float = 1.0) -> Any:
     """pin.Inertia of a link in the axes of its joint's `triad` (3, 3), mass and inertia times `scale`."""
     if link.m == 0:
         raise ValueError("Pinocchio keeps the centre of mass, so a body needs a mass; give it one")
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
+    com, J_com = link.about_centre()
     return pinocchio().Inertia(scale * link.m, triad.T @ com, scale * (triad.T @ J_com @ triad))
 
 

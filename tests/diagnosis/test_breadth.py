@@ -6,6 +6,7 @@ from six_axis_logs import COULOMB, VISCOUS, arm, made, plain
 
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.search.breadth import block_of
 from pyident.regression.spectrum import equations
@@ -40,7 +41,7 @@ def samples(friction, candidate: Candidate) -> str:
     level = 1 / setting.solution.weights
     levels = [np.repeat(level[:, None], e.y.shape[1], axis=1) for e in raw]
     data = [e.over(of) for e, of in zip(raw, levels, strict=True)]
-    return block_of(setting.robot, data, levels, [], candidate, RULES.search)
+    return block_of(setting.robot, data, levels, solve_base(data), [], candidate, RULES.search)
 
 
 def test_a_coupling_that_is_friction_near_rest_rests_on_it():

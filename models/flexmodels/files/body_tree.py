@@ -42,11 +42,9 @@ def centred(link: Link, k: int) -> Body:
     """
     if link.m <= 0:
         raise RobotError(f"link {k} has moments of mass but no mass, as no rigid body has; give it one")
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    principal, axes = np.linalg.eigh(J - link.m * (com @ com * np.eye(3) - np.outer(com, com)))
-    if principal.sum() - 2 * principal.max() < -_ROUNDING * np.abs(J).max():
+    com, J = link.about_centre()
+    principal, axes = np.linalg.eigh(J)
+    if principal.sum() - 2 * principal.max() < -_ROUNDING * np.abs(link.J).max():
         raise RobotError(
             f"link {k} has principal inertias {', '.join(f'{p:.3g}' for p in principal)} kg m2 about "
             "its centre of mass, which no rigid body has; identify the robot, or correct its J"

@@ -118,8 +118,5 @@ def _scaled(link: Link, mass: float, centre: float, spread: float) -> Link:
     """The body with factors of its mass, of its centre's place and of its inertia about the centre."""
     if link.m <= 0:
         return replace(link, J=tuple(spread * v for v in link.J))
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J_com = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
+    com, J_com = link.about_centre()
     return Link.of_centre(mass * link.m, centre * com, spread * J_com)

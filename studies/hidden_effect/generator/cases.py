@@ -70,10 +70,7 @@ def perturbed(robot: Robot, rng: np.random.Generator, low: float = 0.10, high: f
 
 def _spread(link: Link) -> tuple[np.ndarray, np.ndarray]:
     """Centre of mass and second moments of mass about it, which are positive definite for real bodies."""
-    com = np.array(link.ms) / link.m
-    xx, xy, xz, yy, yz, zz = link.J
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J = J - link.m * (com @ com * np.eye(3) - np.outer(com, com))
+    com, J = link.about_centre()
     return com, np.trace(J) / 2 * np.eye(3) - J
 
 

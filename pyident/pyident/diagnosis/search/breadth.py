@@ -17,7 +17,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, motion_for
-from pyident.diagnosis.base.projection import extended, fall_per_row, gain, solve_base
+from pyident.diagnosis.base.projection import Base, extended, fall_per_row, gain, solve_base
+from pyident.diagnosis.search.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.spectrum import Equations, equations
@@ -36,33 +37,35 @@ def rests_on(search: Search, candidate: Candidate) -> str:
     """
     if candidate.log is not None:
         return ""  # of a body every sample tells alike
-    others = [c for c in search.chosen if c != candidate]
-    ex = search.examination
-    return block_of(search.robot, ex.logs, search.levels, others, candidate, search.rules)
+    without = search.without(candidate)
+    logs, levels = search.examination.logs, search.levels
+    return block_of(search.robot, logs, levels, without.base, without.chosen, candidate, search.rules)
 
 
 def block_of(
     robot: Robot,
     logs: Sequence[Equations],
     levels: Sequence[np.ndarray],
+    base: Base,
     others: Sequence[Candidate],
     candidate: Candidate,
     rules: SearchRules,
 ) -> str:
-    """As `rests_on`, of a law beside `others`. logs: whitened with levels, (n, E) each."""
-    whole, fall, coefficients = _explained(robot, logs, levels, others, candidate)
-    joint = robot.q[int(np.argmax(fall))].joint
-    speed = [np.abs(log.part.motion.dq[:, joint - 1]) for log in logs]
+    """As `rests_on`, of a law beside `others`. logs: whitened with levels, (n, E) each; base: of both."""
+    X = columns(robot, candidate, logs, levels)
+    whole = gain(base, X, *bounds(robot, candidate))
+    joint = robot.q[int(np.argmax(fall_per_row(base, X)))].joint
+    speed = [QUANTITIES["speed"](log, joint - 1) for log in logs]
     used = [log.part.use[:, joint - 1] > 0 for log in logs]
     for name, quantity in _BLOCKS.items():
         by_sample = [quantity(v) for v in speed]
         listed = np.concatenate([x[u] for x, u in zip(by_sample, used, strict=True)])
         limit = float(np.quantile(listed, 1 - rules.block))
         kept = [(x <= limit).astype(float) for x in by_sample]
-        if _force_left(robot, logs, candidate, coefficients, kept) < 1 - rules.block_force:
+        if _force_left(robot, logs, candidate, whole.coefficients, kept) < 1 - rules.block_force:
             continue  # it acts there
         rest = _without(robot, logs, levels, kept)
-        if _explained(robot, rest, levels, others, candidate)[0] < (1 - rules.block_gain) * whole:
+        if _explained(robot, rest, levels, others, candidate) < (1 - rules.block_gain) * whole.energy:
             return f"the {100 * rules.block:.0f} % {name} samples of joint {joint}"
     return ""
 
@@ -73,14 +76,12 @@ def _explained(
     levels: Sequence[np.ndarray],
     others: Sequence[Candidate],
     candidate: Candidate,
-) -> tuple[float, np.ndarray, np.ndarray]:
-    """Energy that a law takes, how much of each equation (n,), its coefficients."""
+) -> float:
+    """Energy that a law takes beside others."""
     base = solve_base(logs)
     for other in others:
         base = extended(base, columns(robot, other, logs, levels))
-    X = columns(robot, candidate, logs, levels)
-    found = gain(base, X, *bounds(robot, candidate))
-    return found.energy, fall_per_row(base, X), found.coefficients
+    return gain(base, columns(robot, candidate, logs, levels), *bounds(robot, candidate)).energy
 
 
 def _without(
