@@ -66,7 +66,7 @@ def rehearsal(robot: Robot) -> Iterator[Rehearsal]:
 
 
 def reference_of_plan(plan: Experiment) -> Reference:
-    """The commanded motion with its derivatives. Raises RobotError where there are too few samples for them."""
+    """The commanded motion with its derivatives. Raises RobotError for a plan of too few samples."""
     if len(plan.time) < _FEWEST:
         raise RobotError(f"a plan of {len(plan.time)} samples is no motion; give {_FEWEST} at least")
     dq = np.gradient(plan.reference, plan.time, axis=0)
