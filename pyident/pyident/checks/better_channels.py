@@ -91,10 +91,14 @@ def better_channels(of: Balances, source: str) -> Iterator[Defect]:
 
 def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     """Torques that no parameters at all connect with the motion."""
-    shares = {
-        k: float(of.left(k, of.torque[:, k : k + 1])[0]) / max(of.variance(k), 1e-300) for k in of.joints
-    }
-    lost = [k for k, share in shares.items() if share > LOG_CHECKS.unexplained]
+    left = {k: float(of.left(k, of.torque[:, k : k + 1])[0]) for k in of.joints}
+    shares = {k: energy / max(of.variance(k), 1e-300) for k, energy in left.items()}
+    whole = {k: float(np.square(of.torque[of.samples.use[:, k] > 0, k]).sum()) for k in left}
+    lost = [
+        k
+        for k, share in shares.items()  # of a weight that a slide only holds, the variation may be noise
+        if share > LOG_CHECKS.unexplained and left[k] > LOG_CHECKS.material**2 * whole[k]
+    ]
     if lost and len(lost) == len(shares):
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
                                                "torque, "
