@@ -72,7 +72,8 @@ def _depth(errors: "Iterable[ValidationError]") -> int:
 
 
 def _sentence(error: "ValidationError") -> str:
-    place, rule = _place(error.absolute_path), error.validator_value
+    place = _place(error.absolute_path)
+    rule: Any = error.validator_value
     sentences = {
         "required": lambda: f"{_key(place, _missing(error))} is missing",
         "additionalProperties": lambda: _unknown(place, error),
@@ -88,8 +89,8 @@ def _sentence(error: "ValidationError") -> str:
 
 def _kind(error: "ValidationError") -> str:
     """What a value must be that has a wrong type, or a list of a wrong length."""
-    wanted: Mapping[str, Any] = error.schema if isinstance(error.schema, Mapping) else {}
-    kind, value = wanted.get("type"), error.instance
+    wanted, value = _tables(error.schema, error.instance)
+    kind = wanted.get("type")
     if kind == "array":
         item = wanted["items"]
         size = wanted["minItems"] if wanted.get("minItems") == wanted.get("maxItems") else None
@@ -107,16 +108,22 @@ def _kind(error: "ValidationError") -> str:
 
 
 def _missing(error: "ValidationError") -> str:
-    return next(key for key in error.validator_value if key not in error.instance)
+    needed, table = _tables(error.validator_value, error.instance)
+    return next(key for key in needed if key not in table)
 
 
 def _unknown(place: str, error: "ValidationError") -> str:
-    schema: Mapping[str, Any] = error.schema if isinstance(error.schema, Mapping) else {}
-    known: Mapping[str, Any] = schema["properties"]
-    key = _key(place, min(set(error.instance) - set(known)))[:80]
+    schema, table = _tables(error.schema, error.instance)
+    known = schema["properties"]
+    key = _key(place, min(set(table) - set(known)))[:80]
     if list(error.absolute_path)[-1:] == ["effects"]:
         return f"{key} is not a known effect; known are {', '.join(sorted(known))}"
     return f"{key} is not a known key; remove or rename it"
+
+
+def _tables(*given: Any) -> tuple[Any, ...]:
+    """As they are; the package calls them values that may be missing."""
+    return given
 
 
 def _forms(forms: list[dict[str, Any]]) -> str:
