@@ -50,12 +50,12 @@ def payload_command(
     Example: pyident payload four_link empty.parquet loaded.parquet -o loaded.toml
     """
     with progress_bar("identifying without and with it") as progress:
-        found = pi.payload(
+        load = pi.payload(
             model, empty, loaded, mapping=mapping, estimator=estimator, force=force, progress=progress
         )
-    show_notes(found.notes)
-    show(found.summary())
+    show_notes(load.notes)
+    show(load.summary())
     if output:
-        found.save(output)
+        load.save(output)
         show(f"wrote {output}")
-    write_json(json_file, found.to_dict())
+    write_json(json_file, load.to_dict())

@@ -26,6 +26,7 @@ class Carried:
     free         as the two identifications differ;  std: inf where the logs do not determine one
     consistent   the nearest that a body can have, in standard deviations
     far          how many standard deviations off
+    rank         combinations of the ten that the logs determine
     """
 
     free: np.ndarray
@@ -33,6 +34,7 @@ class Carried:
     covariance: np.ndarray
     consistent: np.ndarray
     far: float
+    rank: int
 
 
 def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
@@ -52,7 +54,8 @@ def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
     p, covariance = spread @ (U[:, :rank].T @ b), spread @ spread.T
     absent = np.abs(Vt[rank:]).max(axis=0, initial=0.0) > _OPEN
     consistent, far = _nearest(p, covariance, absent)
-    return Carried(p, np.where(absent, np.inf, np.sqrt(np.diag(covariance))), covariance, consistent, far)
+    std = np.where(absent, np.inf, np.sqrt(np.diag(covariance)))
+    return Carried(p, std, covariance, consistent, far, rank)
 
 
 def last_link(robot: Robot) -> list[str]:

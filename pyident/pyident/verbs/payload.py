@@ -78,6 +78,7 @@ class Payload(Result):
             "parameters": rows,
             "mass_kg": self.mass,
             "centre_m": self.centre.tolist(),
+            "rank": self.carried.rank,
             "standard_deviations_off": self.carried.far,
             "notes": list(self.notes),
         }
@@ -87,20 +88,32 @@ class Payload(Result):
         return f"link {self.model.last_link} carries {self.mass:.4g} kg at ({x:.4g}, {y:.4g}, {z:.4g}) m"
 
     def summary(self) -> Text:
+        one = self.carried
+        columns = (LINK_PARAMETERS.items(), one.free.tolist(), one.std.tolist(), one.consistent.tolist())
         rows = [
-            (f"{r.value:.5g}", _interval(r["std"]), f"{r.consistent:.5g}", r.unit, str(name))
-            for name, r in self.to_frame().iterrows()
+            (f"{value:.5g}", _interval(std), f"{body:.5g}", unit, name)
+            for (name, unit), value, std, body in zip(*columns, strict=True)
         ]
         heads = ("value", "± 95 %", "of a body", "unit", "added")
         lines = [f"{self.headline()}, from its joint and in its axes"]
-        if not np.isfinite(self.carried.std).all():
-            lines.append("what has no interval these motions do not determine: turn more joints")
+        if self.carried.rank < len(LINK_PARAMETERS):
+            lines.append(self._undetermined())
         if self.carried.far > _STRANGE:
             lines.append(
                 f"no body has the regression's values: the nearest is {self.carried.far:.2g} standard "
                 "deviations off; is it the same robot, and does the load not swing or slip?"
             )
         return Text("\n".join([table(heads, rows, numbers=(0, 1, 2)), *(wrapped(x, "  ") for x in lines)]))
+
+    def _undetermined(self) -> str:
+        """What the motions leave open, in words."""
+        count, known = self.carried.rank, np.isfinite(self.carried.std)
+        alone = [name for name, one in zip(LINK_PARAMETERS, known, strict=True) if one]
+        told = f"{', '.join(alone)} alone" if alone else "none of them alone"
+        return (
+            f"these motions determine {count} of ten combinations, {told}; what has no interval is one of "
+            "many values that explain the logs alike, so turn more joints, with the load at other heights"
+        )
 
 
 def payload(
@@ -135,8 +148,8 @@ def payload(
         raise LogError(
             "the logs are too long to be held in memory, so that no intervals follow; give shorter ones"
         )
-    found = carried(without.robot, without.identified, having.identified)
-    return Payload(robot, found, tuple(dict.fromkeys((*without.notes, *having.notes))))
+    load = carried(without.robot, without.identified, having.identified)
+    return Payload(robot, load, tuple(dict.fromkeys((*without.notes, *having.notes))))
 
 
 def _interval(std: float) -> str:
