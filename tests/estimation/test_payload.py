@@ -89,14 +89,16 @@ def test_what_is_written_is_a_body_and_the_robot_carries_it(load, logs):
 
 
 def test_a_body_that_mujoco_attaches():
-    """Its frames, offsets and signs are MuJoCo's; without noise, what is found is exact."""
+    """Its frames, offsets and signs are MuJoCo's. Torques are those of instants, held by no controller."""
     mujoco = pytest.importorskip("mujoco")
-    robot = import_mjcf(ARM).robot
+    robot = replace(import_mjcf(ARM).robot, controller=None)
 
     def recorded(body: bool, seed: int):
         spec = mujoco.MjSpec.from_file(str(ARM))
         for joint in spec.joints:
-            joint.frictionloss = 0.0  # MuJoCo's is soft
+            joint.frictionloss, joint.limited = 0.0, False  # which are soft in MuJoCo
+        for geom in spec.geoms:
+            geom.contype = geom.conaffinity = 0
         if body:
             x, y, z, w = TURN.as_quat()
             tool = spec.body("w3").add_body(pos=[0.01, 0.02, 0.03], quat=[0.8, 0.0, 0.6, 0.0])
@@ -114,12 +116,15 @@ def test_a_body_that_mujoco_attaches():
         mujoco.mj_forward(model, data)
         R = data.ximat[-1].reshape(3, 3)
         centre, J = data.xipos[-1] - data.xanchor[-1], R @ np.diag(model.body_inertia[-1]) @ R.T
-        return _log(time, q, tau, "MuJoCo"), Link.of_centre(MASS, centre, J)
+        noise = 1e-3 * np.random.default_rng(seed).standard_normal(tau.shape)
+        return _log(time, q, tau + noise, "MuJoCo"), Link.of_centre(MASS, centre, J)
 
     (empty, _), (loaded, true) = recorded(False, 1), recorded(True, 2)
     load = pi.payload(robot, empty, loaded, estimator="wls")
     assert load.carried.rank == 10
-    np.testing.assert_allclose(load.carried.free, list(true.values.values()), atol=2e-5)
+    off = load.carried.free - list(true.values.values())
+    assert np.sqrt(np.mean((off / load.carried.std) ** 2)) < 2
+    assert np.abs(off).max() < 1e-3
     np.testing.assert_allclose(load.carried.consistent, list(true.values.values()), atol=1e-3)
 
 

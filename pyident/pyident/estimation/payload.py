@@ -47,8 +47,10 @@ def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
     X = F[[names.index(name) for name in link]].T * scale[[names.index(name) for name in link]]
     root = np.linalg.cholesky(C + 1e-14 * np.trace(C) * np.eye(len(C)))
     A, b = np.linalg.solve(root, X), np.linalg.solve(root, y)
-    size = np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-    U, s, Vt = np.linalg.svd(A / size, full_matrices=False)
+    size = np.linalg.norm(A, axis=0)
+    unseen = size <= _ABSENT * size.max()
+    size[unseen], A[:, unseen] = 1.0, 0.0
+    U, s, Vt = np.linalg.svd(A / size)
     rank = int((s > _ABSENT * s[0]).sum())
     spread = Vt[:rank].T / s[:rank] / size[:, None]
     p, covariance = spread @ (U[:, :rank].T @ b), spread @ spread.T

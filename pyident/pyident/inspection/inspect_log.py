@@ -147,6 +147,10 @@ def _missing(
         asked.append("no column looks like time: how many samples a second were recorded? (rate)")
     places = {c.joint for c in channels if c.signal == "position" and c.name}
     efforts = {c.joint for c in channels if c.signal in ("torque", "current", "voltage") and c.name}
+    if joints == 0:
+        asked.append(
+            "no column looks like the position of a joint: which are they? a robot file (--robot) helps"
+        )
     for k in range(1, joints + 1):
         if k not in places:
             asked.append(f"no column looks like the position of joint {k}: which is it?")
