@@ -101,7 +101,7 @@ def test_an_fmu_runs_no_text(folder):
             described = ET.fromstring(archive.read("modelDescription.xml"))
             sources += [archive.read(name) for name in archive.namelist() if name.endswith("model.c")]
         assert described.get("modelName") == RUNS
-        identifier = described.find("CoSimulation").get("modelIdentifier")
+        (identifier,) = (part.attrib["modelIdentifier"] for part in described.iterfind("CoSimulation"))
         assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", identifier, re.ASCII)
     assert sources
     for source in sources:

@@ -19,9 +19,9 @@ _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may ga
 
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
-    """A defect per joint whose torque fits its motion far better earlier or later; or one for them all."""
+    """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
     late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
-    yield from late or list(_drift(of, source)) or _all_late(of, source)
+    yield from late or _drift(of, source)
 
 
 def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
@@ -109,7 +109,8 @@ def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
     return CommonDelay(-slope / (2 * bend), EQUATIONS.coloured * np.sqrt(least / (count * bend)))
 
 
-def _all_late(of: Balances, source: str) -> Iterator[Defect]:
+def all_late(of: Balances, source: str) -> Iterator[Defect]:
+    """A defect where every torque is at least about a sample late or early alike."""
     delay = common_delay(of)
     if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
         return
