@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import eig
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
@@ -24,7 +23,7 @@ def natural_frequencies(robot: Robot, motion: Motion) -> dict[str, float]:
     if not found:
         return found
     for at in np.linspace(0, len(motion.q) - 1, _POSES).astype(int):
-        squares, modes = eig(K, _mass_matrix(robot, motion, int(at)))
+        squares, modes = np.linalg.eig(np.linalg.solve(_mass_matrix(robot, motion, int(at)), K))
         hertz = np.sqrt(np.maximum(squares.real, 0.0)) / (2 * np.pi)
         energy = np.diag(K)[:, None] * np.abs(modes) ** 2
         share = energy / np.maximum(energy.sum(axis=0), 1e-300) * (hertz > 0)
