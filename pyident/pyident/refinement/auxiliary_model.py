@@ -37,6 +37,7 @@ from pyident.refinement.instrumental_covariance import (
 from pyident.refinement.noise_scatter import carries
 from pyident.refinement.remove_bias import seen
 from pyident.refinement.simulated_rows import Data, every, faded, in_memory, rows_of, simulable, simulations
+from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
 from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
@@ -69,6 +70,8 @@ def identify_by_instruments(
     starts = starts or [identified(robot, reduced, plain)]
     best = starts[0]
     simulated, again = repeats(best.robot, logs)
+    if not driven(robot):
+        again = tuple(smoothed(r) for r in again)
     notes = tuple(r.note for r in again[:1] if r.note)
     try:
         with open_pool(simulated) as workers:

@@ -20,6 +20,7 @@ from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
 from pyident.refinement.simulated_rows import Data, every, in_memory, simulated
+from pyident.refinement.stand_in import driven
 from pyident.regression.equations import predicted
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.regression.reduced import Reduced
@@ -108,6 +109,8 @@ def through_simulation(
     Of what is simulated, the dampings of hinges change g: they say how much rings between the samples.
     """
     names, std = reduced.columns, solution.std
+    if not driven(robot):  # then nothing of the simulation's equations is in `rows`
+        return solution
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]

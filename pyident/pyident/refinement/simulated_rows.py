@@ -13,6 +13,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Logs, Rows, fading
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
+from pyident.refinement.stand_in import driven
 from pyident.regression.equations import Problem, predicted
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers
@@ -59,7 +60,8 @@ def rows_of(robot: Robot, data: Data, frame: pd.DataFrame, p: np.ndarray) -> Row
     """Instruments from a simulation, and the log's torques without what the simulation's equations leave."""
     made = in_memory(robot, condition(Log(frame, "simulation"), robot))
     share = faded(robot, data.use * made.use)
-    return Rows(data.A, made.A, data.y - (made.y - predicted(made.A, p)), share)
+    left = made.y - predicted(made.A, p) if driven(robot) else 0.0
+    return Rows(data.A, made.A, data.y - left, share)
 
 
 def faded(robot: Robot, use: np.ndarray) -> np.ndarray:
