@@ -24,7 +24,7 @@ def natural_frequencies(robot: Robot, motion: Motion) -> dict[str, float]:
         return found
     for at in np.linspace(0, len(motion.q) - 1, _POSES).astype(int):
         squares, modes = np.linalg.eig(np.linalg.solve(_mass_matrix(robot, motion, int(at)), K))
-        hertz = np.sqrt(np.maximum(squares.real, 0.0)) / (2 * np.pi)
+        hertz = np.sqrt(np.maximum(np.real(squares), 0.0)) / (2 * np.pi)
         energy = np.diag(K)[:, None] * np.abs(modes) ** 2
         share = energy / np.maximum(energy.sum(axis=0), 1e-300) * (hertz > 0)
         for i, c in enumerate(robot.coordinates):
