@@ -16,7 +16,7 @@ def _change(torque: np.ndarray, share: float, friction: float) -> np.ndarray:
     log = Log(pd.DataFrame({"time": TIME, "joint1.e": np.sin(TIME), "joint1.tau": torque}), "a log")
     robot = one_joint().with_parameters({"joint1.coulomb": friction})
     made = inexact(robot, log, share, seed=5)
-    assert (made.frame["joint1.e"] == log.frame["joint1.e"]).all()
+    assert np.array_equal(made.frame["joint1.e"], log.frame["joint1.e"])
     return made.frame["joint1.tau"].to_numpy() - torque
 
 
