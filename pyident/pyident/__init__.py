@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from pyident.verbs.judged import Added as Added
     from pyident.verbs.judged import Compared as Compared
     from pyident.verbs.judged import Diagnosed as Diagnosed
+    from pyident.verbs.payload import Payload as Payload
+    from pyident.verbs.payload import payload as payload
     from pyident.verbs.planned import Checked as Checked
     from pyident.verbs.planned import Planned as Planned
     from pyident.verbs.simulate import export_fmu as export_fmu
@@ -64,6 +66,7 @@ _HOME = {
     "Log": "pyident.logs.log",
     "LogError": "pyident.logs.log",
     "Robot": "flexmodels.robot",
+    "Payload": "pyident.verbs.payload",
     "Planned": "pyident.verbs.planned",
     "RobotError": "flexmodels.robot",
     "add_effect": "pyident.verbs.judge",
@@ -83,6 +86,7 @@ _HOME = {
     "identify_fmu": "pyident.verbs.fmu.model",
     "load_robot": "flexmodels.files.robot_file",
     "parameter_study": "pyident.verbs.simulate",
+    "payload": "pyident.verbs.payload",
     "read_log": "pyident.verbs.inputs",
     "refine": "pyident.verbs.fit",
     "save_robot": "flexmodels.files.robot_file",

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from inspection.more_styles import counts, named_arm, nested_groups, spreadsheet
 from inspection.styles import STYLES, arm, plain_csv, shuffled_parquet, sound
 
 from flexmodels.files.robot_file import save_robot
@@ -28,10 +29,14 @@ def robot():
     return arm()
 
 
-@pytest.mark.parametrize("style", STYLES, ids=lambda style: style.__name__)
+@pytest.mark.parametrize(
+    "style", [*STYLES, spreadsheet, named_arm, nested_groups], ids=lambda style: style.__name__
+)
 def test_a_mapping_is_proposed_and_nothing_wrong_asserted(style, recording, robot, tmp_path):
-    pytest.importorskip("h5py" if "mat_7" in style.__name__ or "hdf5" in style.__name__ else "numpy")
-    pytest.importorskip("rosbags" if style.__name__ == "mcap" else "numpy")
+    pytest.importorskip(
+        "h5py" if style.__name__ in ("mat_7_3", "hdf5_two_rates", "nested_groups") else "numpy"
+    )
+    pytest.importorskip("rosbags" if style.__name__ in ("mcap", "named_arm") else "numpy")
     made = style(recording, tmp_path)
     found = inspect_log([made.path], robot)
     guesses = {c.column: c for c in found.channels}
@@ -47,6 +52,25 @@ def test_a_mapping_is_proposed_and_nothing_wrong_asserted(style, recording, robo
     assert right >= SHARE * len(made.truth)
     assert all(guesses[column].doubt for column in made.asked)
     assert len(found.questions) == sum(bool(c.doubt) for c in found.channels)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["robot", "no robot"])
+def test_what_only_its_place_tells_is_asked(known, recording, robot, tmp_path):
+    made = counts(recording, tmp_path)
+    found = inspect_log([made.path], robot if known else None)
+    for c in found.channels:
+        assert c.column not in made.asked or c.doubt or c.name is None, c
+        assert c.column in made.asked or c.name == "time"
+    assert found.questions
+
+
+@pytest.mark.parametrize("style", [spreadsheet, named_arm, nested_groups], ids=lambda style: style.__name__)
+def test_nothing_wrong_is_asserted_of_an_unknown_robot(style, recording, tmp_path):
+    pytest.importorskip({"named_arm": "rosbags", "nested_groups": "h5py"}.get(style.__name__, "numpy"))
+    made = style(recording, tmp_path)
+    for c in inspect_log([made.path]).channels:
+        truth = made.truth.get(c.column)
+        assert c.doubt or c.name is None or (truth is not None and c.name == truth[0]), c
 
 
 def test_what_is_written_is_what_import_reads(recording, robot, tmp_path):

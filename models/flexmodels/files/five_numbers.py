@@ -36,8 +36,9 @@ def five_numbers(joint: Joint, delay: float = 0.0) -> dict[str, float]:
 
 def export_five_numbers(robot: Robot, path: str | Path) -> list[str]:
     """Write them as JSON, joint by joint; returns what they cannot say, a sentence each."""
+    delay = robot.servo.delay if robot.servo else 0.0
     content: dict[str, Any] = {
-        joint.name or joint_name(k): five_numbers(joint) | {"units": _UNITS[joint.kind]}
+        joint.name or joint_name(k): five_numbers(joint, delay) | {"units": _UNITS[joint.kind]}
         for k, joint in robot.numbered
     }
     with replacing(path) as file:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,17 @@ from flexmodels.joint import Joint, Limits
 from flexmodels.linkage import Closure, PassiveJoint
 from flexmodels.robot import RobotError
 
-_BASE_PARAMETERS = {p.name: effect for effect in BASE.values() for p in effect.parameters}
+_BASE_PARAMETERS = {p.name: e for e in BASE.values() for p in e.parameters if "[" not in p.name}
+
+
+def require_order(data: Mapping[str, Any]) -> None:
+    """Raises RobotError where a passive joint of a file stands before a driven one."""
+    listed = data.get("joint")
+    tables = listed if isinstance(listed, list) else []
+    passive = [isinstance(table, Mapping) and table.get("passive") is True for table in tables]
+    for k, one in enumerate(passive):
+        if one and not all(passive[k:]):
+            raise RobotError(f"joint[{k + 1}] is passive but stands before a driven one; list it after them")
 
 
 def read_joints(
@@ -22,9 +33,6 @@ def read_joints(
 ) -> tuple[tuple[Joint, ...], tuple[PassiveJoint, ...]]:
     """Driven joints, then passive ones. Raises RobotError."""
     driven = [table for table in tables if not table.flag("passive")]
-    for table in tables[: len(driven)]:
-        if table.flag("passive"):
-            raise RobotError(f"{table.where} is passive but stands before a driven one; list it after them")
     joints = tuple(_joint(table, k, len(driven), own) for k, table in enumerate(driven, start=1))
     rest = enumerate(tables[len(driven) :], start=len(driven) + 1)
     return joints, tuple(_passive(table, k, joints) for k, table in rest)
@@ -37,8 +45,6 @@ def read_closures(tables: list[Table], links: int) -> tuple[Closure, ...]:
 
 def _joint(table: Table, k: int, joints: int, own: Mapping[str, Effect]) -> Joint:
     kind = table.get("kind", "revolute")
-    if kind not in ("revolute", "prismatic"):
-        raise RobotError(f"{table.place('kind')} must be revolute or prismatic, not {kind!r}")
     x, y = _axes(table)
     hinge = _hinge_values(table)
     if "damping" in hinge and "stiffness" not in hinge:
@@ -58,20 +64,17 @@ def _joint(table: Table, k: int, joints: int, own: Mapping[str, Effect]) -> Join
         limits=_limits(table.table("limits")) if "limits" in table else None,
         own=own,
     )
-    joint = replace(joint, values=hinge | _laws(table, joint, k, joints))
-    table.done()
-    return joint
+    return replace(joint, values=hinge | _laws(table, joint, k, joints))
 
 
 def _limits(table: Table) -> Limits:
     limits = Limits(
         position=table.vector("position", 2) if "position" in table else None,
-        speed=table.number("speed", lower=0.0) if "speed" in table else None,
-        effort=table.number("effort", lower=0.0) if "effort" in table else None,
+        speed=table.number("speed") if "speed" in table else None,
+        effort=table.number("effort") if "effort" in table else None,
     )
     if limits.position and limits.position[0] > limits.position[1]:
         raise RobotError(f"{table.place('position')} must be [lower, upper]")
-    table.done()
     return limits
 
 
@@ -81,7 +84,7 @@ def _hinge_values(table: Table) -> dict[str, dict[str, float]]:
     for key, effect in (("k", "stiffness"), ("d", "damping")):
         if key in table:
             given = table.get(key)
-            numbers = table.vector(key, 1 if isinstance(given, list) and len(given) == 1 else 3, lower=0.0)
+            numbers = table.vector(key, 1 if isinstance(given, list) and len(given) == 1 else 3)
             values[effect] = {f"{key}[{i + 1}]": v for i, v in enumerate(numbers)}
     return values
 
@@ -90,8 +93,7 @@ def _laws(table: Table, joint: Joint, k: int, joints: int) -> dict[str, dict[str
     values: dict[str, dict[str, float]] = {}
     for name, effect in _BASE_PARAMETERS.items():
         if name in table:
-            lower = effect.parameters[0].lower
-            values.setdefault(effect.name, {})[name] = table.number(name, lower=lower)
+            values.setdefault(effect.name, {})[name] = table.number(name)
     if "effects" in table:
         effects = table.table("effects")
         for name in effects.data:
@@ -100,24 +102,20 @@ def _laws(table: Table, joint: Joint, k: int, joints: int) -> dict[str, dict[str
 
 
 def _effect_values(effects: Table, name: str, joint: Joint, k: int, joints: int) -> dict[str, float]:
-    if name not in joint.catalogue or name in BASE:
-        known = ", ".join(sorted(set(joint.catalogue) - set(BASE)))
-        raise RobotError(f"{effects.place(name)} is not a known effect; known are {known}")
     wrong = objection(joint.catalogue[name], joint.deformations, joint.kind, k, joints)
     if wrong:
         raise RobotError(f"{effects.place(name)} {wrong}")
     table = effects.table(name)
-    values = {p.name: table.number(p.name, lower=p.lower) for p in joint.law(name).parameters}
+    values = {p.name: table.number(p.name) for p in joint.law(name).parameters}
     table.done()
     return values
 
 
 def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
-    table.flag("passive")
     x, y = _axes(table)
     follows = table.table("follows")
     factors = {_followed(follows, name, joints): follows.number(name) for name in follows.data}
-    joint = PassiveJoint(
+    return PassiveJoint(
         x=x,
         y=y,
         origin=table.vector("origin", 3, (0.0, 0.0, 0.0)),
@@ -125,8 +123,6 @@ def _passive(table: Table, k: int, joints: tuple[Joint, ...]) -> PassiveJoint:
         parent=_parent(table, k),
         geared=table.flag("geared"),
     )
-    table.done()
-    return joint
 
 
 def _followed(follows: Table, name: str, joints: tuple[Joint, ...]) -> int:
@@ -147,9 +143,7 @@ def _closure(table: Table, links: int) -> Closure:
         raise RobotError(f"{table.place('links')} must be two different links")
     if abs(np.linalg.norm(axis) - 1) > 1e-9:
         raise RobotError(f"{table.place('axis')} must be a unit vector")
-    closure = Closure(links=(a, b), point=table.vector("point", 3), axis=axis)
-    table.done()
-    return closure
+    return Closure(links=(a, b), point=table.vector("point", 3), axis=axis)
 
 
 def _axes(table: Table) -> tuple[tuple[float, ...], tuple[float, ...]]:

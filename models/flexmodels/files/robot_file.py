@@ -15,19 +15,19 @@ from flexmodels.effects import effects_of
 from flexmodels.effects.law_names import EffectError
 from flexmodels.effects.trust import allowed_file
 from flexmodels.files.effect_copies import effects_beside
-from flexmodels.files.joint_tables import read_closures, read_joints
+from flexmodels.files.joint_tables import read_closures, read_joints, require_order
 from flexmodels.files.robot_document import document
+from flexmodels.files.schema import schema
 from flexmodels.files.servo_table import read_servo
 from flexmodels.files.settings_tables import read_settings
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
 from flexmodels.files.urdf_check import require_few
+from flexmodels.files.validate import validate
 from flexmodels.gearing import Transmission
 from flexmodels.link import Link
 from flexmodels.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
-
-_SLOWEST, _FASTEST = 1e-3, 1e6  # [Hz] of a controller
 
 
 def shipped() -> dict[str, Path]:
@@ -77,7 +77,10 @@ def robot_text(robot: Robot) -> str:
 def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
     table = Table(data, "")
     effect_files = _effect_files(table, path, allow_effects) if "effects" in table else ()
-    joints, passive = read_joints(table.tables("joint"), effects_of(effect_files))
+    own = effects_of(effect_files)
+    require_order(data)
+    validate(data, schema(own))
+    joints, passive = read_joints(table.tables("joint"), own)
     require_few(len(joints))
     links = tuple(_link(t) for t in table.tables("link"))
     count = len(joints) + len(passive)
@@ -105,7 +108,6 @@ def _robot(data: Mapping[str, Any], path: Path, allow_effects: bool) -> Robot:
         tip_link=table.whole(table.get("tip_link"), "tip_link", 1, count) if "tip_link" in table else None,
         effect_files=effect_files,
     )
-    table.done()
     check_linkage(robot)
     return robot
 
@@ -128,7 +130,7 @@ def _effect_files(table: Table, path: Path, allow: bool) -> tuple[str, ...]:
 
 
 def _link(table: Table) -> Link:
-    m = table.number("m", lower=0.0)
+    m = table.number("m")
     if "com" in table:
         com = np.array(table.vector("com", 3))
         J = table.get("J_com")
@@ -139,7 +141,6 @@ def _link(table: Table) -> Link:
         link = Link(m, table.vector("ms", 3), table.vector("J", 6))
     if np.linalg.eigvalsh(_symmetric(link.J)).min() < -1e-9 * max(np.abs(link.J)):
         raise RobotError(f"{table.where}: the inertia has a negative principal value")
-    table.done()
     return link
 
 
@@ -151,14 +152,12 @@ def _symmetric(J: tuple[float, ...]) -> np.ndarray:
 
 
 def _controller(table: Table, n: int) -> Controller:
-    controller = Controller(
-        rate=table.number("rate", lower=_SLOWEST, upper=_FASTEST),
+    return Controller(
+        rate=table.number("rate"),
         Kp=table.vector("Kp", n),
         Kd=table.vector("Kd", n),
         Ki=table.vector("Ki", n),
     )
-    table.done()
-    return controller
 
 
 def _transmission(table: Table, n: int) -> Transmission:
@@ -173,10 +172,8 @@ def _transmission(table: Table, n: int) -> Transmission:
         ratio = np.diag(table.vector("ratio", n)).tolist()
     if np.linalg.matrix_rank(ratio) < n:
         raise RobotError(f"{table.place('ratio')} cannot be inverted; every joint needs its motor")
-    transmission = Transmission(
+    return Transmission(
         ratio=tuple(tuple(row) for row in ratio),
         offset=table.vector("offset", n, (0.0,) * n),
         drive=table.vector("drive", n) if "drive" in table else None,
     )
-    table.done()
-    return transmission

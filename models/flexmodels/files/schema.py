@@ -1,9 +1,10 @@
-"""The JSON Schema of robot files: what editors complete and explain.
+"""The JSON Schema of robot files: what editors complete and explain, and what the reader checks by.
 
 It says what may stand where and in which unit; that lists fit each other, loops close and inertias are
 possible, only the reader (`robot_file`) can say.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from flexmodels.effects import BASE, CATALOGUE
@@ -11,10 +12,12 @@ from flexmodels.effects.effect import Effect
 from flexmodels.settings.servo import PER_JOINT, POSITIVE, SHARED
 
 _AXES = {"minItems": 3, "maxItems": 3}
+_SLOWEST, _FASTEST = 1e-3, 1e6  # [Hz] of a controller
 
 
-def schema() -> dict[str, Any]:
-    """The schema, draft 2020-12, with every effect of the catalogue."""
+def schema(own: Mapping[str, Effect] | None = None) -> dict[str, Any]:
+    """The schema, draft 2020-12, with every effect of the catalogue and a robot's own."""
+    laws = {**CATALOGUE, **(own or {})}
     tables = {
         "controller": _controller(),
         "servo": _servo(),
@@ -23,7 +26,7 @@ def schema() -> dict[str, Any]:
         "processing": _processing(),
         "identification": _identification(),
         "line": _line(),
-        "joint": _list({"anyOf": [_joint(), _passive()]}, "Driven joints, then passive ones"),
+        "joint": _list({"anyOf": [_joint(laws), _passive()]}, "Driven joints, then passive ones"),
         "link": _list({"anyOf": [_link_at_joint(), _link_at_centre()]}, "One per joint, in their order"),
         "closure": _list(_closure(), "Pins that close loops"),
     }
@@ -42,14 +45,15 @@ def schema() -> dict[str, Any]:
     }
 
 
-def _joint() -> dict[str, Any]:
+def _joint(laws: Mapping[str, Effect]) -> dict[str, Any]:
     keys = {
         "name": _text("What others call it"),
         "kind": {"enum": ["revolute", "prismatic"], "description": "Turns about x or moves along it"},
+        "passive": {"const": False, "description": "Whether it follows others; it does not if absent"},
         "k": _numbers("Stiffness of the flexible hinge: twist, or twist and both bendings [N m/rad]", 0),
         "d": _numbers("Its damping, as many numbers as k [N m s/rad]", 0),
         "limits": _limits(),
-        "effects": _table({name: _effect(e) for name, e in CATALOGUE.items() if not e.base}),
+        "effects": _table({name: _effect(e) for name, e in laws.items() if not e.base}),
     }
     base = {
         p.name: _number(f"{effect.title} [{p.unit}]", p.lower)
@@ -131,18 +135,28 @@ def _controller() -> dict[str, Any]:
         "Kd": _numbers("Derivative gain [N m s/rad or N s/m]"),
         "Ki": _numbers("Integral gain [N m/(rad s) or N/(m s)]"),
     }
-    return _table({"rate": _number("Samples a second [Hz]", 0)} | gains, ("rate", *gains))
+    return _table({"rate": _rate()} | gains, ("rate", *gains))
+
+
+def _rate() -> dict[str, Any]:
+    return _number("Samples a second [Hz]", _SLOWEST) | {"maximum": _FASTEST}
 
 
 def _servo() -> dict[str, Any]:
+    def size(text: str, name: str) -> dict[str, Any]:
+        return _positive(text) if name in POSITIVE else _number(text, 0)
+
     each = {
-        name: {"anyOf": [_number(text, 0), _numbers(text, 0)], "description": f"{text} [{unit}]"}
+        name: {
+            "anyOf": [size(text, name), _numbers(text) | {"items": size("", name)}],
+            "description": f"{text} [{unit}]",
+        }
         for name, (unit, text) in PER_JOINT.items()
     }
-    shared = {name: _number(f"{text} [{unit}]", 0) for name, (unit, text) in SHARED.items()}
+    shared = {name: size(f"{text} [{unit}]", name) for name, (unit, text) in SHARED.items()}
     names = [*PER_JOINT, *SHARED]
     unknown = {"type": "array", "items": {"enum": names}, "description": "What identification may change"}
-    keys = {"rate": _number("Samples a second of the position loop [Hz]", 0), "unknown": unknown}
+    keys = {"rate": _positive("Samples a second of the position loop [Hz]"), "unknown": unknown}
     required = ("rate", "supply", "kp", "gain", "kt", *sorted(POSITIVE))
     return _table(keys | each | shared, required)
 
@@ -164,9 +178,9 @@ def _transmission() -> dict[str, Any]:
 def _processing() -> dict[str, Any]:
     keys = {
         "derivative": {"enum": ["central", "hat"], "description": "How positions become speeds"},
-        "cutoff": _number("Of the zero-phase Butterworth filter [Hz]", 0),
-        "order": _whole("Of the filter", 1),
-        "decimate": _whole("Factor by which filtered equations are thinned out", 1),
+        "cutoff": _positive("Of the zero-phase Butterworth filter [Hz]"),
+        "order": _whole("Of the filter", 1, 20),
+        "decimate": _whole("Factor by which filtered equations are thinned out", 1, 1_000_000),
         "dead_zone": _number("Speed below which its sign is noise [rad/s or m/s]", 0),
     }
     return _table(keys)
@@ -175,14 +189,14 @@ def _processing() -> dict[str, Any]:
 def _identification() -> dict[str, Any]:
     sine = {
         "rms": _numbers("Torque of each joint [N m or N]", 0),
-        "lines": _whole("Number of frequencies", 1),
-        "lowest": _number("[Hz]", 0),
-        "highest": _number("[Hz]", 0),
+        "lines": _whole("Number of frequencies", 1, 100_000),
+        "lowest": _positive("[Hz]"),
+        "highest": _positive("[Hz]"),
     }
     keys = {
         "swing": _numbers("Of each joint [rad or m]"),
-        "period": _number("[s]", 0),
-        "duration": _number("[s]", 0),
+        "period": _positive("[s]"),
+        "duration": _positive("[s]"),
         "multisine": _table(sine, tuple(sine)),
     }
     return _table(keys, tuple(keys))
@@ -192,7 +206,7 @@ def _line() -> dict[str, Any]:
     keys = {
         "start": _vector("Of the tip [m]"),
         "end": _vector("Of the tip [m]"),
-        "duration": _number("[s]", 0),
+        "duration": _positive("[s]"),
         "locked": {"type": "array", "items": {"type": "integer"}, "description": "Joints that stay at 0"},
     }
     return _table(keys, ("start", "end", "duration"))
@@ -216,8 +230,13 @@ def _number(text: str, lower: float | None = None) -> dict[str, Any]:
     return {"type": "number", "description": text} | bound
 
 
-def _whole(text: str, lower: int) -> dict[str, Any]:
-    return {"type": "integer", "minimum": lower, "description": text}
+def _positive(text: str) -> dict[str, Any]:
+    return {"type": "number", "description": text, "exclusiveMinimum": 0}
+
+
+def _whole(text: str, lower: int, upper: int | None = None) -> dict[str, Any]:
+    bound = {} if upper is None else {"maximum": upper}
+    return {"type": "integer", "minimum": lower, "description": text} | bound
 
 
 def _numbers(text: str, lower: float | None = None, size: int | None = None) -> dict[str, Any]:

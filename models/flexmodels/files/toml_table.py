@@ -66,7 +66,7 @@ class Table:
         found = number(value, self.place(key))
         if found != int(found) or not lower <= found <= upper:
             raise RobotError(
-                f"{self.place(key)} must be a whole number from {lower} to {upper}, not {_short(value)}"
+                f"{self.place(key)} must be a whole number from {lower} to {upper}, not {shortened(value)}"
             )
         return int(found)
 
@@ -75,7 +75,7 @@ class Table:
         self.read.add(key)
         value = self.data.get(key, False)
         if not isinstance(value, bool):
-            raise RobotError(f"{self.place(key)} must be true or false, not {_short(value)}")
+            raise RobotError(f"{self.place(key)} must be true or false, not {shortened(value)}")
         return value
 
     def table(self, key: str) -> "Table":
@@ -120,17 +120,18 @@ def number(
 ) -> float:
     """A finite number from `lower` (or above it) to `upper`. Raises RobotError."""
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
-        raise RobotError(f"{place} must be a finite number, not {_short(value)}")
+        raise RobotError(f"{place} must be a finite number, not {shortened(value)}")
     if abs(value) > LARGEST_NUMBER:
-        raise RobotError(f"{place} must be a finite number up to {LARGEST_NUMBER:g}, not {_short(value)}")
+        raise RobotError(f"{place} must be a finite number up to {LARGEST_NUMBER:g}, not {shortened(value)}")
     if value < lower or (above and value <= lower):
-        raise RobotError(f"{place} = {_short(value)} must be {'above' if above else 'at least'} {lower:g}")
+        raise RobotError(f"{place} = {shortened(value)} must be {'above' if above else 'at least'} {lower:g}")
     if value > upper:
-        raise RobotError(f"{place} = {_short(value)} must be at most {upper:g}")
+        raise RobotError(f"{place} = {shortened(value)} must be at most {upper:g}")
     return float(value)
 
 
-def _short(value: Any) -> str:
+def shortened(value: Any) -> str:
+    """Any value as a sentence shows it."""
     if isinstance(value, int) and abs(value) >= 10**_DIGITS:
         return f"a whole number of more than {_DIGITS} digits"
     text = repr(value)

@@ -24,6 +24,7 @@ COMMANDS = {
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
     "open": Entry("pyident.cli.open", "open_command", "Open the workbench on a folder."),
+    "payload": Entry("pyident.cli.payload", "payload_command", "Find the inertia of what MODEL carries."),
     "plan": Entry("pyident.cli.excite", "plan", "Check a planned motion, or write it for a controller."),
     "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),

@@ -13,6 +13,7 @@ from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
+ORDER = "the order of names without numbers"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
@@ -29,7 +30,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
     said = {name: meaning(name, joints) for name in recording.columns}
     clock = _time_column(recording, said)
-    numbers = _numbers(said, robot)
+    numbers, ordered = _numbers(said, robot)
     times = set(recording.clocks.values()) | ({clock} if clock else set())
     found = []
     for name, values in recording.columns.items():
@@ -42,6 +43,8 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
         why = [f"its name {name!r}"] if signal not in ("unknown",) and recording.header else []
         if unit:
             why.append(f"the unit {unit} that the file gives")
+        if name in ordered:
+            why.append(ORDER)
         side, doubt = m.side, ""
         if side == "motor" and robot is not None and robot.transmission is None:
             side, doubt = "joint", f"{name}{MOTOR_SIDE}"
@@ -123,31 +126,54 @@ def _time_unit(channel: Channel) -> Channel:
     return replace(channel, unit=unit, sure=True, why=(*channel.why, f"steps of {1e3 * seconds:.4g} ms"))
 
 
-def _numbers(said: dict[str, Meaning], robot: Robot | None) -> dict[str, int]:
-    """Joint (from 1) of every column that names one; numbers from 0 are shifted, words are ordered."""
+def _numbers(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, int], set[str]]:
+    """Joint (from 1) of every column that names one; numbers from 0 are shifted, words are ordered.
+
+    Also the columns that only their order places: names without numbers, and numbers beside such names that
+    would be taken twice (wrist_1 beside shoulder).
+    """
     out: dict[str, int] = {}
+    ordered: set[str] = set()
     groups: dict[tuple[str, str, str], list[str]] = defaultdict(list)
     for name, m in said.items():
         stem = re.sub(r"\d+", "#", name) if isinstance(m.joint, int) else ""
         groups[(m.signal, m.side, stem if isinstance(m.joint, int) else "word")].append(name)
-    for (signal, _, _), names in groups.items():
-        numbers = [said[n].joint for n in names]
-        whole = [j for j in numbers if isinstance(j, int)]
+    for (signal, _, stem), names in _merged(groups, said, robot).items():
+        whole = [j for j in (said[n].joint for n in names) if isinstance(j, int) and stem != "word"]
         if signal in ("time", "other", "unknown") and not whole:
             continue
         shift = 1 if whole and min(whole) == 0 and len(whole) == len(names) else 0
-        words: list[str] = []
-        for n in names:
-            j = said[n].joint
-            if isinstance(j, int):
-                out[n] = j + shift
-            elif isinstance(j, str) and j:
-                words.append(n)
-        for place, n in enumerate(words, start=1):
-            out[n] = place
+        if stem == "word":
+            words = [n for n in names if said[n].joint not in (None, "")]
+            out |= {n: place for place, n in enumerate(words, start=1)}
+            ordered |= set(words)
+        else:
+            out |= {n: j + shift for n, j in zip(names, whole, strict=True)}
         if len(names) == 1 and said[names[0]].joint is None and (robot is None or len(robot.joints) == 1):
             out[names[0]] = 1
+    return out, ordered
+
+
+def _merged(
+    groups: dict[tuple[str, str, str], list[str]], said: dict[str, Meaning], robot: Robot | None
+) -> dict[tuple[str, str, str], list[str]]:
+    """Names with numbers that stand among names without (wrist_1 after elbow) are names without, too."""
+    out = dict(groups)
+    for key, names in groups.items():
+        words = [n for n in groups.get((key[0], key[1], "word"), []) if said[n].joint]
+        own = len(words) < 2 or (robot is not None and len(names) >= len(robot.joints))
+        if key[2] == "word" or own or key[0] in ("time", "other", "unknown"):
+            continue
+        if {_field(n) for n in names} & {_field(n) for n in words}:
+            del out[key]
+            both = set(out[(key[0], key[1], "word")]) | set(names)
+            out[(key[0], key[1], "word")] = [n for n in said if n in both]
     return out
+
+
+def _field(name: str) -> str:
+    """What is last in a name: `position` of wrist_1.position."""
+    return re.split(r"[^A-Za-z0-9]", name)[-1]
 
 
 def of_signal(channels: Sequence[Channel], signal: str) -> dict[int, Channel]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
-from pyident.inspection.guesses import first_guesses
-from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
-from pyident.inspection.physics import with_physics
+from pyident.inspection.guesses import ORDER, first_guesses
+from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
+from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
@@ -42,6 +42,7 @@ def inspect_log(
     if robot is not None and (time is not None or rate):
         channels, further = with_physics(channels, recording.columns, robot, rate)
         notes += further
+    channels = [_placed(c) for c in channels] if not _explained(channels) else channels
     channels = _judged(channels, robot)
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
@@ -104,6 +105,20 @@ def _judged(channels: list[Channel], robot: Robot | None) -> list[Channel]:
     return out
 
 
+def _explained(channels: list[Channel]) -> bool:
+    """Whether the robot's equations account for the torques, so that every joint is where it seems to be."""
+    return any(EXPLAINS in why for c in channels for why in c.why)
+
+
+def _placed(c: Channel) -> Channel:
+    """With a question where only a column's place says what it is, or of which joint."""
+    guess = (PLACE in c.why and DERIVATIVE not in c.why) or ORDER in c.why
+    if not guess or c.name is None or c.doubt:
+        return c
+    witness = PLACE if PLACE in c.why else ORDER
+    return replace(c, sure=False, doubt=f"is {c.column} really {c.name}? only {witness} says so")
+
+
 def _asked(c: Channel) -> Channel:
     if c.signal == "current":
         return replace(c, sure=False, doubt=f"how many N m (or N) does one {c.unit or 'A'} of {c.column} "
@@ -132,6 +147,10 @@ def _missing(
         asked.append("no column looks like time: how many samples a second were recorded? (rate)")
     places = {c.joint for c in channels if c.signal == "position" and c.name}
     efforts = {c.joint for c in channels if c.signal in ("torque", "current", "voltage") and c.name}
+    if joints == 0:
+        asked.append(
+            "no column looks like the position of a joint: which are they? a robot file (--robot) helps"
+        )
     for k in range(1, joints + 1):
         if k not in places:
             asked.append(f"no column looks like the position of joint {k}: which is it?")

@@ -11,6 +11,9 @@ from pyident.logs.units import FACTORS, KINDS
 
 _AGREES = 0.9  # correlation of a velocity with the derivative of its position
 _CLOSE = 0.15  # relative error of a ratio of units
+_LIKE = 0.98  # correlation of a reference with its position
+PLACE = "its place among the columns"  # and nothing else, where no other witness follows
+DERIVATIVE = "one block of columns is the derivative of another"
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
 
 
@@ -30,7 +33,7 @@ def with_motion_units(channels: list[Channel], robot: Robot | None, period: floa
     for i, c in enumerate(out):
         if c.signal in ("position", "reference") and not c.sure and len(units) == 1 and c.joint is not None:
             other = next(iter(units))
-            if c.unit in (None, other) or KINDS[other] == KINDS[c.unit or "rad"]:
+            if c.unit is not None and (c.unit == other or KINDS[other] == KINDS[c.unit]):
                 out[i] = replace(
                     c, unit=other, sure=True, doubt="", why=(*c.why, "the unit of the other positions")
                 )
@@ -94,12 +97,43 @@ def nameless(channels: list[Channel], robot: Robot | None, period: float | None)
     """Columns without names, as blocks of one column per joint: positions, then their velocities and torques.
 
     A velocity is the derivative of the column a block before; of what is left, the roughest block is torque.
+    Where names tell the positions, only what moves like these is guessed: it is their reference.
     """
-    free = [i for i, c in enumerate(channels) if c.signal == "unknown"]
+    free = [i for i, c in enumerate(channels) if c.signal == "unknown" and np.ptp(c.values) > 0]
+    places = {c.joint: c.values for c in channels if c.signal == "position" and c.joint is not None}
+    if places:
+        return _wanted(channels, free, places)
     n = len(robot.joints) if robot else _block(channels, free, period)
     if not free or not n or len(free) < n or period is None:
         return channels
     blocks = [free[i : i + n] for i in range(0, len(free) - n + 1, n)]
+    kind, derived = _kinds(channels, blocks, period)
+    out = list(channels)
+    for b, signal in kind.items():
+        for k, i in enumerate(blocks[b], start=1):
+            why = (PLACE, f"how it moves: {signal}", *((DERIVATIVE,) if b in derived else ()))
+            out[i] = replace(out[i], signal=signal, joint=k, why=why)  # pyright: ignore
+    return out
+
+
+def _wanted(channels: list[Channel], free: list[int], places: dict[int, np.ndarray]) -> list[Channel]:
+    """Columns that say no signal and move like a joint's position are its reference."""
+    out = list(channels)
+    for i in free:
+        likeness = {k: _alike(channels[i].values, q) for k, q in places.items()}
+        best = max(likeness, key=lambda k: likeness[k])
+        others = [value for k, value in likeness.items() if k != best]
+        if likeness[best] > _LIKE and all(value < _LIKE for value in others):
+            out[i] = replace(
+                channels[i], signal="reference", joint=best, why=(f"how it moves: as joint {best}",)
+            )
+    return out
+
+
+def _kinds(
+    channels: Sequence[Channel], blocks: list[list[int]], period: float
+) -> tuple[dict[int, str], set[int]]:
+    """Block -> signal, and the blocks of which one is the derivative of another."""
     kind: dict[int, str] = {}
     for a, first in enumerate(blocks):
         for b, second in enumerate(blocks):
@@ -110,6 +144,7 @@ def nameless(channels: list[Channel], robot: Robot | None, period: float | None)
             if a != b and np.median(fits) > _AGREES and b not in kind:
                 kind.setdefault(a, "position")
                 kind[b] = "velocity" if kind[a] == "position" else "acceleration"
+    derived = set(kind)
     rest = [b for b in range(len(blocks)) if b not in kind]
     rough = {b: np.median([_roughness(channels[i].values) for i in blocks[b]]) for b in rest}
     smooth = sorted(rest, key=lambda b: rough[b])
@@ -117,22 +152,23 @@ def nameless(channels: list[Channel], robot: Robot | None, period: float | None)
         kind[smooth.pop(0)] = "position"
     for b in list(smooth):
         position = next(k for k, v in kind.items() if v == "position")
-        alike = [
-            np.corrcoef(channels[i].values, channels[j].values)[0, 1]
-            for i, j in zip(blocks[position], blocks[b], strict=True)
-        ]
-        if np.nanmedian(alike) > 0.98:
+        pairs = zip(blocks[position], blocks[b], strict=True)
+        if np.median([_alike(channels[i].values, channels[j].values) for i, j in pairs]) > _LIKE:
             kind[b] = "reference"
             smooth.remove(b)
     if smooth:
         kind[smooth[-1]] = "torque"
-    out = list(channels)
-    for b, signal in kind.items():
-        for k, i in enumerate(blocks[b], start=1):
-            out[i] = replace(
-                out[i], signal=signal, joint=k, why=("its place among the columns", f"how it moves: {signal}")
-            )  # pyright: ignore
-    return out
+    return kind, derived
+
+
+def _alike(x: np.ndarray, y: np.ndarray) -> float:
+    """Their correlation; of columns of other lengths over the same time, too."""
+    if np.ptp(x) == 0 or np.ptp(y) == 0:
+        return 0.0
+    if len(x) != len(y):
+        x = np.interp(np.linspace(0, 1, len(y)), np.linspace(0, 1, len(x)), x)
+    agreement = float(np.corrcoef(x, y)[0, 1])
+    return agreement if np.isfinite(agreement) else 0.0
 
 
 def _block(channels: Sequence[Channel], free: list[int], period: float | None) -> int:

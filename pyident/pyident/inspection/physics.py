@@ -25,6 +25,7 @@ _FORCES = ("N", "kN")
 _CLOSE = 2.2  # times that the masses may be off the robot file's where a unit is told from them
 _WITNESS = 0.25  # of the torques' variance: with more left, the equations are no witness
 _ROUNDS = 3
+EXPLAINS = "the robot's masses times"  # of a channel that the equations account for
 
 
 def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
@@ -165,6 +166,6 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
             else:
                 unit = near
         sure = unit is not None and not doubt and (factor is not None or c.unit is not None)
-        why = (*c.why, f"the robot's masses times {factor:.2g}") if factor is not None else c.why
+        why = (*c.why, f"{EXPLAINS} {factor:.2g}") if factor is not None else c.why
         out.append(replace(c, unit=unit, sure=sure, doubt=doubt, why=why))
     return out

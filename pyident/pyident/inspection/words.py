@@ -28,6 +28,7 @@ _WANTED = frozenset(
         "reference",
         "cmd",
         "command",
+        "commands",
         "commanded",
         "des",
         "desired",
@@ -78,6 +79,7 @@ _OTHER = frozenset(
     ]
 )
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
+_GERMAN = re.compile(r"(ist|soll)(?=[a-z]{3})")  # as in Istposition
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])")
 
 
@@ -95,6 +97,7 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     """Of a column's name; joints: names of the robot's joints, which may be part of it."""
     joint, rest = _joint(name, joints)
     words = [word.lower() for part in _SPLIT.split(rest) for word in _CAMEL.split(part) if word]
+    words = [part for word in words for part in _parts(word)]
     numbers = [int(word) for word in words if word.isdigit()]
     words = [word for word in words if not word.isdigit()]
     unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None)
@@ -107,6 +110,14 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     if joint is None and len(left) and "observation" not in left:
         joint = "_".join(w for w in left if w not in ("act", "actual", "meas", "measured", "ist", "present"))
     return Meaning(_signal(words), joint or joint if joint != "" else None, side, unit)
+
+
+def _parts(word: str) -> list[str]:
+    """A word, in two where it is put together of what it is of and what it is."""
+    begin = _GERMAN.match(word)
+    if begin and word not in _BARE and word not in _WANTED and word[begin.end() :] in _BARE:
+        return [begin.group(), word[begin.end() :]]
+    return [word]
 
 
 def _signal(words: list[str]) -> Signal:

@@ -32,6 +32,7 @@ from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
+from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
 from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
@@ -78,6 +79,8 @@ def identify_by_instruments(
     starts = starts or [identified(robot, reduced, plain)]
     best = starts[0]
     simulated, again = repeats(best.robot, logs)
+    if not driven(robot):
+        again = tuple(smoothed(r) for r in again)
     notes = tuple(r.note for r in again[:1] if r.note)
     try:
         with open_pool(simulated) as workers:
@@ -265,7 +268,8 @@ def _rows(robot: Robot, data: _Data, frame: pd.DataFrame, p: np.ndarray) -> Rows
     """Instruments from a simulation, and the log's torques without what the simulation's equations leave."""
     made = _in_memory(robot, condition(Log(frame, "simulation"), robot))
     share = _share(robot, data.use * made.use)
-    return Rows(data.A, made.A, data.y - (made.y - predicted(made.A, p)), share)
+    left = made.y - predicted(made.A, p) if driven(robot) else 0.0
+    return Rows(data.A, made.A, data.y - left, share)
 
 
 def _share(robot: Robot, use: np.ndarray) -> np.ndarray:

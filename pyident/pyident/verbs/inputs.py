@@ -18,6 +18,7 @@ from pyident.logs.log import Log, LogError, check, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
 from pyident.refinement.loop_torque import with_loop_torque
+from pyident.refinement.stand_in import driven
 from pyident.verbs.fmu.arguments import is_fmu
 
 Model = Robot | str | Path
@@ -72,11 +73,6 @@ def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_ef
         )
     robot = model if isinstance(model, Robot) else load_robot(model, allow_effects)
     return with_settings(robot, parameters) if parameters else robot
-
-
-def driven(robot: Robot) -> bool:
-    """Whether its file says what drives its joints."""
-    return robot.controller is not None or robot.servo is not None
 
 
 def simulable(robot: Robot) -> Robot:

@@ -1,13 +1,16 @@
 """Exports for other simulators: what is written, what is lost, and what the loss costs on a log."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from one_joint import one_joint
+from servo_pendulum import pendulum
 
 from flexmodels.experiment import identification
+from flexmodels.files.five_numbers import export_five_numbers
 from flexmodels.files.robot_file import load_robot, save_robot
 from pyident.cli.main import main
 from pyident.logs.log import Log, write_log
@@ -59,6 +62,14 @@ def test_five_numbers(stribeck, tmp_path):
     assert numbers["friction"] == values["joint1.coulomb"]
     assert numbers["damping"] == values["joint1.viscous"]
     assert numbers["delay"] == 0.0
+
+
+def test_the_delay_of_a_servo_is_one_of_the_five(tmp_path):
+    robot = pendulum()
+    assert robot.servo is not None
+    robot = replace(robot, servo=replace(robot.servo, delay=0.007))
+    export_five_numbers(robot, tmp_path / "numbers.json")
+    assert json.loads((tmp_path / "numbers.json").read_text())["joint1"]["delay"] == 0.007
 
 
 def test_an_mjcf_becomes_a_robot_file(tmp_path):

@@ -57,7 +57,7 @@ LOOP = "[[closure]]\nlinks = [4, 5]\npoint = [-0.1, 0.0, 1.8]\naxis = [0.0, 1.0,
     ("old", "new", "words"),
     [
         ("parent = 1", "parent = 2", r"joint\[2\]\.parent must be a whole number from 0 to 1, not 2"),
-        ("parent = 3", "parent = 1.5", r"joint\[4\]\.parent must be a whole number from 0 to 3, not 1\.5"),
+        ("parent = 3", "parent = 1.5", r"joint\[4\]\.parent must be a whole number, not 1\.5"),
         ("tip_link = 5", "tip_link = 6", r"tip_link must be a whole number from 1 to 5"),
         (
             "joint3 = -1.0",

@@ -1,0 +1,1 @@
+"""What outcomes and robots look like."""
