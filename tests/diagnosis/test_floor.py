@@ -1,4 +1,6 @@
-"""Errors that no model is free of: their size, their spectrum, and where friction is rounded."""
+"""The floor: errors that no model is free of, in every replica; and what stands out above it."""
+
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -6,7 +8,11 @@ import pytest
 from one_joint import PERIOD, one_joint
 
 from pyident.diagnosis.base.discrepancy import inexact
+from pyident.diagnosis.base.projection import Base
+from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
+from pyident.rules.rules import RULES
 
 TIME = np.arange(4000) * PERIOD
 
@@ -37,3 +43,32 @@ def test_friction_is_rounded_near_rest_alone_and_never_more_than_it_is():
     assert (change * speed <= 0).all()  # less friction
     assert 0.5 < np.abs(change).max() <= 3.0
     assert np.abs(change[np.abs(speed) > 0.1]).max() < 3e-3  # 7 % of the rms speed
+
+
+SAMPLES = 100
+CALM, WILD = [1.0] * 20, [0.2] * 19 + [16.2]  # energy that each of 20 replicas leaves: on average 1
+
+
+class Fitted:
+    rules = RULES
+
+
+def standing_out(energy: float, replicas: list[float]) -> bool:
+    """Of one equation whose residual has this mean square."""
+    setting: Any = Fitted()
+    count, nothing = np.array([SAMPLES]), np.zeros((20, 0))
+    left = np.reshape(replicas, (20, 1, 1))
+    floor: Any = None
+    residual = np.full((1, SAMPLES), np.sqrt(energy))
+    base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
+    examination = Examination(setting, floor, [], base, [], [], nothing, np.array([[energy]]), left, count)
+    families: Any = None
+    return bool(Search(examination, families, base).standing_out[0])
+
+
+@pytest.mark.parametrize(
+    ("energy", "replicas", "stands_out"),
+    [(1.9, CALM, False), (2.1, CALM, True), (15.0, WILD, False), (17.0, WILD, True)],
+)
+def test_what_a_perfect_model_leaves_as_well_does_not_stand_out(energy, replicas, stands_out):
+    assert standing_out(energy, replicas) == stands_out
