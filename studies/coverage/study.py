@@ -66,9 +66,9 @@ def noisy(robot: Robot, simulate: FmuRuns, level: float, seed: int) -> Log:
 
 
 def deviations(robot: Robot, results: list[Identified]) -> pd.DataFrame:
-    """Per parameter that is determined alone: coverage, mean and spread in standard deviations, bias in %."""
+    """Per parameter with an interval in every result: coverage, mean and spread in stds, bias in %."""
     true = np.array(list(robot.linear_parameters.values()))
-    alone = np.all([~r.solution.open for r in results], axis=0)
+    alone = np.all([np.isfinite(r.solution.std) for r in results], axis=0)
     values = np.array([r.solution.p for r in results])[:, alone]
     z = (values - true[alone]) / np.array([r.solution.std for r in results])[:, alone]
     names = [n for n, a in zip(robot.linear_parameters, alone, strict=True) if a]

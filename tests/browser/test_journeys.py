@@ -97,13 +97,11 @@ def test_a_wrong_law_is_refused_with_its_numbers(tab, project):
 def test_what_is_brushed_in_one_panel_is_marked_in_all(tab, project):
     with served(project) as url:
         compared(tab, url)
-        states = tab.get_by_test_id("states")
-        states.scroll_into_view_if_needed()
-        panel = states.locator(".subplot.xy .plot, .subplot.xy").first.bounding_box()
-        x, y = panel["x"], panel["y"]
-        tab.mouse.move(x + 5, y + 5)
+        panel = tab.get_by_test_id("states").locator(".nsewdrag").first
+        panel.hover(position={"x": 5, "y": 5})  # waits until it stands still in sight
+        box = panel.bounding_box()
         tab.mouse.down()
-        tab.mouse.move(x + 0.4 * panel["width"], y + panel["height"] - 5, steps=5)
+        tab.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + box["height"] - 5, steps=5)
         tab.mouse.up()
         tab.wait_for_function(
             "document.querySelector('[data-testid=brushed]').textContent.includes('marked')"

@@ -11,6 +11,7 @@ from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.spectrum import equations
+from pyident.rules.rules import RULES
 from pyident.simulation.along import along, resolution, smooth
 
 
@@ -71,7 +72,7 @@ def test_a_ripple_of_a_gear_is_seen_hundreds_of_times_a_turn():
     logs = [made(robot, seed, ripple, 20.0) for seed in range(2)]
     setting = set_up(robot, logs)
     data = equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
-    found = order_peaks(robot, data, setting.solution.p)
+    found = order_peaks(robot, data, setting.solution.p, RULES.periodic)
     assert found[1][0] == pytest.approx(202.0, abs=1.0)
     assert not found[6]
 

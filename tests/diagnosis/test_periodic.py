@@ -11,6 +11,7 @@ from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
 from pyident.logs.log import Log
 from pyident.regression.spectrum import equations
+from pyident.rules.rules import RULES
 
 SIGMA = 0.05  # N m of white noise: the floor
 
@@ -30,9 +31,14 @@ def _whitened(robot, log: Log):
     return robot, parts, levels, solve_base([e.over(level) for e, level in zip(parts, levels, strict=True)])
 
 
+def _highest(base, parts, levels, over: Over):
+    data = base, parts, levels
+    return highest(*data, spectrum(*data, over, RULES.periodic), RULES.periodic)
+
+
 def test_the_order_of_an_angle():
     _, parts, levels, base = _residual(lambda f: 0.3 * np.cos(7 * f["joint1.e"] + 0.4))
-    peak = highest(base, parts, levels, spectrum(base, parts, levels, Over("order", 0)))
+    peak = _highest(base, parts, levels, Over("order", 0))
     assert peak is not None
     assert peak.at == pytest.approx(7, abs=0.05)
     assert peak.amplitude == pytest.approx(0.3, rel=0.1)
@@ -41,7 +47,7 @@ def test_the_order_of_an_angle():
 
 def test_a_frequency():
     _, parts, levels, base = _residual(lambda f: 0.2 * np.sin(2 * np.pi * 6.3 * f["time"]))
-    peak = highest(base, parts, levels, spectrum(base, parts, levels, Over("frequency", 0)))
+    peak = _highest(base, parts, levels, Over("frequency", 0))
     assert peak is not None
     assert peak.at == pytest.approx(6.3, abs=0.02)
     assert peak.amplitude == pytest.approx(0.2, rel=0.1)
@@ -51,7 +57,7 @@ def test_a_frequency():
 def test_noise_has_no_wave():
     _, parts, levels, base = _residual(lambda f: 0.0)
     for kind in ("order", "frequency"):
-        peak = highest(base, parts, levels, spectrum(base, parts, levels, Over(kind, 0)))
+        peak = _highest(base, parts, levels, Over(kind, 0))
         assert peak is None or peak.p_value > 0.01, kind
 
 

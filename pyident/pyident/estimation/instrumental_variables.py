@@ -11,7 +11,7 @@ periodogram, smoothed over neighbouring bins, with all its correlations between 
 let the noise of high frequencies, which differences raise as f squared, leak into it.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,9 +114,12 @@ def _moments(logs: Logs, weights: np.ndarray, turn: np.ndarray) -> tuple[np.ndar
     return B, b
 
 
-def spectral(logs: Logs, weights: np.ndarray) -> Scatter:
-    """The covariance of the sums of instrument times residual, from the residual's spectrum."""
-    return lambda turn, p: _spectral(logs, weights, turn, p)
+def spectral(logs: Logs, weights: np.ndarray, counted: Sequence[np.ndarray] | None = None) -> Scatter:
+    """The covariance of the sums of instrument times residual, from the residual's spectrum.
+
+    counted   per log (N // 2 + 1, n): share of the residual's amplitude that counts; none: all of it
+    """
+    return lambda turn, p: _spectral(logs, weights, turn, p, counted)
 
 
 def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:
@@ -124,15 +127,23 @@ def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:
     return np.full((turn.shape[1],) * 2, np.nan)
 
 
-def _spectral(logs: Logs, weights: np.ndarray, turn: np.ndarray, p: np.ndarray) -> np.ndarray:
+def _spectral(
+    logs: Logs,
+    weights: np.ndarray,
+    turn: np.ndarray,
+    p: np.ndarray,
+    counted: Sequence[np.ndarray] | None,
+) -> np.ndarray:
     total = np.zeros((turn.shape[1], turn.shape[1]))
     window = 1 - np.abs(np.arange(-_BINS, _BINS + 1)) / (_BINS + 1)
     window /= window.sum()
-    for rows in logs():
+    for number, rows in enumerate(logs()):
         residual = (rows.y - rows.A @ p) * rows.share * weights
         N = len(residual)
         v = np.fft.fft(residual, axis=0)
         half = N // 2 + 1
+        if counted is not None:
+            v *= np.concatenate([counted[number], counted[number][1 : N - half + 1][::-1]])
         X = np.array([_spectrum(rows.Z[:, c], turn, weight) for c, weight in enumerate(weights)])
         twice = np.full(half, 2.0)
         twice[0] = 1.0

@@ -6,6 +6,7 @@ from math import ceil
 import pandas as pd
 
 from pyident.rules.comparison import ComparisonRules
+from pyident.rules.periodic import PeriodicRules
 from pyident.rules.replicas import ReplicaRules
 from pyident.rules.rule import RulesError, lines
 from pyident.rules.search import SearchRules
@@ -19,6 +20,7 @@ class Rules:
     comparison: ComparisonRules = field(default_factory=ComparisonRules)
     replicas: ReplicaRules = field(default_factory=ReplicaRules)
     search: SearchRules = field(default_factory=SearchRules)
+    periodic: PeriodicRules = field(default_factory=PeriodicRules)
     unexplained: UnexplainedRules = field(default_factory=UnexplainedRules)
     extension: ExtensionRules = field(default_factory=ExtensionRules)
 

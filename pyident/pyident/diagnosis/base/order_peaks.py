@@ -14,19 +14,16 @@ from scipy.ndimage import median_filter
 from flexmodels.robot import Robot
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Equations
+from pyident.rules.periodic import PeriodicRules
 
-LOWEST = 5.0  # per turn: below, a law's own grid is fine enough
-_HIGHEST = 1000.0  # per turn: teeth of a harmonic drive's splines, twice
-_FASTEST = 0.8  # of the Nyquist frequency, at the median speed of the moving joint
 _PER_PEAK = 3.0  # orders tried per resolved one
-_NEIGHBOURS = 101
 _MEDIAN = float(np.log(2))  # of an exponential variable, per its mean
-_LEVEL = 0.001  # chance of such a peak anywhere in the spectrum
-_MOST = 3
 _BLOCK = 64  # orders at once
 
 
-def order_peaks(robot: Robot, logs: Sequence[Equations], p: np.ndarray) -> dict[int, list[float]]:
+def order_peaks(
+    robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
+) -> dict[int, list[float]]:
     """Joint (from 1) -> orders per turn, the strongest first. p (P,): parameters that leave the residual."""
     left = [_residual(robot, log, p) for log in logs]
     found = {}
@@ -34,9 +31,8 @@ def order_peaks(robot: Robot, logs: Sequence[Equations], p: np.ndarray) -> dict[
         if joint.kind == "revolute":
             angles = [log.part.motion.q[:, k - 1] for log in logs]
             speeds = np.concatenate([np.abs(log.part.motion.dq[:, k - 1]) for log in logs])
-            found[k] = _peaks(
-                [r[:, k - 1] for r in left], angles, _orders(angles, speeds, logs[0].band.period)
-            )
+            orders = _orders(angles, speeds, logs[0].band.period, rules)
+            found[k] = _peaks([r[:, k - 1] for r in left], angles, orders, rules)
     return found
 
 
@@ -49,28 +45,33 @@ def _residual(robot: Robot, log: Equations, p: np.ndarray) -> np.ndarray:
     )
 
 
-def _orders(angles: Sequence[np.ndarray], speeds: np.ndarray, period: float) -> np.ndarray:
+def _orders(
+    angles: Sequence[np.ndarray], speeds: np.ndarray, period: float, rules: PeriodicRules
+) -> np.ndarray:
     """Those that the motion resolves and the sampling follows; may be none."""
     span = max(float(np.ptp(q)) for q in angles)
     moving = speeds[speeds > 0.1 * speeds.max()] if speeds.max() > 0 else speeds[:0]
     if span <= 0 or not len(moving):
         return np.zeros(0)
-    top = min(_HIGHEST, _FASTEST * np.pi / period / float(np.median(moving)))
-    return np.arange(max(LOWEST, 4 * np.pi / span), top, 2 * np.pi / span / _PER_PEAK)
+    top = min(rules.highest, rules.fastest * np.pi / period / float(np.median(moving)))
+    return np.arange(max(rules.lowest, 4 * np.pi / span), top, 2 * np.pi / span / _PER_PEAK)
 
 
-def _peaks(left: Sequence[np.ndarray], angles: Sequence[np.ndarray], orders: np.ndarray) -> list[float]:
-    if len(orders) < _NEIGHBOURS:
+def _peaks(
+    left: Sequence[np.ndarray], angles: Sequence[np.ndarray], orders: np.ndarray, rules: PeriodicRules
+) -> list[float]:
+    if len(orders) < rules.neighbours:
         return []
     energy = np.zeros(len(orders))
     for r, q in zip(left, angles, strict=True):
         for i in range(0, len(orders), _BLOCK):
             energy[i : i + _BLOCK] += np.abs(np.exp(1j * np.outer(orders[i : i + _BLOCK], q)) @ r) ** 2
-    ratio = energy / np.maximum(median_filter(energy, _NEIGHBOURS, mode="reflect") / _MEDIAN, 1e-300)
-    chance = np.log(len(orders) / _LEVEL) * (1 + len(left)) / 2  # of a mean over logs, at most
+    typical = median_filter(energy, rules.neighbours, mode="reflect")
+    ratio = energy / np.maximum(typical / _MEDIAN, 1e-300)
+    chance = np.log(len(orders) / rules.chance) * (1 + len(left)) / 2  # of a mean over logs, at most
     out: list[float] = []
     for i in np.argsort(-ratio):
-        if ratio[i] < chance or len(out) == _MOST:
+        if ratio[i] < chance or len(out) == rules.peaks:
             break
         if all(abs(orders[i] - other) > 2 * _PER_PEAK * (orders[1] - orders[0]) for other in out):
             out.append(float(orders[i]))

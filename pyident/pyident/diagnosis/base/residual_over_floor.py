@@ -72,7 +72,7 @@ def examine(setting: Setting, workers: Workers, progress: Progress) -> Examinati
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    listed = candidates(robot, data, order_peaks(robot, data, base.p))
+    listed = candidates(robot, data, order_peaks(robot, data, base.p, setting.rules.periodic))
     gains = gains_of(robot, data, base, level, listed)
     if setting.simulates:
         jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]

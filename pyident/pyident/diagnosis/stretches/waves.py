@@ -35,6 +35,7 @@ from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Equations, Floor, equations
+from pyident.rules.rules import RULES
 
 Progress = Callable[[float], None]
 _CANDIDATES = 0.8  # share of the work
@@ -132,7 +133,7 @@ def _fitted_laws(
 ) -> list[_Law]:
     """The best of every family that explains anything."""
     levels = [level.at(e.band) for e in data]
-    listed = candidates(robot, data, order_peaks(robot, data, base.p))
+    listed = candidates(robot, data, order_peaks(robot, data, base.p, RULES.periodic))
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
     best: dict[tuple[str, int, int | None], _Law] = {}
     for i, candidate in enumerate(listed):

@@ -23,11 +23,8 @@ from pyident.diagnosis.unexplained.smooth import whitened_columns
 from pyident.regression.regressor import regressor
 from pyident.regression.spectrum import Equations
 from pyident.rules.confidence import PERIODS
+from pyident.rules.periodic import PeriodicRules
 
-HIGHEST_ORDER = 200
-_NEIGHBOURS = 101
-_QUIET = 20.0  # percent of the neighbours: the others may be skirts of the peak itself
-_LEFT = 0.05  # of a wave that the base must leave: what it imitates is the motion itself
 _STEP = 1e-6  # rad, of the differences
 _PER_BIN = 2  # frequencies tried per resolved one
 
@@ -68,19 +65,25 @@ class Peak:
     p_value: float
 
 
-def spectrum(base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over) -> Spectrum:
+def spectrum(
+    base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, rules: PeriodicRules
+) -> Spectrum:
     """A residual's amplitudes over a grid of frequencies or orders."""
-    at = _grid(logs, over)
+    at = _grid(logs, over, rules)
     if not len(at):  # an axis at rest passes no period
         return Spectrum(over, at, at, at, at)
-    energy, amplitude = np.array([_held(base, logs, levels, over, x) for x in at]).T
-    quiet = percentile_filter(energy, _QUIET, _NEIGHBOURS, mode="reflect")
-    typical = quiet / chdtri(_freedom(logs, over), 1 - _QUIET / 100)
+    energy, amplitude = np.array([_held(base, logs, levels, over, x, rules) for x in at]).T
+    quiet = percentile_filter(energy, rules.quiet, rules.neighbours, mode="reflect")
+    typical = quiet / chdtri(_freedom(logs, over), 1 - rules.quiet / 100)
     return Spectrum(over, at, amplitude, energy, np.maximum(typical, 1.0))
 
 
 def highest(
-    base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], found: Spectrum
+    base: Base,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    found: Spectrum,
+    rules: PeriodicRules,
 ) -> Peak | None:
     """The largest peak, between the grid's values; None where there is no spectrum."""
     if not len(found.at):
@@ -90,10 +93,10 @@ def highest(
     middle = float(found.at[best])
 
     def missed(x: float) -> float:
-        return -_held(base, logs, levels, found.over, x)[0]
+        return -_held(base, logs, levels, found.over, x, rules)[0]
 
     finer: Any = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
-    energy, amplitude = _held(base, logs, levels, found.over, float(finer.x))
+    energy, amplitude = _held(base, logs, levels, found.over, float(finer.x), rules)
     p = float(chdtrc(_freedom(logs, found.over), energy / found.background[best])) * len(found.at)
     return Peak(found.over, float(finer.x), amplitude, energy, min(p, 1.0))
 
@@ -168,11 +171,16 @@ def _waves(log: Equations, over: Over, at: float) -> np.ndarray:
 
 
 def _held(
-    base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
+    base: Base,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    over: Over,
+    at: float,
+    rules: PeriodicRules,
 ) -> tuple[float, float]:
     """Energy and amplitude at one frequency or order."""
     found = gain(base, periodic_columns(logs, levels, over, at))
-    if found.left < _LEFT:
+    if found.left < rules.left:
         return 0.0, 0.0
     return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(_freedom(logs, over) / 2))
 
@@ -181,11 +189,11 @@ def _freedom(logs: Sequence[Equations], over: Over) -> int:
     return 2 * len(logs) if over.kind == "frequency" else 2
 
 
-def _grid(logs: Sequence[Equations], over: Over) -> np.ndarray:
+def _grid(logs: Sequence[Equations], over: Over, rules: PeriodicRules) -> np.ndarray:
     if over.kind == "frequency":
         longest = max(len(log.part.target) * log.band.period for log in logs)
         top = min(float(log.band.frequencies[-1]) for log in logs)
         return np.arange(2 * _PER_BIN, int(top * longest * _PER_BIN)) / longest / _PER_BIN
     span = max(float(np.ptp(log.part.motion.q[:, over.column])) for log in logs)
     lowest = PERIODS * 2 * np.pi / max(span, 1e-9)
-    return np.arange(np.ceil(lowest), HIGHEST_ORDER + 1)
+    return np.arange(np.ceil(lowest), rules.highest_unexplained + 1)

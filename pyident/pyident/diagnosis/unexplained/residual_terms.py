@@ -81,6 +81,7 @@ class RowSearch:
     ):
         self.robot: Robot = examination.setting.robot
         self.rules = examination.setting.rules.unexplained
+        self.periods = examination.setting.rules.periodic
         self.logs, self.levels = examination.logs, examination.levels
         self.base, self.row, self.total = base, row, total
         self.variables = variables(self.robot, self.logs, row)
@@ -164,9 +165,10 @@ class RowSearch:
         return name == "travel" or (name != "time" and joint_number(name) == self.robot.q[self.row].joint)
 
     def _periodic(self) -> tuple[Dependence, Columns] | None:
-        found = [spectrum(self.base, self.logs, self.levels, over) for over in _overs(self.robot, self.row)]
+        data = self.base, self.logs, self.levels
+        found = [spectrum(*data, over, self.periods) for over in _overs(self.robot, self.row)]
         self.spectra = self.spectra or found
-        peaks = [(highest(self.base, self.logs, self.levels, s), s) for s in found]
+        peaks = [(highest(*data, s, self.periods), s) for s in found]
         counted = [(p, s) for p, s in peaks if p is not None and p.p_value < self.rules.level]
         if not counted:
             return None

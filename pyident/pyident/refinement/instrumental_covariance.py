@@ -1,0 +1,153 @@
+"""Intervals of the instrumental estimate: noise of the sensors, motion that noise makes, and the simulation.
+
+Three parts. The noise of the sensors goes through the equations. What the residual has beyond it, at
+a frequency of an equation, counts by its spectrum. And the simulation from which the estimate takes what
+samples and means do rests on the estimate itself: with p̂ = g(p̂) and g' its derivative, an error of g
+becomes (1 − g')⁻¹ times as large; what the simulation was not given as it was estimated counts as an error.
+Dampings of hinges that vibrate faster than the log is sampled get no interval: none that was tried held.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral, unknown
+from pyident.estimation.least_squares import Solution
+from pyident.logs.log import Log
+from pyident.refinement.noise_scatter import carries, noise_scatter
+from pyident.refinement.remove_bias import seen
+from pyident.refinement.simulated_rows import Data, every, in_memory, simulated
+from pyident.refinement.stand_in import driven
+from pyident.regression.equations import predicted
+from pyident.regression.natural_frequencies import natural_frequencies
+from pyident.regression.reduced import Reduced
+from pyident.simulation.replica import Repeat
+from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.simulator import Simulator, Workers
+
+_EXCESS = 1.2  # times what the sensors' noise leaves of an equation at a frequency: more is not noise alone
+_FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
+_SMOOTH = 51  # bins over which the two are averaged, so that they agree within a fifth where they are alike
+
+
+def with_covariance(
+    robot: Robot,
+    data: list[Data],
+    again: Sequence[Repeat],
+    rows: list[Rows],
+    solution: Solution,
+    reduced: Reduced,
+) -> Solution:
+    """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
+    if not carries(robot):
+        by_spectrum = spectral(every(rows), solution.weights)
+        return solve_instrumental(every(rows), reduced, solution.weights, by_spectrum, solution.rank)
+    noise = sensor_noise(robot, [r.log for r in again], solution.p)
+
+    def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
+        parts = [
+            noise_scatter(robot, d.part, r, p, solution.weights, turn, noise, a.log.period)
+            for d, r, a in zip(data, rows, again, strict=True)
+        ]
+        beyond = _beyond(robot, data, again, rows, p, noise)
+        return np.sum(parts, axis=0) + spectral(every(rows), solution.weights, beyond)(turn, p)
+
+    return solve_instrumental(every(rows), reduced, solution.weights, scatter, solution.rank)
+
+
+def _beyond(
+    robot: Robot,
+    data: list[Data],
+    again: Sequence[Repeat],
+    rows: list[Rows],
+    p: np.ndarray,
+    noise: dict[str, float],
+) -> list[np.ndarray]:
+    """Per log (N // 2 + 1, n): share of the residual's amplitude that is not the sensors' noise.
+
+    A hinge that the controller shakes with the encoders' noise rings between the samples; near reversals
+    friction changes its sign with the noise. Both are motion, which no noise of a sensor tells of.
+    """
+    rng, out = np.random.default_rng(0), []
+    for d, r, a in zip(data, rows, again, strict=True):
+        frame = a.log.frame.copy()
+        for name, sigma in noise.items():
+            frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
+        more = in_memory(robot, condition(replace(a.log, frame=frame), robot))
+        change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
+        left, drawn = (_power(v * r.share) for v in (r.y - predicted(r.A, p), change))
+        ratio = left / np.maximum(drawn, 1e-300)
+        out.append(np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0))))
+    return out
+
+
+def _power(values: np.ndarray) -> np.ndarray:
+    """(N // 2 + 1, n) periodograms, smoothed."""
+    from scipy.ndimage import uniform_filter1d
+
+    return uniform_filter1d(np.abs(np.fft.rfft(values, axis=0)) ** 2, _SMOOTH, axis=0, mode="nearest")
+
+
+def through_simulation(
+    robot: Robot,
+    data: list[Data],
+    again: Sequence[Repeat],
+    rows: list[Rows],
+    solution: Solution,
+    reduced: Reduced,
+    workers: Workers,
+    put_in: Mapping[str, float],
+    held: np.ndarray,
+) -> Solution:
+    """The covariance of the fixed point p̂ = g(p̂), where `solution` has that of g.
+
+    put_in   every parameter of the simulation that gave `rows`
+    held     (P,) which of them the simulation had otherwise than they were estimated
+    Of what is simulated, the dampings of hinges change g: they say how much rings between the samples.
+    """
+    names, std = reduced.columns, solution.std
+    if not driven(robot):  # then nothing of the simulation's equations is in `rows`
+        return solution
+    asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
+    steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
+    changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
+    jobs = [workers.submit(_shifts, robot, again, values) for values in changed]
+    slope = np.zeros((len(names), len(names)))
+    for (j, step), job in zip(steps.items(), jobs, strict=True):
+        moved = [replace(r, y=d.y - shift) for d, r, shift in zip(data, rows, job.result(), strict=True)]
+        there = solve_instrumental(every(moved), reduced, solution.weights, unknown, solution.rank)
+        slope[:, j] = seen(solution, there.p - solution.p) / step
+    growth = np.linalg.inv(np.eye(len(names)) - np.where(held, 0.0, slope))
+    gap = np.array([put_in[name] for name in names]) - solution.p
+    error = np.where(held, gap**2 + np.diag(solution.covariance), 0.0)
+    covariance = growth @ (solution.covariance + (slope * error) @ slope.T) @ growth.T
+    return replace(solution, covariance=covariance)
+
+
+def ringing(robot: Robot, logs: Sequence[Data], period: float) -> list[str]:
+    """Dampings of the hinges that vibrate faster than a log of this period can follow; robot: fitted."""
+    limit = _FASTEST / (2 * period)
+    fast = {c for d in logs for c, f in natural_frequencies(robot, d.part.motion).items() if f > limit}
+    return sorted(c.replace(".eps[", ".d[") for c in fast)
+
+
+def without_intervals_of(solution: Solution, columns: Sequence[str], names: Sequence[str]) -> Solution:
+    """The solution without the covariance of the named parameters."""
+    covariance = solution.covariance.copy()
+    told = [columns.index(name) for name in names]
+    covariance[told, :] = covariance[:, told] = np.nan
+    return replace(solution, covariance=covariance)
+
+
+def _shifts(
+    fmu: Simulator, robot: Robot, again: Sequence[Repeat], put_in: dict[str, float]
+) -> list[np.ndarray]:
+    """Per log (N, n): what a simulation's samples and means leave of its own equations [N m]."""
+    out = []
+    for repeat in again:
+        made = in_memory(robot, condition(Log(simulated(fmu, repeat, put_in), "simulation"), robot))
+        out.append(made.y - predicted(made.A, np.array([put_in[n] for n in robot.linear_parameters])))
+    return out
