@@ -5,11 +5,13 @@ import sys
 
 def main() -> None:
     """Run the command; Ctrl-C at any time ends in one line, a request to terminate closes what is open."""
+    import os
     import signal
 
     def terminate(*_: object) -> None:
         raise SystemExit(128 + signal.SIGTERM)
 
+    os.environ.setdefault("PYTHONSAFEPATH", "1")  # no process of ours runs a module that lies beside a log
     signal.signal(signal.SIGTERM, terminate)
     sys.unraisablehook = _once_more
     try:

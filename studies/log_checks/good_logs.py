@@ -39,10 +39,10 @@ def unseen(draws: int = 20) -> Iterator[Case]:
     for robot in (six_axes(), scara()):
         for i in range(draws if robot is not None else 0):
             assert robot is not None
-            rng = np.random.default_rng([42, i])
+            rng = np.random.default_rng([44, i])
             motion = drawn(rng)
             fit = _sampled(robot, motion)
-            frame = recorded(fit, motion, 3000 + i, noise=float(10 ** rng.uniform(-6, -4.5)))
+            frame = recorded(fit, motion, 5000 + i, noise=float(10 ** rng.uniform(-6, -4.5)))
             if _within_limits(robot, frame):
                 yield f"unseen: {robot.name}, {i}", fit, Log(frame, f"unseen{i}.csv")
 

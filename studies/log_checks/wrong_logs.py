@@ -161,12 +161,12 @@ _order("torques one joint late", lambda numbers: [numbers[-1], *numbers[:-1]], "
 _order("positions one joint early", lambda numbers: [*numbers[1:], numbers[0]], "e")
 
 
-def _shift(name: str, seconds: float, one: bool = False) -> None:
+def _shift(name: str, seconds: float = 0.0, one: bool = False, samples: int = 0) -> None:
     def change(robot: Robot, frame: pd.DataFrame) -> pd.DataFrame | None:
-        samples = round(seconds / float(np.median(np.diff(frame["time"]))))
+        shift = samples or round(seconds / float(np.median(np.diff(frame["time"]))))
         names = [busy(frame, torques(robot))] if one else torques(robot)
-        cut = frame.assign(**{n: np.roll(frame[n].to_numpy(), samples) for n in names})
-        inside = slice(abs(samples), len(frame) - abs(samples))
+        cut = frame.assign(**{n: np.roll(frame[n].to_numpy(), shift) for n in names})
+        inside = slice(abs(shift), len(frame) - abs(shift))
         return cut.iloc[inside].reset_index(drop=True)
 
     KINDS[name] = change
@@ -178,3 +178,6 @@ _shift("torques 100 ms late", 0.1)
 _shift("torques 20 ms early", -0.02)
 _shift("one torque 40 ms late", 0.04, one=True)
 _shift("torques 1 s late", 1.0)
+_shift("torques one sample late", samples=1)
+_shift("torques two samples late", samples=2)
+_shift("torques one sample early", samples=-1)

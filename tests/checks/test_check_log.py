@@ -9,7 +9,7 @@ from flexmodels.files.robot_file import load_robot
 from pyident.checks.balances import balances, samples
 from pyident.checks.check_log import check_log, checked
 from pyident.checks.scale import file_factor
-from pyident.checks.timing import energies
+from pyident.checks.timing import common_delay, energies
 from pyident.logs.disk import log_file
 from pyident.logs.log import Log, LogError, read_log, write_log
 
@@ -113,6 +113,23 @@ def test_a_torque_between_samples_is_placed(four_link, sound, shift):
     of = balances(samples(four_link, moved))  # pyright: ignore[reportArgumentType]
     assert shifts[np.argmin(energies(of, 2, shifts))] == shift
     assert shifts[np.argmin(energies(of, 0, shifts))] == 0
+
+
+@pytest.mark.parametrize("late", [0, 1, 2])
+def test_what_delays_all_torques_alike_is_measured(four_link, sound, late):
+    """As by a recorder that reads before it steps; the standard deviation covers the truth."""
+    torques = {f"joint{k}_tau": lambda x: np.roll(x, late) for k in (1, 2, 3, 4)}
+    moved = changed(sound, **torques)
+    delay = common_delay(balances(samples(four_link, moved)))  # pyright: ignore[reportArgumentType]
+    assert delay is not None
+    assert delay.std < 0.1
+    assert abs(delay.shift - late) < 3 * delay.std
+    assert {d.kind for d in check_log(four_link, moved)} == ({"delay"} if late else set())
+
+
+def test_what_delays_one_joint_is_no_recorder(four_link, sound):
+    moved = changed(sound, joint1_tau=lambda x: np.roll(x, 2))
+    assert common_delay(balances(samples(four_link, moved))) is None  # pyright: ignore[reportArgumentType]
 
 
 def test_the_robot_file_is_a_witness_of_size_alone(four_link, sound):

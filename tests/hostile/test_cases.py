@@ -23,6 +23,7 @@ def lay_out(case, folder):
             text = text.replace(old, new, 1)
         (folder / name).write_text(text, encoding="utf-8")
     for name, text in case.get("files", {}).items():
+        (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes(text.encode("latin-1"))
     for name, target in case.get("links", {}).items():
         os.symlink(folder / target, folder / name)

@@ -119,3 +119,14 @@ def test_a_damaged_file(damage, tmp_path, references):
     assert len(done.output.strip().splitlines()) == 1
     assert not output.exists()
     assert before.changes() == []
+
+
+def test_no_module_beside_the_logs_is_run(tmp_path, references, monkeypatch):
+    """Python itself looks for modules first where a process is started."""
+    path = fmu(tmp_path)
+    for name in ("json", "random", "numpy", "flexfmu"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'a').write('{name}')\n")
+    monkeypatch.chdir(tmp_path)
+    done, _ = simulated(path, references)
+    assert done.exit_code == 0, done.output
+    assert not (tmp_path / "ran").exists()

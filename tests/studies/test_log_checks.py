@@ -45,3 +45,12 @@ def test_honest_logs_are_not_flagged(data, name):
             continue
         frame = HONEST.get(name, lambda f: f)(recorded(robot, motion, 70))
         assert check_log(robot, Log(frame, "log.csv")) == (), name
+
+
+def test_an_axis_at_rest_is_exchanged_with_none(data):
+    """What moves it may be another axis, and its brake holds anything."""
+    at_rest = Motion(speed=0.224, highest=1.53, duration=31.9, period=0.008, standing=(4,))
+    slow = Motion(speed=0.161, highest=0.92, duration=18.6, period=0.01, standing=(1, 2, 3))
+    for robot, motion, seed in ((six_axes(), at_rest, 3006), (scara(), slow, 7034)):
+        assert robot is not None
+        assert check_log(robot, Log(recorded(robot, motion, seed), "log.csv")) == ()

@@ -21,6 +21,14 @@ from flexmodels.robot import Robot
 
 _ROUNDS = 50  # of Newton's method for the static equilibrium
 _STILL = 1e-9  # [N m]
+# Words that name nothing of one's own in Modelica 3.6, section 2.3.3, and the types that every class knows.
+_RESERVED = """
+algorithm and annotation assert block break class connect connector constant constrainedby der discrete each
+else elseif elsewhen encapsulated end enumeration equation expandable extends external false final flow for
+function if import impure in initial inner input loop model not operator or outer output package parameter
+partial protected public pure record redeclare replaceable return stream then true type when while within
+Real Integer Boolean String time
+"""
 
 
 def export_modelica(robot: Robot, path: str | Path) -> Path:
@@ -39,10 +47,15 @@ def modelica_text(robot: Robot) -> str:
     _require(robot)
     components = (resources.files("flexfmu") / "templates" / "components.mo").read_text(encoding="utf-8")
     bent, holding = _equilibrium(robot)
-    name = c_identifier(robot.name)
+    name = _package_name(robot)
     head = f'package {name} "{_quoted(robot.description or robot.name)}"\n'
     parts = [head, components.rstrip("\n"), "", _arm(robot, bent, holding), "", _run(robot), f"end {name};"]
     return "\n".join(parts) + "\n"
+
+
+def _package_name(robot: Robot) -> str:
+    name = c_identifier(robot.name)
+    return f"{name}_robot" if name in _RESERVED.split() else name
 
 
 def _require(robot: Robot) -> None:
@@ -196,4 +209,5 @@ def _number(value: float) -> str:
 
 
 def _quoted(text: str) -> str:
-    return text.replace("\\", "\\\\").replace('"', '\\"')
+    """Inside a string; a backslash at its end would leave it in parsers that do not know `\\\\`."""
+    return text.replace("\\", "/").replace('"', '\\"')

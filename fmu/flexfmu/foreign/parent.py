@@ -41,7 +41,8 @@ class Child:
         environment = os.environ | {
             "TMPDIR": str(folder),
             "TEMP": str(folder),
-            "PYTHONPATH": os.pathsep.join(sys.path),
+            "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+            "PYTHONSAFEPATH": "1",  # a module that lies where the command is called is not this one's
         }
         command = [sys.executable, "-m", "flexfmu.foreign.child", str(folder)]
         self._process = subprocess.Popen(

@@ -1,6 +1,6 @@
 """Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,10 +28,11 @@ class Misfit:
         return self.share > LOG_CHECKS.material**2
 
 
-def misfit(of: Balances, torque: np.ndarray | None = None) -> Misfit:
-    """With torques (joints, joints) times the logged ones."""
+def misfit(of: Balances, torque: np.ndarray | None = None, among: Sequence[int] | None = None) -> Misfit:
+    """With torques (joints, joints) times the logged ones, over the joints `among` (from 0) that move."""
     tau = of.torque if torque is None else of.torque @ torque.T
-    joints = [k for k in of.joints if of.variance(k, tau[:, k]) > 0]
+    among = of.joints if among is None else among
+    joints = [k for k in of.joints if k in among and of.variance(k, tau[:, k]) > 0]
     if not joints:
         return Misfit(0.0)
     normal, right, energy = 0.0, 0.0, 0.0
@@ -60,12 +61,19 @@ def best_change(of: Balances) -> Better | None:
         return None
     few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
     looped = bool(of.samples.robot.closures)  # then other positions are out of reach, and slow to find so
-    changes = [c for c in transformations(of.samples.robot, of.samples.q) if not (looped and c.moves)]
-    tried = [(_of(few, change).share, i, change) for i, change in enumerate(changes)]
-    best = [(_of(of.samples, change).share, i, change) for _, i, change in sorted(tried)[:_JUDGED]]
-    left, _, change = min(best)
-    far = left < LOG_CHECKS.better * now.share and now.share - left > LOG_CHECKS.material**2
-    return Better(change, left, now.share) if far else None
+    resting = [k for k in range(of.torque.shape[1]) if k not in of.joints]  # holding a brake, or anything
+    changes = [
+        change
+        for change in transformations(of.samples.robot, of.samples.q)
+        if not (looped and change.moves) and not any(map(change.exchanges, resting))
+    ]
+    start = balances(few)
+    tried = [(*_beside(start, change), i, change) for i, change in enumerate(changes)]
+    tried.sort(key=lambda shares: (shares[0] - shares[1], shares[2]))
+    best = [(*_beside(of, change), i, change) for _, _, i, change in tried[:_JUDGED]]
+    left, now_so, _, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
+    far = left < LOG_CHECKS.better * now_so and now_so - left > LOG_CHECKS.material**2
+    return Better(change, left, now_so) if far else None
 
 
 def better_channels(of: Balances, source: str) -> Iterator[Defect]:
@@ -83,10 +91,14 @@ def better_channels(of: Balances, source: str) -> Iterator[Defect]:
 
 def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     """Torques that no parameters at all connect with the motion."""
-    shares = {
-        k: float(of.left(k, of.torque[:, k : k + 1])[0]) / max(of.variance(k), 1e-300) for k in of.joints
-    }
-    lost = [k for k, share in shares.items() if share > LOG_CHECKS.unexplained]
+    left = {k: float(of.left(k, of.torque[:, k : k + 1])[0]) for k in of.joints}
+    shares = {k: energy / max(of.variance(k), 1e-300) for k, energy in left.items()}
+    whole = {k: float(np.square(of.torque[of.samples.use[:, k] > 0, k]).sum()) for k in left}
+    lost = [
+        k
+        for k, share in shares.items()  # of a weight that a slide only holds, the variation may be noise
+        if share > LOG_CHECKS.unexplained and left[k] > LOG_CHECKS.material**2 * whole[k]
+    ]
     if lost and len(lost) == len(shares):
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
                                                "torque, "
@@ -100,12 +112,22 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
                      f"torque")  # fmt: skip
 
 
-def _of(samples: Samples, change: Transformation) -> Misfit:
+def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
+    """Shares left with the change and without it, both over the joints that move either way.
+
+    Otherwise a change that brings a joint to rest would be better by leaving out what is hard to explain.
+    """
+    samples = of.samples
     moved = samples.moved(change.motion, change.offset) if change.moves else samples
     try:
-        return misfit(balances(moved), change.torque)
+        other = balances(moved) if change.moves else of
     except StructureError:  # a loop that does not close there
-        return Misfit(float("inf"))
+        return float("inf"), 0.0
+    tau = of.torque @ change.torque.T
+    both = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
+    if not both:
+        return float("inf"), 0.0
+    return misfit(other, change.torque, both).share, misfit(of, None, both).share
 
 
 def _every(samples: Samples, step: int) -> Samples:

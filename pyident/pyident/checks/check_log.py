@@ -14,7 +14,7 @@ from pyident.checks.channels import channels
 from pyident.checks.defect import Defect
 from pyident.checks.scale import scale
 from pyident.checks.signs import signs
-from pyident.checks.timing import timing
+from pyident.checks.timing import all_late, timing
 from pyident.checks.twists import bends, twists
 from pyident.checks.whole_log import whole_log
 from pyident.estimation.lock_unlogged import locked
@@ -91,7 +91,7 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
         return order
     if late := list(timing(of, source)):
         return [*order, *late, *scale(of, source)]
-    checks = (signs, twists, bends, scale, unexplained)
+    checks = (signs, twists, bends, scale, unexplained, all_late)
     return [*order, *(defect for check in checks for defect in check(of, source))]
 
 

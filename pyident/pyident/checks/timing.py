@@ -12,16 +12,16 @@ from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
 _FINE = 9  # half samples on either side that are looked at first
+_NEAR = 6  # samples on either side in which a delay of all torques is sought
+_SURE = 3.0  # standard deviations
+_TELLS = 1.0  # samples: of a joint whose delay is less certain, nothing is asked
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
     """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
     late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
-    if len(late) < len(of.joints) or not late:
-        yield from late or _drift(of, source)
-        return
-    yield from late
+    yield from late or _drift(of, source)
 
 
 def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
@@ -69,6 +69,59 @@ def _late(of: Balances, k: int, source: str) -> Defect | None:
         f"leaves {100 * share:.0f} % of the residual; give its column a delay in the mapping, or look for a "
         "slow "
         f"current loop (effect torque_delay)",
+    )
+
+
+@dataclass(frozen=True)
+class CommonDelay:
+    """Samples by which all torques are late alike, and the standard deviation."""
+
+    shift: float
+    std: float
+
+
+def common_delay(of: Balances) -> CommonDelay | None:
+    """What a recorder does to every joint alike; None where joints differ, or one alone tells.
+
+    The residual's energy over the shift has its minimum at the delay; its curvature there, over what is left,
+    is the information on it.
+    """
+    shifts = np.arange(-2 * _NEAR, 2 * _NEAR + 1) / 2
+    each = [_vertex(of, k, shifts) for k in of.joints]
+    told = [one for one in each if one is not None and one.std < _TELLS]
+    if len(told) < 2:
+        return None
+    weights = np.array([one.std**-2 for one in told])
+    shift, std = float(weights @ [one.shift for one in told] / weights.sum()), float(weights.sum() ** -0.5)
+    alike = all(abs(one.shift - shift) <= LOG_CHECKS.delays_apart + _SURE * one.std for one in told)
+    return CommonDelay(shift, std) if alike else None
+
+
+def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
+    """Of joint k (from 0) alone; None where its energy has no minimum among the shifts."""
+    left = energies(of, k, shifts)
+    i = int(np.argmin(left))
+    if not 0 < i < len(shifts) - 1:
+        return None
+    bend, slope, _ = np.polyfit(shifts[i - 1 : i + 2], left[i - 1 : i + 2], 2)
+    count = float((of.samples.use[:, k] > 0).sum())
+    least = max(float(left[i]), LOG_CHECKS.torque_floor**2)
+    return CommonDelay(-slope / (2 * bend), EQUATIONS.coloured * np.sqrt(least / (count * bend)))
+
+
+def all_late(of: Balances, source: str) -> Iterator[Defect]:
+    """A defect where every torque is at least about a sample late or early alike."""
+    delay = common_delay(of)
+    if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
+        return
+    way = "late" if delay.shift > 0 else "early"
+    yield Defect(
+        "doubtful",
+        "delay",
+        "",
+        f"{source}: all torques are {abs(delay.shift):.2f} ± {delay.std:.2f} samples {way}; a recorder that "
+        "reads before it steps writes them one sample late: move their columns, or give them a delay in the "
+        "mapping",
     )
 
 

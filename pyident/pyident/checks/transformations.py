@@ -33,6 +33,11 @@ class Transformation:
         """Whether the motion is changed, not only the torques."""
         return bool(self.offset.any() or (self.motion != np.eye(len(self.motion))).any())
 
+    def exchanges(self, joint: int) -> bool:
+        """Whether it takes this joint's (from 0) position or torque from another joint."""
+        row = [matrix[joint] for matrix in (self.motion, self.torque)]
+        return self.kind == "order" and any(cells[joint] != 1 for cells in row)
+
 
 def transformations(robot: Robot, q: np.ndarray) -> Iterator[Transformation]:
     """Orders, signs, zeros and units, of single joints and of all, that positions q (M, n) allow."""

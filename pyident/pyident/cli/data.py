@@ -12,6 +12,7 @@ from pyident.cli.common.shared import (
     json_option,
     output_option,
     reported,
+    show,
     write_json,
 )
 from pyident.cli.inspect import inspect_command
@@ -57,8 +58,8 @@ def import_command(
         notes += sentences
     write_log(read, output)
     for note in notes:
-        click.echo(f"note: {note}")
-    click.echo(f"wrote {output}: {len(read)} samples at {1 / read.period:g} Hz")
+        show(f"note: {note}")
+    show(f"wrote {output}: {len(read)} samples at {1 / read.period:g} Hz")
     write_json(json_file, {"log": output, "samples": len(read), "notes": notes})
 
 
@@ -93,5 +94,5 @@ def fetch_command(name: str, json_file: str | None) -> None:
     """Fetch a data set, or find it in the folder PYIDENT_DATA. Example: pyident data fetch tx40"""
     files = fetch(name)
     for file in files:
-        click.echo(str(file))
+        show(str(file))
     write_json(json_file, [str(file) for file in files])

@@ -13,6 +13,7 @@ from pyident.cli.common.shared import (
     json_option,
     output_option,
     reported,
+    show,
     write_json,
 )
 from pyident.comparison.export_cost import cost_of_export
@@ -58,9 +59,9 @@ def import_command(file: str, output: str, flexible: str, twist: str, json_file:
     check_readable(robot)
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
-    click.echo(f"wrote {output}: joints {names}")
+    show(f"wrote {output}: joints {names}")
     for note in notes:
-        click.echo(f"note: {note}")
+        show(f"note: {note}")
     content = {"robot": output, "joints": [joint.name for joint in robot.joints], "notes": list(notes)}
     write_json(json_file, content)
 
@@ -78,7 +79,7 @@ def schema_command(output: str) -> None:
     from flexmodels.files.schema import schema
 
     write_json(output, schema())
-    click.echo(f"wrote {output}")
+    show(f"wrote {output}")
 
 
 @robots.command(name="export")
@@ -106,13 +107,13 @@ def export_command(
     """
     robot = load_robot(model)
     notes, kept = exported(robot, output)
-    click.echo(f"wrote {output}")
+    show(f"wrote {output}")
     columns = read_mapping(mapping) if mapping else None
     costs = {log: cost_of_export(robot, robot_log(log, robot, columns), kept) for log in logs}
     for log, cost in costs.items():
         notes.append(f"on {log} {cost.sentence}")
     for note in notes:
-        click.echo(f"note: {note}")
+        show(f"note: {note}")
     shares = {log: {"all_laws_percent": c.all_laws, "kept_percent": c.kept} for log, c in costs.items()}
     write_json(json_file, {"file": output, "notes": notes, "relative_error": shares})
 

@@ -11,7 +11,7 @@ import pandas as pd
 from flexmodels.coordinate import feedforward_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.link import LINK_PARAMETERS, Link
-from flexmodels.robot import Robot
+from flexmodels.robot import Robot, RobotError
 from pyident.excitation.capsules import Geometry
 from pyident.excitation.followed import followed
 from pyident.excitation.fourier import Reference
@@ -19,6 +19,8 @@ from pyident.excitation.limits import Limits
 from pyident.excitation.violations import Violation, of_reference, of_run
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import fmu_here
+
+_FEWEST = 3  # samples of a plan: accelerations are their second differences
 
 LOW, HIGH = 0.10, 0.25  # by which the parameters of the others are off
 
@@ -64,7 +66,9 @@ def rehearsal(robot: Robot) -> Iterator[Rehearsal]:
 
 
 def reference_of_plan(plan: Experiment) -> Reference:
-    """The commanded motion with its derivatives."""
+    """The commanded motion with its derivatives. Raises RobotError for a plan of too few samples."""
+    if len(plan.time) < _FEWEST:
+        raise RobotError(f"a plan of {len(plan.time)} samples is no motion; give {_FEWEST} at least")
     dq = np.gradient(plan.reference, plan.time, axis=0)
     ddq = np.diff(plan.reference, 2, axis=0) / (plan.time[1] - plan.time[0]) ** 2
     return Reference(plan.time, plan.reference, dq, np.concatenate([ddq[:1], ddq, ddq[-1:]]))

@@ -20,7 +20,8 @@ from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.spectrum import Equations, equations
 
 _SIZE = 0.05  # rms of an effect of unknown size, of the rms torque or moment on its row
-_SUSPECT = re.compile(r"([a-z_]+)@(\d+)(?:=(.+))?")
+_SUSPECT = re.compile(r"([a-z_]+)@([0-9]{1,4})(?:=(.+))?")
+_LARGEST = 1e12  # of any effect, in SI units
 _CUT = 1e-10  # of the largest eigenvalue of a scaled Gram matrix: below is arithmetic
 
 
@@ -43,9 +44,12 @@ def suspect(text: str) -> Suspect:
     try:
         if parts is None:
             raise ValueError
-        return Suspect(parts[1], int(parts[2]), None if parts[3] is None else float(parts[3]))
+        size = None if parts[3] is None else float(parts[3])
     except ValueError:
         raise RobotError(f"{text!r} is not EFFECT@JOINT or EFFECT@JOINT=SIZE, such as stribeck@2") from None
+    if size is not None and not 0 < abs(size) < _LARGEST:
+        raise RobotError(f"{text!r}: a size is not zero and below {_LARGEST:g} in SI units")
+    return Suspect(parts[1], int(parts[2]), size)
 
 
 def having(robot: Robot, who: Suspect, log: Log) -> Robot:

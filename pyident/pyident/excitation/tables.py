@@ -73,8 +73,8 @@ def message(robot: Robot, motion: Reference) -> dict[str, Any]:
 def _thinned(plan: Experiment, rate: float) -> Reference:
     motion = reference_of_plan(plan)
     own = 1 / float(plan.time[1] - plan.time[0])
-    every = round(own / rate)
-    if not np.isfinite(rate) or rate <= 0 or every < 1 or abs(own / every - rate) > 1e-6 * rate:
+    every = round(own / rate) if own / len(plan.time) < rate < np.inf else 0
+    if every < 1 or abs(own / every - rate) > 1e-6 * rate:
         raise RobotError(
             f"a plan of {own:g} points per second cannot be written at {rate:g}; divide it evenly"
         )

@@ -1,7 +1,7 @@
 """The page of a comparison: one file, readable without a server or a network."""
 
-import json
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from flexmodels.atomic import replacing
 from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import LogErrors
-from pyident.report.interactive import element, library
+from pyident.report.interactive import element, in_script, library
 from pyident.report.moving_arm import MovingArm, script
 from pyident.report.moving_arm import element as element_of
 
@@ -72,8 +72,7 @@ def _html(figure: go.Figure, cursor: bool) -> Markup:
     log = figure.layout.meta  # pyright: ignore[reportAttributeAccessIssue]
     if not (cursor and log):
         return element(figure)
-    quoted = json.dumps(log).replace("</", "<\\/")  # a file's name must not end the script
-    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {quoted})"
+    call = f"flexidentCursor(document.getElementById('{{plot_id}}'), {in_script(log)})"
     return element(figure, post_script=call)
 
 
@@ -81,9 +80,9 @@ def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:
     """Percent of the signal, per model, beside the floor of the last one."""
     figure = go.Figure()
     listed = [(log.log, n) for log in found[0].logs for n in _told(log)]
-    labels = [f"{Path(log).name} {n}" if len(found[0].logs) > 1 else n for log, n in listed]
+    labels = [f"{escape(Path(log).name)} {n}" if len(found[0].logs) > 1 else n for log, n in listed]
     for model, c in zip(models, found, strict=True):
-        figure.add_bar(name=model, x=labels, y=[_told(log)[n] for log in c.logs for n in _told(log)])
+        figure.add_bar(name=escape(model), x=labels, y=[_told(log)[n] for log in c.logs for n in _told(log)])
     floors = [_told(log, floor=True)[n] for log in found[-1].logs for n in _told(log)]
     figure.add_bar(name="floor", x=labels, y=floors, marker={"color": "#bbb"})
     figure.update_layout(title="Error, % of the signal's rms", yaxis={"type": "log", "title": "%"})
@@ -182,7 +181,7 @@ def _curves(log: LogErrors, points: int) -> go.Figure:
         {"label": n, "method": "update", "args": [{"visible": [m == n for m in names]}]} for n in names
     ]
     figure.update_layout(
-        title=f"{Path(log.log).name}: log less simulation",
+        title=f"{escape(Path(log.log).name)}: log less simulation",
         meta=log.log,
         xaxis={"title": "time, s"},
         yaxis={"title": "m, rad, N m or N"},

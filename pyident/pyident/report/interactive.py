@@ -6,6 +6,7 @@ compressed to half a megabyte. A page carries that, and the browser unpacks it (
 browsers since 2023); figures are drawn when it is there.
 """
 
+import json
 import re
 from base64 import b64encode
 from functools import cache
@@ -39,6 +40,11 @@ def library() -> Markup:
     """The elements of a page's head that `element` relies on."""
     packed = b64encode(files("pyident.report").joinpath(BUNDLE).read_bytes()).decode()
     return Markup(f'<script type="text/plain" id="plotly-gzip">{packed}</script><script>{_UNPACKED}</script>')
+
+
+def in_script(value: Any) -> str:
+    """JSON that may stand in a page's script, whatever text it holds."""
+    return json.dumps(value, separators=(",", ":")).replace("<", r"\u003c")
 
 
 def element(figure: "go.Figure", **options: Any) -> Markup:

@@ -5,7 +5,6 @@ deformations, and what the simulation misses, s times their size. Poses are poin
 a large s links are stretched: a picture of where it bends, not of how far it would.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -17,6 +16,7 @@ import pandas as pd
 from flexmodels.coordinate import is_deformation
 from flexmodels.robot import Robot
 from pyident.kinematics.skeleton import segments, skeleton
+from pyident.report.interactive import in_script
 
 FRAMES = 300  # of a motion
 MOST = 500.0  # times that deformations are exaggerated
@@ -93,7 +93,7 @@ def script() -> str:
 
 def element(arm: MovingArm, name: str) -> str:
     """The arm's place in a page that holds `script()`. name: of the element."""
-    content = json.dumps(arm.content(), separators=(",", ":")).replace("</", "<\\/")
+    content = in_script(arm.content())
     return (
         f'<div id="{name}"></div><script>flexidentArm(document.getElementById("{name}"), {content})</script>'
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pyident.rules.rule import in_range, rule
 
 _BENCH = "the wrong and the good logs of studies/log_checks, while these were written"
+_DRAWN = "random motions of seed 77 and the measured logs of studies/log_checks"
 _KNOWN = "no data: what robots and recorders do"
 
 
@@ -81,6 +82,18 @@ class LogCheckRules:
     delay: float = rule(0.75, "samples", "a hold and a derivative make half a sample", _BENCH)
     delay_gross: float = rule(0.03, "s", "less is a filter or a bus, more another clock", _BENCH)
     delay_material: float = rule(0.02, "relative residual (rms)", "with less, a delay is no matter", _BENCH)
+    common_delay: float = rule(
+        0.75, "samples, beyond three standard deviations", "a hold makes half a sample", _DRAWN
+    )
+    delays_apart: float = rule(
+        0.5,
+        "samples beyond three standard deviations",
+        "a recorder delays all joints alike, a law does not",
+        _DRAWN,
+    )
+    torque_floor: float = rule(
+        0.005, "a torque's rms that no fit is believed to reach", "less, and its delay seems certain", _DRAWN
+    )
     unexplained: float = rule(
         0.5, "the torques' variance that no motion explains", "with more, they are of another log", _BENCH
     )

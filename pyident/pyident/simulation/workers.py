@@ -192,11 +192,12 @@ def scheduler_configured(address: str | None) -> Iterator[None]:
 
 
 def _local_cluster(module: str | None, folder: Path) -> Any:
-    """No workers yet; theirs is `folder`, which goes even when this process is killed."""
+    """No workers yet; theirs and the scheduler's is `folder`, which goes even when this process is killed."""
     import dask.config
     from distributed import LocalCluster
 
-    with dask.config.set({"distributed.scheduler.allowed-failures": 1}), interrupts_blocked():
+    asked = {"distributed.scheduler.allowed-failures": 1, "temporary-directory": str(folder)}
+    with dask.config.set(asked), interrupts_blocked():
         return LocalCluster(
             n_workers=0,
             threads_per_worker=1,

@@ -25,6 +25,9 @@ ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
 _TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
 _RATE = 250.0  # Hz, of robots without a controller
 _OTHERS = 24
+_SEEDS = 2**32 - 1  # as NumPy's older generators take them
+_LARGEST = 1e6  # s, Hz, m or a sensor's noise
+_FEWEST, _MOST = 10, 1e6  # samples of a plan: fewer hold no motion, more do not fit into a search
 
 
 def excite(
@@ -60,10 +63,14 @@ def excite(
     asked = tuple(suspect(text) for text in separate)
     if asked and (len(asked) != 2 or reveal):
         raise RobotError("separate takes two effects, and reveal one; ask for one of them")
+    if len(set(asked)) < len(asked):
+        raise RobotError(f"{separate[0]} cannot be told from itself; name two effects")
     pair: Pair | None = (asked[0], asked[1]) if asked else None
     if reveal:
         pair = (suspect(reveal), None)
     task = _task(robot, duration, rate, limits, noise, radius, floor)
+    if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
+        raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
     with rehearsal(robot) as own:
         level = measure(task, drawing, own)
@@ -160,8 +167,7 @@ def _task(
     own = 1 / driven.period if driven else _RATE
     if rate is not None and driven and abs(rate - own) > 1e-6 * own:
         raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the plan at that rate")
-    if not duration > 0:
-        raise RobotError("the duration of a motion must be above zero")
+    _require(duration, rate or own, radius, floor, noise or {})
     allowed: Limits = limits_of(robot, limits)
     known = {name: ENCODER for name in robot.coordinates}
     if robot.controller is None:
@@ -174,6 +180,29 @@ def _task(
         )
     shape: Geometry = geometry_of(robot, radius, floor)
     return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own)
+
+
+def _require(
+    duration: float, rate: float, radius: float | None, floor: float | None, noise: Mapping[str, float]
+) -> None:
+    """Raises RobotError for numbers that no motion, link or sensor has."""
+    named = [
+        ("the duration", duration),
+        ("the rate", rate),
+        *((f"the noise of {n}", x) for n, x in noise.items()),
+    ]
+    if radius is not None:
+        named.append(("the radius", radius))
+    for name, value in named:
+        if not 0 < value < _LARGEST:
+            raise RobotError(f"{name} of a plan is {value:g}; it must be above zero and below {_LARGEST:g}")
+    if floor is not None and not abs(floor) < _LARGEST:
+        raise RobotError(f"a floor at {floor:g} m is none; leave it out (--no-floor)")
+    if not _FEWEST <= duration * rate < _MOST:
+        raise RobotError(
+            f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; "
+            f"a plan has from {_FEWEST} to {_MOST:g}"
+        )
 
 
 def _notes(task: Task) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import click
 from flexmodels.files.robot_file import shipped
 
 _START = 4096  # bytes of a file that tell its kind
+_RECORDING = ("meta/info.json", "metadata.yaml")  # by which LeRobot's and ROS's folders are known
 
 
 class OutputError(ValueError):
@@ -84,7 +85,7 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
     if path.suffix not in kind.endings:
         raise OutputError(f"{path}: a {kind.what} must end in {', '.join(kind.endings)}")
     for other in inputs:
-        if path.exists() and path.samefile(other):
+        if path.exists() and (path.samefile(other) or path.resolve().is_relative_to(other.resolve())):
             raise OutputError(f"{path} is an input ({other}), which would be lost; write to another file")
     if not overwrite and path.exists() and path.stat().st_size and not _is(path, kind):
         raise OutputError(
@@ -96,12 +97,12 @@ OVERWRITE = "flexident.overwrite"  # under which a context remembers the option
 
 
 def _existing(value: Any) -> Iterator[Path]:
-    """Files that an argument names, shipped robots included."""
+    """Files that an argument names, shipped robots included, and folders that hold a recording."""
     for word in value if isinstance(value, tuple | list) else (value,):
         if isinstance(word, str) and word:
             path = shipped().get(word, Path(word))
             try:
-                if path.is_file():
+                if path.is_file() or any((path / sign).is_file() for sign in _RECORDING):
                     yield path
             except OSError:
                 continue

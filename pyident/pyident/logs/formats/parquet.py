@@ -57,9 +57,13 @@ def _root(path: Path) -> Path | None:
 
 def _info(root: Path) -> dict[str, Any]:
     try:
-        return json.loads((root / _INFO).read_text(encoding="utf-8"))
-    except (ValueError, OSError) as error:
+        info = json.loads((root / _INFO).read_text(encoding="utf-8"))
+    except (ValueError, OSError, RecursionError) as error:
         raise LogError(f"{root / _INFO} cannot be read ({str(error).splitlines()[0]})") from None
+    features = info.get("features", {}) if isinstance(info, dict) else None
+    if not isinstance(features, dict) or not all(isinstance(feature, dict) for feature in features.values()):
+        raise LogError(f"{root / _INFO} must be a table with a table `features`, as LeRobot writes it")
+    return info
 
 
 def _episode_file(folder: Path, episode: int) -> Path:
