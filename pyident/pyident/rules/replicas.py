@@ -33,7 +33,7 @@ class ReplicaRules:
     inexact: float = rule(
         1e-3,
         "share of a torque and a deformation, at every frequency, to which no model is exact",
-        "correct simulators differ by 1e-4 to 1e-3 with another integrator or another rounding of friction",
+        "correct simulators differ by 2e-5 to 1e-3 at a motor, by how they integrate and round friction",
         "arms of studies/hidden_effect without noise, friction rounded over 1 and 5 mrad/s",
     )
     splines: int = rule(
