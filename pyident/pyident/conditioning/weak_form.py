@@ -25,6 +25,8 @@ from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 from pyident.conditioning.filters import settling, without_phase
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.rest import REACH as REST_REACH
+from pyident.conditioning.rest import at_samples, away_from_rest
 from pyident.conditioning.samples import Conditioned
 from pyident.logs.log import Log, LogError, Sampled, require
 
@@ -37,8 +39,6 @@ _ODD = np.arange(1, 2 * REACH, 2)
 _HAT_FIRST = np.append(0.0, np.linalg.solve(np.arange(1.0, REACH + 1) ** _ODD[:, None], 1 / (_ODD + 1)))
 _HAT_SECOND = np.array([-2.0, 1.0])
 _SETTLING = 50  # samples that a zero-phase filter's ends may spoil
-_STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill, where friction is not known
-_AROUND = 2  # samples on either side of a reversal that are left out
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Recipe:
     @property
     def mask_reach(self) -> int:
         """Aligned samples on either side on which the mask of one depends."""
-        return _AROUND + 1
+        return REST_REACH
 
     def aligned(self, signals: np.ndarray) -> Conditioned:
         """Signals (N, names) -> N − 2 REACH samples, every equation in use."""
@@ -147,17 +147,12 @@ def _odd(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def _moving(robot: Robot, dq: np.ndarray, mean_square: np.ndarray) -> np.ndarray:
-    """(N, joints): 0 near reversals and standstill of a joint with dry friction, 1 elsewhere."""
+    """(N, joints): 0 where the sign of a joint's dry friction is not known, 1 elsewhere."""
     moving = np.ones((len(dq), len(robot.joints)))
+    speed = at_samples(dq) if derivatives_of(robot) is hat_means else dq
     for k, joint in enumerate(robot.joints):
         if any(effect.holds_still for effect in joint.effects):
-            v = dq[:, k]
-            slow = np.abs(v) < _STANDSTILL * np.sqrt(mean_square[k])
-            turning = np.append(v[1:] * v[:-1] <= 0, False)
-            near = slow | turning | np.roll(turning, 1)
-            for _ in range(_AROUND - 1):
-                near[1:-1] = near[1:-1] | near[2:] | near[:-2]
-            moving[near, k] = 0.0
+            moving[:, k] = away_from_rest(speed[:, k], mean_square[k])
     return moving
 
 

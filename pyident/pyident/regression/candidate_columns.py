@@ -1,5 +1,6 @@
 """Columns that one more law would add to Φ, for a search over laws and over their nonlinear parameters."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from itertools import product
 
@@ -12,6 +13,8 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import Signals, body_columns, compiled, law_columns
 from pyident.regression.regressor import regressor
+
+_recent: deque[tuple[Robot, Motion, Signals]] = deque(maxlen=8)  # a search asks for them again and again
 
 
 def effect_columns(
@@ -28,7 +31,7 @@ def effect_columns(
     if law.body:
         return _of_body(robot, law, motion)
     columns: dict[str, dict[int, np.ndarray]] = {p.name: {} for p in law.linear}
-    for column in law_columns(robot, Signals(robot, motion), joint, law, fixed):
+    for column in law_columns(robot, _signals(robot, motion), joint, law, fixed):
         value = np.asarray(column.value(slice(None)), float)
         columns[column.parameter][column.row] = np.array(np.broadcast_to(value, len(motion.q)))
     return columns
@@ -43,7 +46,7 @@ def nonlinear_grid(
     A law without nonlinear parameters has one, the empty one. Raises as `effect_columns` does.
     """
     law, _ = _acting(robot, joint, effect_name, {})
-    known = [Signals(robot, motion) for motion in motions]
+    known = [_signals(robot, motion) for motion in motions]
     grids = []
     for p in law.nonlinear:
         size = 1.0
@@ -64,9 +67,19 @@ def coverage(
     if law.coverage is None:
         return None
     names, holds = compiled(law.coverage.condition)
-    known = Signals(robot, motion)
+    known = _signals(robot, motion)
     given = [fixed[n] if n in fixed else known.after[signal_of(joint, n)] for n in names]
     return float(np.mean(holds(*given)) / law.coverage.share)
+
+
+def _signals(robot: Robot, motion: Motion) -> Signals:
+    """A motion's signals, those of the last motions kept."""
+    for known in tuple(_recent):
+        if known[0] is robot and known[1] is motion:
+            return known[2]
+    made = Signals(robot, motion)
+    _recent.append((robot, motion, made))
+    return made
 
 
 def _acting(

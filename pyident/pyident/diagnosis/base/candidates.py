@@ -140,7 +140,7 @@ def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
 
 def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
     """The motion with torques of the model's parameters whose names begin with `part`."""
-    for known in _recent:
+    for known in tuple(_recent):
         if known[0] is robot and known[1] is motion and known[2] == part:
             return known[3]
     p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])

@@ -8,6 +8,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
+from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solve_base
 from pyident.diagnosis.base.setting import Setting, replica_of
@@ -46,6 +47,12 @@ class Examination:
     def floor_energies(self) -> np.ndarray:
         """(n,) energy that replicas leave on each equation, on average."""
         return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
+
+    @property
+    def most_over_floor(self) -> np.ndarray:
+        """(n,) the most that a replica leaves on each equation, over the average."""
+        each = (self.replica_energy * self.count).sum(axis=2)
+        return each.max(axis=0) / np.maximum(each.mean(axis=0), 1e-300)
 
     @property
     def levels(self) -> list[np.ndarray]:
@@ -114,11 +121,18 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
 
 def replicated(fmu: Simulator, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
     """Logs of one replica, their bands and the residuals that the regression leaves."""
-    made = replica_of(fmu, setting, setting.repeats, seed)
+    made = judged_replica(fmu, setting, seed)
     logs = _equations(setting.robot, made)
     level = 1 / np.maximum(setting.solution.weights, 1e-300)
     base = solve_base([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
     return made, [e.band for e in logs], [r * level[:, None] for r in base.residual]
+
+
+def judged_replica(fmu: Simulator, setting: Setting, seed: int) -> list[Log]:
+    """Logs as the setting's robot would have made them, with what no model is exact to."""
+    share = setting.rules.replicas.inexact
+    made = replica_of(fmu, setting, setting.repeats, seed)
+    return [inexact(setting.robot, log, share, len(made) * seed + i) for i, log in enumerate(made)]
 
 
 def _judged(_: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):

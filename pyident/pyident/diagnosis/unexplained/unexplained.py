@@ -12,8 +12,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, whitened
-from pyident.diagnosis.base.setting import Setting, replica_of
+from pyident.diagnosis.base.residual_over_floor import Examination, judged_replica, whitened
+from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
@@ -71,7 +71,7 @@ def _pretended_by_replicas(examination: Examination, workers: Workers, row: int,
 
 def _pretended(fmu: Simulator, setting: Setting, level: Floor, row: int, seed: int) -> np.ndarray:
     """The energies of one replica."""
-    data = whitened(setting.robot, replica_of(fmu, setting, setting.repeats, seed), level)
+    data = whitened(setting.robot, judged_replica(fmu, setting, seed), level)
     listed = variables(setting.robot, data, row)
     levels = [level.at(e.band) for e in data]
     base = extended(solve_base(data), constant_columns(data, levels, row))

@@ -1,0 +1,59 @@
+"""Samples in which the sign of dry friction is not known: standstill, reversals, and near misses between two.
+
+An equation holds a mean over its sample's hat, from the sample before to the one after. Dry friction is known
+there only if the speed keeps its sign all the while. Means at the samples do not tell: a speed that falls to
+zero and rises again between them never shows another sign, but friction acts against it for a part of the
+time, and as another machine or simulator rounds it. So the speed is followed between the samples, too, by the
+cubic through four of them.
+"""
+
+import numpy as np
+
+AROUND = 2  # samples on either side of a reversal that are left out
+REACH = AROUND + 3  # samples on either side on which the answer for one depends
+STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill
+_BETWEEN = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of an interval: where the speed is looked at
+
+
+def at_samples(mean_speed: np.ndarray) -> np.ndarray:
+    """Speeds at the samples from their means under hats, both (N, n): the mean is v + T² v̈ / 12 + O(T⁴)."""
+    v = mean_speed.copy()
+    v[1:-1] -= (mean_speed[2:] - 2 * mean_speed[1:-1] + mean_speed[:-2]) / 12
+    return v
+
+
+def away_from_rest(speed: np.ndarray, mean_square: float) -> np.ndarray:
+    """(N,): whether a joint with this speed (N,) keeps its direction around each sample.
+
+    mean_square   of its speed over the whole log
+    """
+    slow = STANDSTILL * np.sqrt(mean_square)
+    turning = _rests_between(speed, slow)
+    near = (np.abs(speed) < slow) | turning | np.roll(turning, 1)
+    for _ in range(AROUND - 1):
+        near[1:-1] = near[1:-1] | near[2:] | near[:-2]
+    return ~near
+
+
+def _rests_between(speed: np.ndarray, slow: float) -> np.ndarray:
+    """(N,): whether the speed is below `slow` or changes its sign between a sample and the next."""
+    out = np.append(speed[1:] * speed[:-1] <= 0, False)
+    if len(speed) < 4:
+        return out
+    own = speed[1:-2]
+    four = np.column_stack([speed[:-3], own, speed[2:-1], speed[3:]])
+    between = four @ _cubic(_BETWEEN)
+    out[1:-2] |= ((np.abs(between) < slow) | (between * own[:, None] <= 0)).any(axis=1)
+    return out
+
+
+def _cubic(t: np.ndarray) -> np.ndarray:
+    """(4, T): Lagrange's weights of samples at -1, 0, 1, 2 for times t (T,)."""
+    return np.array(
+        [
+            -t * (t - 1) * (t - 2) / 6,
+            (t + 1) * (t - 1) * (t - 2) / 2,
+            -(t + 1) * t * (t - 2) / 2,
+            (t + 1) * t * (t - 1) / 6,
+        ]
+    )

@@ -1,0 +1,43 @@
+"""Where the sign of dry friction is known, against speeds whose every instant is known."""
+
+import numpy as np
+import pytest
+
+from pyident.conditioning.rest import at_samples, away_from_rest
+
+T = 0.004  # s
+
+
+def _speed(t: np.ndarray, least: float, shift: float) -> np.ndarray:
+    """Positive but for a dip to `least` [rad/s] at 0.2 s and `shift` samples."""
+    return 0.3 - (0.3 - least) * np.exp(-(((t - 0.2 - shift * T) / 0.012) ** 2))
+
+
+def _used(least: float, shift: float) -> tuple[np.ndarray, np.ndarray]:
+    """Whether each sample counts, from the means under hats; and its true lowest speed under the hat."""
+    k = np.arange(1, 99)
+    s = np.linspace(-1, 1, 401)
+    inside = _speed((k[:, None] + s) * T, least, shift)
+    means = np.trapezoid(inside * (1 - np.abs(s)), s, axis=1)
+    return away_from_rest(at_samples(means), float(np.mean(means**2))), inside.min(axis=1)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.25, 0.5])
+def test_a_dip_below_zero_between_two_samples_is_left_out(shift):
+    """At no sample is the mean speed negative or at standstill."""
+    used, lowest = _used(-0.004, shift)
+    assert (lowest < 0).any()
+    assert not used[lowest < 0].any()
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+def test_a_dip_that_stays_well_above_standstill_counts(shift):
+    assert _used(0.05, shift)[0].all()
+
+
+def test_means_under_hats_become_speeds_at_the_samples():
+    t = np.arange(200) * T
+    omega = 2 * np.pi * 20
+    mean = np.cos(omega * t) * (2 - 2 * np.cos(omega * T)) / (omega * T) ** 2  # of the cosine, exactly
+    error = at_samples(mean)[1:-1] - np.cos(omega * t)[1:-1]
+    assert np.abs(error).max() < 0.1 * np.abs(mean - np.cos(omega * t)).max()
