@@ -36,8 +36,30 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot 
     """
     import cvxpy as cp
 
-    names, scale = list(reduced.columns), solution.scale
-    near = solution.p * scale
+    bounds = lower_bounds(robot)
+    for scale in (solution.scale, _balanced(solution)):
+        try:
+            found = _nearest(robot, reduced, solution, prior, scale)
+        except cp.SolverError:  # numbers too far apart for the solver
+            continue
+        return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
+    raise RuntimeError("no physically consistent parameters were found: the solver gave up")
+
+
+def _balanced(solution: Solution) -> np.ndarray:
+    """(P,) scales of the parameters; those that act nowhere get that of the others."""
+    absent = ~solution.seen.any(axis=1) & (solution.scale == 1.0)
+    acting = solution.scale[~absent]
+    return np.where(absent, np.exp(np.mean(np.log(acting))) if len(acting) else 1.0, solution.scale)
+
+
+def _nearest(
+    robot: Robot, reduced: Reduced, solution: Solution, prior: Robot | None, scale: np.ndarray
+) -> np.ndarray:
+    """(P,) Raises RuntimeError where there are none, and cvxpy's SolverError."""
+    import cvxpy as cp
+
+    names, near = list(reduced.columns), solution.p * scale
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
     sigma = max(_sigma(reduced, solution), 1e-9 * float(np.linalg.norm(near)))
     deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
@@ -60,9 +82,7 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot 
         problem.solve(solver=cp.CLARABEL)
     if z.value is None:
         raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")
-    found = np.asarray(z.value) / scale
-    bounds = lower_bounds(robot)
-    return np.maximum(found, [bounds.get(name, -np.inf) for name in names])
+    return np.asarray(z.value) / scale
 
 
 def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Expression":
