@@ -1,6 +1,6 @@
 """One recording of a six-axis arm, written in the styles of a dozen tools, with the truth of every column."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +19,7 @@ class Style:
     """file or folder; truth: column -> our name, unit, sign, offset in the unit; None: no signal of a log."""
 
     path: Path
-    truth: dict[str, tuple[str, str, int, float] | None]
+    truth: Mapping[str, tuple[str, str, int, float] | None]
     asked: tuple[str, ...] = ()
 
 

@@ -13,10 +13,11 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import RobotError
 from pyident.logs.foreign import robot_log
 from pyident.logs.log import Log
+from pyident.refinement.stand_in import driven
 from pyident.simulation.fmu_runs import simulate_robot
 from pyident.simulation.free_run import WINDOW, run_freely
 from pyident.simulation.references import load_experiment, read_experiment
-from pyident.verbs.inputs import Columns, Model, driven, mapping_of, robot_of, simulable
+from pyident.verbs.inputs import Columns, Model, mapping_of, robot_of, simulable
 
 if TYPE_CHECKING:
     import pandas as pd
