@@ -5,8 +5,10 @@ from click.testing import CliRunner
 from two_link_logs import hidden, in_process, loaded, made_log, two_link
 
 from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
+from pyident.extension import add_effect as extension
 from pyident.extension.add_effect import add_effect, split
 from pyident.logs.log import write_log
 from pyident.verbs import judge
@@ -40,6 +42,22 @@ def test_a_wrong_effect_is_refused(folder, logs):
     found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
     assert not found.accepted
     assert found.reason.startswith("stribeck at joint 1 is refused: on held-out data the error of the")
+
+
+def test_a_law_whose_model_cannot_be_simulated_is_refused(monkeypatch, folder, logs):
+    fitted = extension._fitted
+
+    def only_without(robot, *rest):
+        if robot.parameters.keys() > two_link().parameters.keys():
+            raise SimulationError("it rings")
+        return fitted(robot, *rest)
+
+    monkeypatch.setattr(extension, "_fitted", only_without)
+    found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
+    assert not found.accepted
+    assert found.reason.endswith("is refused: the model fitted with it cannot be simulated (it rings)")
+    assert found.json()["mean_square_fall_percent"] == {"equations": 0.0, "simulation": 0.0}
+    assert found.before == found.after
 
 
 def test_what_is_held_out(logs):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.compare import log_errors
@@ -26,7 +27,7 @@ from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import gain, solve_base
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.logs.log import Log, LogError
-from pyident.regression.candidate_columns import nonlinear_grid
+from pyident.regression.candidate_columns import coverage, nonlinear_grid
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import repeat_like
@@ -138,7 +139,10 @@ def add_effect(
     parts = split(logs, heldout, rules)
     base = _fitted(robot, parts, open_pool, rules, _share(progress, 0.0, 0.5))
     wider = _with_best_values(base, wider, joint, effect)
-    new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.5, 1.0))
+    try:
+        new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.5, 1.0))
+    except SimulationError as error:
+        return _not_simulated(base, wider, joint, effect, error)
     return _judged(base, new, joint, effect)
 
 
@@ -190,11 +194,22 @@ def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robo
     solved, limits = solve_base(weighted), bounds(robot, listed[0])
 
     def explained(candidate: Candidate) -> float:
+        covered = [coverage(robot, joint, effect, part.motion, dict(candidate.values)) for part in parts]
+        if all(c is not None and c < 1 for c in covered):
+            return 0.0  # where the logs hardly are, any coefficient would do
         return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
 
     best = refined(robot, max(listed, key=explained), listed, explained)
     names = {name: of_joint(joint, f"{effect}.{name}") for name, _ in best.values}
     return wider.with_parameters({names[name]: value for name, value in best.values})
+
+
+def _not_simulated(base: _Fit, wider: Robot, joint: int, effect: str, error: SimulationError) -> Extended:
+    """A law that the logs show so badly that no model with it can be simulated."""
+    errors = base.errors
+    steps = tuple(_step("equations", row, errors, errors) for row in _acts_on(wider, joint, effect))
+    reason = f"{effect} at joint {joint} is refused: the model fitted with it cannot be simulated ({error})"
+    return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason)
 
 
 def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:
