@@ -66,9 +66,9 @@ def test_settings_by_name(tmp_path):
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("R = [0.0]", r"servo\.R must be above 0"),
+        ("R = [0.0]", r"servo\.R\[1\] = 0\.0 must be above 0"),
         ("delay = 1.0", r"servo\.delay = 1 s is over 250 samples"),
-        ('unknown = ["kz"]', r"servo\.unknown must list some of kp"),
+        ('unknown = ["kz"]', r"servo\.unknown\[1\] must be kp, .* or delay, not 'kz'"),
         ("kp = [1.0, 2.0]", r"servo\.kp must be 1 numbers"),
         ("speed = 1.0", r"servo\.speed is not a known key"),
     ],
