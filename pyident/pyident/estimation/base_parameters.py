@@ -57,7 +57,8 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
         factors[rest] = mixing[i] * scale[rest] / scale[lead[i]]
         kept = [lead[i], *(j for j, m in zip(rest, mixing[i], strict=True) if abs(m) > _ABSENT)]
         terms = tuple((float(factors[j]), reduced.columns[j]) for j in kept)
-        std = np.sqrt(max(factors @ solution.covariance @ factors, 0.0))
+        at = np.flatnonzero(factors)  # a parameter without an interval takes it from its own combination only
+        std = np.sqrt(max(factors[at] @ solution.covariance[np.ix_(at, at)] @ factors[at], 0.0))
         out.append(BaseParameter(terms, float(factors @ solution.p), float(std)))
     return out
 
