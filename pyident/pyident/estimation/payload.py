@@ -66,10 +66,11 @@ def last_link(robot: Robot) -> list[str]:
 
 
 def _determined(empty: Identified, loaded: Identified) -> np.ndarray:
-    """(P, R) orthonormal: combinations of scaled parameters that both identifications determine."""
+    """(P, R) orthonormal: combinations of scaled parameters that both tell with an interval."""
     scale = empty.solution.scale
+    untold = np.isnan(np.diag(empty.solution.covariance) + np.diag(loaded.solution.covariance))
     open_ones = [one.solution.null * (scale / one.solution.scale)[:, None] for one in (empty, loaded)]
-    N = np.concatenate(open_ones, axis=1)
+    N = np.concatenate([*open_ones, np.eye(len(scale))[:, untold]], axis=1)
     if N.shape[1] == 0:
         return np.eye(len(scale))
     U, s, _ = np.linalg.svd(N / np.linalg.norm(N, axis=0))
@@ -77,7 +78,8 @@ def _determined(empty: Identified, loaded: Identified) -> np.ndarray:
 
 
 def _scaled(one: Identified, scale: np.ndarray) -> np.ndarray:
-    return one.solution.covariance * np.outer(scale, scale)
+    """(P, P) covariance of scaled parameters; 0 without an interval, where `_determined` asks nothing."""
+    return np.nan_to_num(one.solution.covariance) * np.outer(scale, scale)
 
 
 def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple[np.ndarray, float]:

@@ -144,7 +144,7 @@ def payload(
     )
     if without.identified.reduced.columns != having.identified.reduced.columns:
         raise LogError("the logs without and with the load do not hold the same signals; record them alike")
-    if not all(np.isfinite(one.identified.solution.covariance).all() for one in (without, having)):
+    if any(np.isnan(np.diag(one.identified.solution.covariance)).all() for one in (without, having)):
         raise LogError(
             "the logs are too long to be held in memory, so that no intervals follow; give shorter ones"
         )
