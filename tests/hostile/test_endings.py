@@ -145,7 +145,7 @@ def test_ctrl_c_to_the_whole_group_at_any_time(seconds, place):
     _, said = run.communicate(timeout=PATIENCE)
     counted("interrupts")
     if "stopped" in said or seconds > 2:
-        assert run.returncode == 130
+        assert run.returncode in (130, -signal.SIGINT)  # a shell says 130 of both
         assert said.splitlines()[-1] == "stopped"
         assert "Traceback" not in said
     else:  # the interpreter itself was starting, and answers in its own way
