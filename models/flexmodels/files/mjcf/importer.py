@@ -127,7 +127,7 @@ def _without_pictures(mujoco: Any, spec: Any) -> None:
 
 
 def _spec_name(path: Path, model: Any) -> str:
-    name = model.names.split(b"\0")[0].decode()
+    name = model.names.split(b"\0")[0].decode(errors="replace")
     return name if name and name != "MuJoCo Model" else path.stem
 
 
