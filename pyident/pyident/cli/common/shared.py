@@ -58,12 +58,21 @@ def reported(command: Callable[..., Any]) -> Callable[..., Any]:
         except click.exceptions.ClickException:
             raise
         except Exception as error:
+            if _followed_an_interrupt(error):
+                ended("stopped", _STOPPED)
             if os.environ.get("PYIDENT_TRACEBACK"):
                 raise
             ended(f"fault in pyident itself: {type(error).__name__}: {error} (the environment variable "
                   "PYIDENT_TRACEBACK=1 shows where); please report it", _OUR_FAULT)  # fmt: skip
 
     return run
+
+
+def _followed_an_interrupt(error: BaseException | None) -> bool:
+    """Whether it was raised while something made way for a Ctrl-C."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__context__
+    return error is not None
 
 
 def ended(sentence: str, code: int) -> NoReturn:
