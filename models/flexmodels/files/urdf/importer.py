@@ -15,7 +15,7 @@ from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
-from flexmodels.files.urdf_check import check_urdf, require_few
+from flexmodels.files.urdf.check import check_urdf, require_few
 from flexmodels.joint import Joint, Limits
 from flexmodels.robot import Robot, RobotError
 
