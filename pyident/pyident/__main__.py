@@ -36,22 +36,31 @@ def main() -> None:
 
 
 def _asked(number: int, frame: "FrameType | None") -> None:
-    """End at a Ctrl-C or a request to terminate, as soon as what is raised will be heard.
-
-    CasADi asks Python for conversions, and forgets what is raised there; some packages take whatever is
-    raised while they import another for the lack of it.
-    """
+    """End at a Ctrl-C or a request to terminate, as soon as what is raised will be heard."""
     import signal
 
-    caller = frame and frame.f_back
-    while caller:
-        if caller.f_code.co_name == "_find_and_load" or "_casadi" in caller.f_code.co_names:
-            _ask_again(number)
-            return
-        caller = caller.f_back
+    if frame and _deaf(frame):
+        _ask_again(number)
+        return
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise SystemExit(128 + number)
+
+
+def _deaf(frame: "FrameType") -> bool:
+    """Whether what is raised in this frame may be forgotten.
+
+    Some packages take whatever is raised while they import another for the lack of it. CasADi forgets what
+    its C code meets in Python, which it asks for conversions, and has `except:` in functions of its own.
+    """
+    if frame.f_globals.get("__name__") == "casadi.casadi" and "_casadi" not in frame.f_code.co_names:
+        return True
+    caller = frame.f_back
+    while caller:
+        if caller.f_code.co_name == "_find_and_load" or "_casadi" in caller.f_code.co_names:
+            return True
+        caller = caller.f_back
+    return False
 
 
 def _once_more(lost: "sys.UnraisableHookArgs") -> None:
