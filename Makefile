@@ -16,16 +16,17 @@ test: lint
 slow: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-# How much of pyident the tests reach, branch by branch. A part per folder of tests, kept in out/coverage: after an
-# interruption the same call goes on; `make -j2 coverage` runs two at once. About twice as slow as the tests alone.
+# How much of pyident the tests reach, branch by branch, in other processes too. A part per folder of tests, kept in
+# out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
 PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
-PARTS := $(filter-out browser importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
+PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
 COVERED := $(PARTS:%=out/coverage/%.data)
 out/coverage/%.data: $(shell find models fmu pyident tests studies -name '*.py' -not -path '*/.*')
 	mkdir -p $(@D)
+	rm -f $@.part*
 	$(BIN)/python -m coverage run --data-file=$@.part -m pytest -q \
-	  -m "not slow and not importers and not browser" $(or $(wildcard tests/$*.py),tests/$*)
-	mv $@.part $@
+	  -m "not slow and not importers" $(or $(wildcard tests/$*.py),tests/$*)
+	$(BIN)/python -m coverage combine --quiet --data-file=$@ $@.part*
 
 coverage: .venv/dev $(COVERED)
 	$(BIN)/python -m coverage combine --quiet --keep --data-file=out/coverage/all $(COVERED)
