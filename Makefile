@@ -18,6 +18,7 @@ slow: .venv/dev
 
 # How much of pyident the tests reach, branch by branch, in other processes too. A part per folder of tests, kept in
 # out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
+COVERED_BY ?= not importers
 PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
 PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
 COVERED := $(PARTS:%=out/coverage/%.data)
@@ -25,7 +26,7 @@ out/coverage/%.data: $(shell find models fmu pyident tests studies -name '*.py' 
 	mkdir -p $(@D)
 	rm -f $@.part*
 	$(BIN)/python -m coverage run --data-file=$@.part -m pytest -q \
-	  -m "not slow and not importers" $(or $(wildcard tests/$*.py),tests/$*)
+	  -m "$(COVERED_BY)" $(or $(wildcard tests/$*.py),tests/$*)
 	$(BIN)/python -m coverage combine --quiet --data-file=$@ $@.part*
 
 coverage: .venv/dev $(COVERED)
