@@ -42,15 +42,17 @@ def plain(q: np.ndarray, v: np.ndarray, load: np.ndarray, time: np.ndarray) -> n
     return COULOMB * np.sign(v) + VISCOUS * v
 
 
-def made(robot: Robot, seed: int, friction: Friction = plain, duration: float = DURATION) -> Log:
-    """One log along sums of sines of its own."""
+def made(
+    robot: Robot, seed: int, friction: Friction = plain, duration: float = DURATION, pace: float = 1.0
+) -> Log:
+    """One log along sums of sines of its own; pace: their frequencies over those of a slow motion."""
     rng = np.random.default_rng(seed)
     oracle = PinocchioRobot(robot)
     time = np.arange(0, duration, 1 / RATE)
     q, v, a = (np.zeros((len(time), 6)) for _ in range(3))
     for k in range(6):
         for harmonic in range(1, 7):
-            omega = 2 * np.pi * 0.06 * harmonic * (1 + 0.05 * rng.random())
+            omega = pace * 2 * np.pi * 0.06 * harmonic * (1 + 0.05 * rng.random())
             size, phase = REACH[k] * rng.uniform(0.2, 0.6) / harmonic, rng.uniform(0, 2 * np.pi)
             q[:, k] += size * np.sin(omega * time + phase)
             v[:, k] += size * omega * np.cos(omega * time + phase)

@@ -88,6 +88,21 @@ class SearchRules:
         "imitators gain more",
         _TUNING,
     )
+    block: float = rule(
+        0.05,
+        "a joint's samples, its slowest and its fastest, that a named law can do without",
+        "near rest friction is nobody's law; more would take what true laws live on",
+        "by reason, after a coupling of ratio 0.007 that fitted friction rounded in 3 % of the samples",
+    )
+    block_gain: float = rule(
+        0.5, "gain that a law may lose with them", "most of it must rest on the others", "by reason"
+    )
+    block_force: float = rule(
+        0.1,
+        "energy of its own force that makes a law one that acts in them: it may lose all",
+        "twice what a force of constant size has there",
+        "by reason: Stribeck's and presliding's is beyond a half",
+    )
     foreign_left: float = rule(
         0.05, "excess on a law's equations: who leaves less is no imitator", "true laws leave less", _TUNING
     )
@@ -118,7 +133,7 @@ class SearchRules:
 
     def __post_init__(self) -> None:
         shares = ("level", "part", "own", "whole", "order", "tie", "apart", "changes", "imitated")
-        in_range(self, "search", 0, 1, *shares)
+        in_range(self, "search", 0, 1, *shares, "block", "block_gain", "block_force")
         in_range(self, "search", 1, 100, "most")
         if list(self.explained) != sorted(self.explained) or not all(0 < x <= 1 for x in self.explained):
             raise RulesError("rules: search.explained must rise, with shares between 0 and 1")

@@ -1,0 +1,114 @@
+"""Whether a law's gain rests on a sliver of the samples, away from where the law acts.
+
+Near rest friction is nobody's law: asperities bend, other simulators round the sign, a joint turns back
+between two samples. A few samples in a hundred may then hold most of what a model leaves, and some law of
+another thing can be bent until it fits just these: a coupling with a ratio of nearly nothing is Coulomb
+friction with a round sign. Such a law acts in all samples and explains a few. So the samples in which the
+joint is slowest, and those in which it is fastest, are left out in turn, with everything fitted again to the
+rest (a jackknife by blocks, Künsch 1989). A law that loses most of its gain by that, but next to nothing of
+its own force, is not what explains them. Presliding, Stribeck and others that act near rest keep their name:
+they lose the force as well.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns, motion_for, slopes
+from pyident.diagnosis.base.projection import extended, fall_per_row, gain, solve_base
+from pyident.diagnosis.search.search import Search
+from pyident.regression.spectrum import Equations, equations
+from pyident.rules.search import SearchRules
+
+_BLOCKS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "slowest": lambda speed: -speed,
+    "fastest": lambda speed: speed,
+}
+
+
+def rests_on(search: Search, candidate: Candidate) -> str:
+    """The few samples that a candidate's gain rests on though it acts elsewhere, in words; empty: on none.
+
+    The search must rest on the candidate and all others that are named.
+    """
+    if candidate.log is not None or candidate.describes:
+        return ""  # of a body or a geometry every sample tells alike
+    others = [c for c in search.chosen if c != candidate]
+    ex = search.examination
+    return block_of(search.robot, ex.logs, search.levels, others, candidate, search.rules)
+
+
+def block_of(
+    robot: Robot,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    others: Sequence[Candidate],
+    candidate: Candidate,
+    rules: SearchRules,
+) -> str:
+    """As `rests_on`, of a law beside `others`. logs: whitened with levels, (n, E) each."""
+    whole, fall, coefficients = _explained(robot, logs, levels, others, candidate)
+    joint = robot.q[int(np.argmax(fall))].joint
+    speed = [np.abs(log.part.motion.dq[:, joint - 1]) for log in logs]
+    used = [log.part.use[:, joint - 1] > 0 for log in logs]
+    for name, quantity in _BLOCKS.items():
+        by_sample = [quantity(v) for v in speed]
+        listed = np.concatenate([x[u] for x, u in zip(by_sample, used, strict=True)])
+        limit = float(np.quantile(listed, 1 - rules.block))
+        kept = [(x <= limit).astype(float) for x in by_sample]
+        if _force_left(robot, logs, candidate, coefficients, kept) < 1 - rules.block_force:
+            continue  # it acts there
+        rest = _without(robot, logs, levels, kept)
+        if _explained(robot, rest, levels, others, candidate)[0] < (1 - rules.block_gain) * whole:
+            return f"the {100 * rules.block:.0f} % {name} samples of joint {joint}"
+    return ""
+
+
+def _explained(
+    robot: Robot,
+    logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    others: Sequence[Candidate],
+    candidate: Candidate,
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Energy that a law takes, how much of each equation (n,), its coefficients."""
+    base = solve_base(logs)
+    for other in others:
+        base = extended(base, columns(robot, other, logs, levels))
+    X = columns(robot, candidate, logs, levels)
+    found = gain(base, X, *bounds(robot, candidate))
+    return found.energy, fall_per_row(base, X), found.coefficients
+
+
+def _without(
+    robot: Robot, logs: Sequence[Equations], levels: Sequence[np.ndarray], kept: Sequence[np.ndarray]
+) -> list[Equations]:
+    """The logs' equations with samples left out, on all rows; kept: per log (N,), 0 where it is left out."""
+    parts = [
+        replace(log.part, use=log.part.use * keep[:, None]) for log, keep in zip(logs, kept, strict=True)
+    ]
+    made = equations(robot, parts, [log.band.period for log in logs])
+    return [e.over(level) for e, level in zip(made, levels, strict=True)]
+
+
+def _force_left(
+    robot: Robot,
+    logs: Sequence[Equations],
+    candidate: Candidate,
+    coefficients: np.ndarray,
+    kept: Sequence[np.ndarray],
+) -> float:
+    """Share of a law's own force, in energy on the equation where it is largest, in the samples kept."""
+    whole: dict[int, float] = {}
+    left: dict[int, float] = {}
+    for log, keep in zip(logs, kept, strict=True):
+        of = slopes(robot, candidate, motion_for(robot, candidate, log.part.motion)).values()
+        for row in {row for by_row in of for row in by_row}:
+            force = sum(x * by_row.get(row, 0.0) for x, by_row in zip(coefficients, of, strict=True))
+            energy = np.square(force) * log.part.use[:, row]
+            whole[row] = whole.get(row, 0.0) + float(energy.sum())
+            left[row] = left.get(row, 0.0) + float(energy @ keep)
+    row = max(whole, key=lambda row: whole[row])
+    return left[row] / max(whole[row], 1e-300)
