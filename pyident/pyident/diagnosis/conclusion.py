@@ -9,7 +9,7 @@ from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.gate import Refusal, acting_rows, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, acting_rows, counts, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
@@ -48,7 +48,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         notes=(
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
-            *_quiet(search, places, selection),
+            *_quiet(beside, places, selection),
         ),
         noise=ex.setting.noise,
         stages=stages,
@@ -154,16 +154,17 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
         )
 
 
-def _quiet(search: Search, places: Sequence[Place], selection: Selection) -> Iterator[str]:
-    """What no replica shows where nothing stands out, and why it is not named."""
-    for refusal in selection.refusals:
-        if any(places[row].state == "unexplained" for row in refusal.rows):
+def _quiet(beside: Search, places: Sequence[Place], selection: Selection) -> Iterator[str]:
+    """What no replica shows where nothing stands out, and why it is not named; beside: with the findings."""
+    by_family = {r.candidate.family: r for r in selection.refusals}
+    for refusal in by_family.values():
+        if any(places[row].state != "in_order" for row in refusal.rows):
             continue
         c = refusal.candidate
-        found = search.best(c.effect, c.joint)
-        if found is None:
+        found = beside.best(c.effect, c.joint)
+        if found is None or not counts(beside, found):
             continue
-        n = named(search, found)
+        n = named(beside, found)
         values = ", ".join(f"{k} {v:.3g} ± {n.std[k]:.2g} {n.units[k]}" for k, v in n.values.items())
         yield f"{c.effect} at joint{c.joint} ({values}) is more than any replica shows, but {refusal.reason}"
 

@@ -153,7 +153,11 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
     of the whole model where no controller says which torque was commanded.
     """
-    read = law_of(robot, candidate).symbols
+    if candidate.describes:
+        return motion
+    read = robot.catalogue[
+        candidate.effect
+    ].symbols  # as it acts at a rigid joint, a load is the motor's torque
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")
