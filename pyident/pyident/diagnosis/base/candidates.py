@@ -157,7 +157,7 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
         return motion
     read = robot.catalogue[
         candidate.effect
-    ].symbols  # as it acts at a rigid joint, a load is the motor's torque
+    ].symbols  # not as it acts: a rigid joint's load is then its torque
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")
