@@ -1,4 +1,4 @@
-"""What a diagnosis may name: laws, and errors of the description; the motion that these are evaluated along."""
+"""What a diagnosis may name: laws, errors of the description; the motion that these are evaluated along."""
 
 import numpy as np
 from pinocchio_model import PinocchioRobot

@@ -155,9 +155,8 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     """
     if candidate.describes:
         return motion
-    read = robot.catalogue[
-        candidate.effect
-    ].symbols  # not as it acts: a rigid joint's load is then its torque
+    own = robot.catalogue[candidate.effect]  # as it acts, a rigid joint's load is its torque
+    read = own.symbols
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")
