@@ -10,11 +10,11 @@ study: .venv/ready
 # Lint, types, tests. A process per core runs tests: a BLAS with a thread per core in each would only wait.
 test slow coverage: export OPENBLAS_NUM_THREADS = 1
 test: lint
-	$(BIN)/pytest -n auto -m "not slow and not importers and not browser"
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow and not importers and not browser"
 
 # What takes a minute each, or races with the clock.
 slow: .venv/dev
-	$(BIN)/pytest -n auto -m slow
+	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 # All of them, and how much of pyident they reach; twice as slow.
 coverage: .venv/dev

@@ -9,7 +9,8 @@ from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Base, Columns, gain
 from pyident.diagnosis.next_steps import candidate_of
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.held_out import HeldOut, heldout_gain
+from pyident.diagnosis.search.gate import main_rows
+from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search
 
 Name = tuple[str, int]  # an effect and its joint, from 1
@@ -18,7 +19,8 @@ ALIKE = 0.99  # of a force's energy: what imitates it this far is the same in th
 
 @dataclass(frozen=True)
 class Bound:
-    """reached, achievable: fall of the held-out residual's energy with what was found and with the truth, %.
+    """reached, achievable: share of what exceeds the floor on held-out data, on the equations of the true
+              effects, that what was found and the truth take, %
 
     aliases   per true effect the other effects that would do exactly the same in these logs
     """
@@ -29,14 +31,20 @@ class Bound:
 
 
 def bound(search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: HeldOut) -> Bound | None:
-    """None where the catalogue does not have the truth at its joint."""
+    """None where the catalogue does not have the truth at its joint, or nothing was held out."""
     best = _at_best(search, truth)
     if best is None:
         return None
     found = [candidate_of(search, finding.tie[0]) for finding in diagnosis.findings]
+    search = search.resting_on(())
+    true = [f.candidate for f in best]
+    rows = sorted({row for candidate in true for row in main_rows(search, candidate)})
+    reached, achievable = (held.share(search, listed, rows) for listed in (found, true))
+    if reached is None or achievable is None:
+        return None
     return Bound(
-        100 * heldout_gain(search, found, held),
-        100 * heldout_gain(search, [f.candidate for f in best], held),
+        100 * reached.share,
+        100 * achievable.share,
         tuple(_aliases(search, best, i) for i in range(len(best))),
     )
 

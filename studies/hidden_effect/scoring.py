@@ -23,7 +23,8 @@ class Scored:
     """One case with its truth and what was said about it.
 
     ties         of the findings, in their order, the best name first
-    reached      fall of the held-out residual's energy with what was found [%]; `achievable`: with the truth
+    reached      share that what was found takes of what exceeds the floor on held-out data, on the
+                 equations of the true effects [%]; `achievable`: that the truth takes
     aliases      names that would do exactly the same as one of the true ones in these logs
     """
 

@@ -109,6 +109,7 @@ def test_a_constant_force_gives_a_parabola(rail, tmp_path):
     np.testing.assert_allclose(log["tip.x"], log["joint1.e"], atol=1e-15)
 
 
+@pytest.mark.slow
 def test_one_file_for_every_platform(rail, tmp_path):
     pytest.importorskip("ziglang", reason="the compiler for other platforms is not installed")
     path = export_fmu(equations(rail), tmp_path / "all.fmu", fmi=3, platforms="all")

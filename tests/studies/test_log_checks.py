@@ -1,4 +1,4 @@
-"""A part of the test bench of the checks: every other kind of wrong log, each on one robot in turn."""
+"""A part of the test bench of the checks: every eighth kind of wrong log, each on one robot in turn."""
 
 import pytest
 
@@ -25,7 +25,7 @@ def test_grossly_wrong_logs_are_flagged(data):
     bases = [(robot, log) for robot, log in study.sound_bases()]
     assert len(bases) == 3
     flagged = []
-    for i, (name, change) in enumerate(list(KINDS.items())[::2]):
+    for i, (name, change) in enumerate(list(KINDS.items())[::8]):
         robot, log = bases[i % 3]
         frame = change(robot, log.frame.copy())
         if frame is not None:

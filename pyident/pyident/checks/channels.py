@@ -130,9 +130,11 @@ def _sudden(log: Log, steps: np.ndarray) -> bool:
 
 def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """A torque that piles up at its extreme."""
-    width = max(LOG_CHECKS.limit_bin * float(np.ptp(x)), 1.01 * step_of(x))
+    width, step = LOG_CHECKS.limit_bin * float(np.ptp(x)), step_of(x)
+    if step:  # as many steps in every bin, whole ones
+        width = step * np.ceil(width / step)
     for side, extreme in ((1.0, float(x.max())), (-1.0, float(x.min()))):
-        depth = ((extreme - x) * side / width).astype(int)
+        depth = (((extreme - x) * side + step / 2) / width).astype(int)
         counts = np.bincount(depth[depth < 6], minlength=6)
         share = counts[0] / len(x)
         resting = extreme == 0 or _longest(depth == 0) > 0.5 * counts[0] > 0.25 * len(x)

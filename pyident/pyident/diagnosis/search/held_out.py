@@ -66,19 +66,6 @@ def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
     return HeldOut(tuple(whitened(ex.setting.robot, logs, ex.floor)))
 
 
-def heldout_gain(search: Search, chosen: Sequence[Candidate], held: HeldOut) -> float:
-    """Share of the residual's energy in held-out logs that these candidates, fitted to the others, take."""
-    return 1 - left_over(search, chosen, held) / left_over(search, (), held)
-
-
-def left_over(
-    search: Search, chosen: Sequence[Candidate], held: HeldOut, rows: Sequence[int] | None = None
-) -> float:
-    """Energy of the residual on held-out logs, of some equations, with everything fitted to the others."""
-    at = slice(None) if rows is None else list(rows)
-    return sum(float(np.square(r[at]).sum()) for r in residuals(search, chosen, held.equations))
-
-
 def residuals(search: Search, chosen: Sequence[Candidate], logs: Sequence[Equations]) -> list[np.ndarray]:
     """Per log (n, E)."""
     p, x = search.fitted(chosen)
