@@ -24,4 +24,5 @@ def test_the_load_of_a_rigid_joint_is_what_the_links_need():
     oracle = PinocchioRobot(robot)
     links = np.array([oracle.inverse_dynamics(*x) for x in zip(motion.q, motion.dq, motion.ddq, strict=True)])
     given = motion_for(robot, Candidate("load_dependent_friction", 2), motion)
+    assert given.tau is not None
     np.testing.assert_allclose(given.tau, links, atol=1e-6 * np.abs(links).max())

@@ -5,7 +5,6 @@ the diagnosis was built: that they come out right is a floor, not a score.
 """
 
 import pytest
-from planar_arm_logs import made, planar_arm
 
 from flexmodels.files.robot_file import load_robot
 from pyident.diagnosis.diagnose import concluded, searched
@@ -30,13 +29,6 @@ def foreign(data):
         return [read_log(folder / f"{name}.parquet") for name in names]
 
     return read
-
-
-@pytest.mark.slow
-def test_friction_that_is_round_at_rest_is_no_missing_effect():
-    """A light joint turns and turns back between two samples dozens of times under a multisine."""
-    found = diagnosed(planar_arm(), [made(50 + i, 10.0, off=5) for i in range(3)])
-    assert found.verdict == "nothing_detectable", found.sentence
 
 
 @pytest.mark.slow

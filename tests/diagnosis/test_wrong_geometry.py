@@ -10,7 +10,6 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, columns
 from pyident.diagnosis.base.projection import gain, solve_base
 from pyident.diagnosis.base.setting import set_up
-from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.spectrum import equations
 
 PACE = 6.0  # a slow arm feels gravity alone, and that a link's mass explains as well
@@ -35,17 +34,3 @@ def test_two_millimetres_are_measured():
     found = gain(solve_base(data), columns(setting.robot, Candidate("origin[x]", 3), data, levels))
     assert found.std[0] < 3e-4
     assert found.coefficients[0] == pytest.approx(0.002, abs=3 * found.std[0])
-
-
-def never(_):
-    raise AssertionError("nothing is simulated where the loop is unknown")
-
-
-@pytest.mark.slow
-def test_two_millimetres_are_named():
-    given = logs(0.002)
-    found = concluded(searched(arm(), given[:2], never), never, given[2:])
-    ((named,),) = [f.tie for f in found.findings]
-    assert (named.effect, named.joint) == ("origin[x]", "joint3")
-    assert named.values["correction"] == pytest.approx(0.002, rel=0.2)
-    assert found.sentence.startswith("Wrong in the robot file: origin[x] at joint3")

@@ -2,11 +2,6 @@
 
 All shares are of what exceeds the floor on the equations where the effect acts: what another joint lacks says
 nothing about this one. `admission` is the gate. Who passes it may be added; who takes most besides is named.
-
-Where an equation hardly exceeds its floor, shares of the excess mean little: the floor itself is known no
-better. A law could be bent to it. A wrong description cannot: its column is known exactly, on all equations,
-and has one coefficient. It is named there if that is far beyond its standard deviation and nothing else
-explains nearly as much.
 """
 
 from collections.abc import Sequence
@@ -110,7 +105,7 @@ def group_for(search: Search, step: Step, lead: Found, held: HeldOut) -> tuple[l
     for needed in search.rules.explained:
         entry = admission(search, lead, [c for s in steps for c in s.candidates], held)
         first = first or entry
-        if entry.share >= needed or (len(steps) == 1 and _measured(search, lead, step, entry)):
+        if entry.share >= needed:
             return (steps, None) if not entry.reason else ([], entry.refusal)
         further = _next(search, steps, entry.rows)
         if further is None:
@@ -118,16 +113,6 @@ def group_for(search: Search, step: Step, lead: Found, held: HeldOut) -> tuple[l
         steps.append(further)
     assert first is not None
     return [], _too_little(first, search.rules.explained[0])
-
-
-def _measured(search: Search, lead: Found, step: Step, entry: Admission) -> bool:
-    """Whether a description is clear beyond chance and rivals on equations that hardly exceed their floor."""
-    rules = search.rules
-    if not lead.candidate.describes or (search.over_floor[list(entry.rows)] > 1 + rules.stands_out).any():
-        return False
-    rivals = [f.excess for f in step.ranked if f.candidate.family != lead.candidate.family]
-    scatter = rules.chance * lead.gain.std[0] * float(np.sqrt(search.over_floor[list(entry.rows)].max()))
-    return abs(lead.gain.coefficients[0]) > scatter and max(rivals, default=0.0) < rules.apart * lead.excess
 
 
 def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
