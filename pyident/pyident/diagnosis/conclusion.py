@@ -98,12 +98,12 @@ def percent(energy: float, search: Search) -> float:
 
 
 def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Place]:
-    ex, robot = search.examination, search.robot
+    robot = search.robot
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in acting_rows(search, c)}
     for row, coordinate in enumerate(robot.q):
-        left = after[row] > 1 + ex.setting.rules.search.stands_out
+        left = bool(beside.standing_out[row])
         state = "unexplained" if left else "explained" if row in acting else "in_order"
         refusal = next((r for r in selection.refusals if row in r.rows), None)
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
@@ -147,10 +147,11 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
             "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
         )
     quiet = [p for p in places if p.over_floor[0] < rules.below_floor]
-    for p in quiet:
+    if quiet:
+        listed = ", ".join(f"{p.joint}, {p.balance} side ({p.over_floor[0]:.2g} times)" for p in quiet)
         yield (
-            f"the residual of {p.joint}, {p.balance} side, is {p.over_floor[0]:.2g} times its floor: the "
-            "replicas are noisier than the log, and hide what is smaller than their floor"
+            f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
+            "there, and hide what is smaller than their floor"
         )
 
 

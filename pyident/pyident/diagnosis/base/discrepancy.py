@@ -5,7 +5,8 @@ machine and in no other simulator. In logs without noise a floor made of the mod
 low that all this reads as something missing. So every replica gets errors of its own:
 
 - its torques and deformations a random one, with the spectrum of the channel and a small share of its size,
-- its torques what rounding the sign of the speed changes, over a width drawn up to that of standstill.
+- its torques what rounding the sign of the speed over the width of standstill changes: the most that is not
+  friction of another law. A width drawn below it would show an eighth of that on average.
 """
 
 import numpy as np
@@ -30,7 +31,7 @@ def inexact(robot: Robot, log: Log, share: float, seed: int) -> Log:
     frame = log.frame.copy()
     for name in (*robot.torques, *(c.name for c in robot.q if not c.is_motor)):
         frame[name] = frame[name] + _error(frame[name].to_numpy(float), share, rng)
-    for name, change in _rounded(robot, log, rng.uniform(0, STANDSTILL, len(robot.joints))).items():
+    for name, change in _rounded(robot, log).items():
         frame[name] = frame[name] + change
     return Log(frame, log.source)
 
@@ -44,17 +45,17 @@ def _error(x: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray:
     return np.fft.irfft(size * chance, len(x))
 
 
-def _rounded(robot: Robot, log: Log, widths: np.ndarray) -> dict[str, np.ndarray]:
-    """Torque -> (N,), the change by dry friction whose sign is tanh(v / width); widths: of rms speeds."""
+def _rounded(robot: Robot, log: Log) -> dict[str, np.ndarray]:
+    """Torque -> (N,), the change by dry friction whose sign is tanh(v / v_rest)."""
     motion = condition(log, robot).motion
     lost = (len(log.frame) - len(motion.q)) // 2
     changes = {}
-    for (k, joint), width in zip(robot.numbered, widths, strict=True):
+    for k, joint in robot.numbered:
         speed = np.abs(motion.dq[:, k - 1])
-        width = max(width * float(np.sqrt(np.mean(speed**2))), 1e-300)
+        v_rest = max(STANDSTILL * float(np.sqrt(np.mean(speed**2))), 1e-300)
         dry = np.zeros(len(speed))
         for law in (law for law in joint.effects if law.holds_still):
             for name, by_row in effect_columns(robot, k, law.name, motion).items():
                 dry += joint.values[law.name][name] * by_row.get(k - 1, 0.0)
-        changes[torque_of(k)] = np.pad(dry * (np.tanh(speed / width) - 1), lost)
+        changes[torque_of(k)] = np.pad(dry * (np.tanh(speed / v_rest) - 1), lost)
     return changes

@@ -49,6 +49,12 @@ class Examination:
         return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
 
     @property
+    def most_over_floor(self) -> np.ndarray:
+        """(n,) the most that a replica leaves on each equation, over the average."""
+        each = (self.replica_energy * self.count).sum(axis=2)
+        return each.max(axis=0) / np.maximum(each.mean(axis=0), 1e-300)
+
+    @property
     def levels(self) -> list[np.ndarray]:
         return [self.floor.at(log.band) for log in self.logs]
 

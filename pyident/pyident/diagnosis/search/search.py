@@ -238,7 +238,12 @@ class Search:
     @property
     def stands_out(self) -> bool:
         """Whether the present base leaves by far more than replicas do on any equation."""
-        return bool((self.over_floor > 1 + self.rules.stands_out).any())
+        return bool(self.standing_out.any())
+
+    @property
+    def standing_out(self) -> np.ndarray:
+        """(n,) by equation: by far more than replicas on average, and more than any of them."""
+        return self.over_floor > np.maximum(1 + self.rules.stands_out, self.examination.most_over_floor)
 
     def needed(self, family: int) -> float:
         """Gain a family (by number) would need to be named."""
