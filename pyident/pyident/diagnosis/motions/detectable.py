@@ -5,14 +5,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.candidates import Candidate, law_of, slopes, units_of
 from pyident.diagnosis.base.projection import Gain
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
 from pyident.diagnosis.result import Limit, Row
 from pyident.diagnosis.search.search import Search
-from pyident.regression.candidate_columns import coverage, effect_columns
+from pyident.regression.candidate_columns import coverage
 from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
@@ -20,13 +19,15 @@ _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 
 
 def limits(search: Search) -> Iterator[Limit]:
-    """One per effect and joint of the search."""
+    """One per effect and joint of the search, and per description that the model cannot imitate."""
     ex = search.examination
     for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
         if c.log in (None, 0):
-            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
+            limit = limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
+            if not (c.describes and limit.reason):  # what mechanics makes the same no motion shows
+                yield limit
 
 
 def limit_of(
@@ -37,7 +38,7 @@ def limit_of(
     amplitudes = zip(law.linear, np.sqrt(needed) * explained.alone, strict=True)
     smallest = {p.name: float(size) for p, size in amplitudes if np.isfinite(size)}
     share = _share(robot, log, c, smallest)
-    seen = coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
+    seen = None if c.describes else coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
     reason = ""
     if explained.left < rules.imitated:
         reason = "the model's own parameters imitate it in these logs"
@@ -45,8 +46,8 @@ def limit_of(
         reason = f"the logs do not cover what it needs: {law.needs}"
     elif share > _WHOLE:
         reason = "it would have to be larger than all else on its equation to be seen"
-    units = robot.with_effect(c.joint, c.effect).units
-    names = {name: units[parameter_name(c.joint, c.effect, name)] for name in smallest}
+    units = units_of(robot, c)
+    names = {name: units[name] for name in smallest}
     return Limit(
         c.effect, joint_name(c.joint), smallest, names, share, reason, law.experiment if reason else ""
     )
@@ -76,10 +77,12 @@ def rows_over_floor(ex: Examination) -> list[Row]:
 
 def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, float]) -> float:
     """rms of the least of the parameters' forces, of the rms of its row's own torque [%]."""
-    slopes = effect_columns(robot, c.joint, c.effect, log.part.motion, dict(c.values))
+    of = slopes(robot, c, log.part.motion)
     found = []
     for name, amplitude in smallest.items():
-        row, column = next(iter(slopes[name].items()))
+        rows = of[name]
+        row = max(rows, key=lambda r: float(np.square(rows[r]).sum())) if c.describes else next(iter(rows))
+        column = rows[row]
         stiffness = robot.q[row].stiffness
         if stiffness is None:
             own = log.part.target[:, row]

@@ -15,10 +15,20 @@ from dataclasses import dataclass, replace
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import Refusal, counts, group_for, main_rows, share_on
+from pyident.diagnosis.search.gate import (
+    Refusal,
+    acting_rows,
+    admission,
+    counts,
+    group_for,
+    main_rows,
+    share_on,
+)
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.search import Found, Search, Step
+
+_Place = tuple[int, bool]  # an equation, and whether a description was refused there or a law
 
 
 @dataclass(frozen=True)
@@ -46,7 +56,7 @@ def select(search: Search, held: HeldOut) -> Selection:
     search = search.resting_on(())
     first = search.step()
     chosen: list[Step] = []
-    refusals: dict[int, Refusal] = {}
+    refusals: dict[_Place, Refusal] = {}
     imitators: dict[str, str] = {}
     view, step = search, first
     while len(chosen) < search.rules.most:
@@ -59,7 +69,8 @@ def select(search: Search, held: HeldOut) -> Selection:
             imitators |= faults
             refusal = None if group else _imitator(view, lead, faults)
         if refusal is not None:
-            refusals[max(refusal.rows, key=lambda row: view.remaining_on([row]))] = refusal
+            worst = max(refusal.rows, key=lambda row: view.remaining_on([row]))
+            refusals[worst, lead.candidate.describes] = refusal
             continue
         chosen = _with_orders(search, [*chosen, *group])
         view = search.resting_on(_candidates(chosen))
@@ -68,12 +79,13 @@ def select(search: Search, held: HeldOut) -> Selection:
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
-def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[int, Refusal]) -> bool:
-    """Not where something was refused already, nor what is named already."""
+def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[_Place, Refusal]) -> bool:
+    """Not where one of its kind was refused already, nor what is named already."""
     named = {s.best.candidate.family for s in chosen}
     if found.candidate.family in named or not counts(view, found):
         return False
-    return refusals.keys().isdisjoint(main_rows(view, found.candidate))
+    describes = found.candidate.describes
+    return all((row, describes) not in refusals for row in main_rows(view, found.candidate))
 
 
 def _group(
@@ -81,17 +93,16 @@ def _group(
 ) -> tuple[list[Step], Refusal | None]:
     """A set for equations that have no effect yet; where they have one, a single one that takes the rest."""
     rows = main_rows(view, lead.candidate)
-    taken = {row for s in chosen for row in view.rows(s.best.candidate)}
+    taken = {row for s in chosen for row in acting_rows(view, s.best.candidate)}
     if taken.isdisjoint(rows):
         return group_for(view, step, lead, held)
+    entry = admission(view, lead, [lead.candidate], held)
     if not _owns(view, lead, rows):
-        reason = "beside the effects found there it takes too little of the rest"
-        return [], Refusal(lead.candidate, rows, 100 * share_on(view, [lead.candidate], rows), None, reason)
-    unseen = held.share(view, [lead.candidate], rows)
-    share = share_on(view, [lead.candidate], rows)
-    if unseen is not None and not held.holds(unseen, share, view.rules):
-        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
-        return [], Refusal(lead.candidate, rows, 100 * share, 100 * unseen.share, reason)
+        return [], replace(
+            entry, reason="beside the effects found there it takes too little of the rest"
+        ).refusal
+    if entry.reason:
+        return [], entry.refusal
     return [view.led_by(lead, step.ranked)], None
 
 
