@@ -9,10 +9,11 @@ from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.gate import Refusal, acting_rows, counts, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, counts, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.search.wrong_description import wrong_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 
@@ -49,6 +50,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
             *_quiet(beside, places, selection),
+            *wrong_descriptions(search, selection, held),
         ),
         noise=ex.setting.noise,
         stages=stages,
@@ -101,7 +103,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     robot = search.robot
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
-    acting = {row for c in selection.candidates for row in acting_rows(search, c)}
+    acting = {row for c in selection.candidates for row in search.rows(c)}
     for row, coordinate in enumerate(robot.q):
         left = bool(beside.standing_out[row])
         state = "unexplained" if left else "explained" if row in acting else "in_order"
@@ -165,9 +167,7 @@ def _quiet(beside: Search, places: Sequence[Place], selection: Selection) -> Ite
         found = beside.best(c.effect, c.joint)
         if found is None or not counts(beside, found):
             continue
-        n = named(beside, found)
-        values = ", ".join(f"{k} {v:.3g} ± {n.std[k]:.2g} {n.units[k]}" for k, v in n.values.items())
-        yield f"{c.effect} at joint{c.joint} ({values}) is more than any replica shows, but {refusal.reason}"
+        yield f"{c.effect} at joint{c.joint} is more than any replica shows, but {refusal.reason}"
 
 
 def _orders_of(step: Step) -> str:

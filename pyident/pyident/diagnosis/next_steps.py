@@ -6,7 +6,7 @@ from dataclasses import replace
 from flexmodels.coordinate import joint_number
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot, RobotError
-from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
+from pyident.diagnosis.base.candidates import Candidate, with_law
 from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import separating, variants
@@ -21,7 +21,7 @@ from pyident.simulation.simulator import OpenPool, rivals
 def candidate_of(search: Search, name: Named) -> Candidate:
     """What a diagnosis has named, as the search knows it."""
     joint = joint_number(name.joint)
-    law = law_of(search.robot, Candidate(name.effect, joint))
+    law = search.robot.joints[joint - 1].law(name.effect)
     values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
     sources = [log.source for log in search.examination.setting.logs]
     return Candidate(name.effect, joint, values, None if name.log is None else sources.index(name.log))
@@ -33,7 +33,7 @@ def with_experiments(
     """Every tie with the motion that separates its first two rivals best, found by simulating both."""
     findings = list(found.findings)
     for i, finding in enumerate(findings):
-        if len(finding.tie) < 2 or any(candidate_of(search, n).describes for n in finding.tie[:2]):
+        if len(finding.tie) < 2:
             continue
         others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
         offer = f"{finding.experiment}; {_designed(search.robot, finding)}"
@@ -87,7 +87,7 @@ def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
     setting = search.examination.setting
     robot = setting.simulated
     for c in chosen:
-        robot = robot if c.describes else with_law(robot, c)
+        robot = with_law(robot, c)
     return steadied(set_up(robot, setting.logs)).simulated
 
 

@@ -6,7 +6,6 @@ from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Place, VerdictName
-from pyident.regression.descriptions import describes
 
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
@@ -26,9 +25,6 @@ def asked_for(robot: Robot, tie: Sequence[Candidate]) -> str:
 
 def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
     """Joint and side of the law that was found."""
-    if candidate.describes:
-        sides = [c.side for c in robot.q if c.joint == candidate.joint]
-        return joint_name(candidate.joint), sides[0] if candidate.effect == "torque_gain" else sides[-1]
     acts = {str(q) for q in law_of(robot, candidate).forces}
     sides = [c.side for c in robot.q if c.joint == candidate.joint and c.symbol in acts]
     return joint_name(candidate.joint), sides[0] if sides else "link"
@@ -43,29 +39,16 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    wrong = [f for f in findings if describes(f.tie[0].effect)]
-    missing = [f for f in findings if f not in wrong]
+    each = [f"{' or '.join(f'{n.effect} at {n.joint}' for n in f.tie)} ({_share(f)})" for f in findings]
+    names = " and ".join(each) if len(each) < 3 else "; ".join(each)
     which = "; these logs cannot tell which" if verdict == "cannot_tell" else ""
-    said = [
-        f"{what}: {_listed([_names(f) for f in listed])}"
-        for what, listed in (("Missing", missing), ("Wrong in the robot file", wrong))
-        if listed
-    ]
     left = [
         f"{p.joint}, {p.balance} side ({p.over_floor[1]:.2g} floors)"
         for p in places
         if p.state == "unexplained"
     ]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
-    return f"{'; '.join(said)}{which}.{rest}"
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(names) if len(names) < 3 else "; ".join(names)
-
-
-def _names(finding: Finding) -> str:
-    return f"{' or '.join(f'{n.effect} at {n.joint}' for n in finding.tie)} ({_share(finding)})"
+    return f"Missing: {names}{which}.{rest}"
 
 
 def _share(finding: Finding) -> str:

@@ -13,7 +13,7 @@ from pyident.diagnosis.search.gate import Admission, admission
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Found, Search, search_of
 from pyident.logs.log import Log
-from pyident.regression.candidate_columns import nonlinear_grid
+from pyident.regression.candidate_columns import coverage, nonlinear_grid
 from pyident.regression.descriptions import describes
 from pyident.simulation.simulator import OpenPool
 
@@ -63,9 +63,17 @@ def ask(
 
 
 def _listed(setting: Setting, joint: int, effect: str) -> list[Candidate]:
-    """The effect over the grid of its nonlinear parameters."""
+    """The effect over the grid of its nonlinear parameters, as far as any log shows it at them."""
     if describes(effect):
         return [Candidate(effect, joint)]
-    motions = [condition(log, setting.robot).motion for log in setting.logs]
-    grid = nonlinear_grid(setting.robot, joint, effect, motions)
-    return [Candidate(effect, joint, tuple(values.items())) for values in grid]
+    robot = setting.robot
+    motions = [condition(log, robot).motion for log in setting.logs]
+    grid = nonlinear_grid(robot, joint, effect, motions)
+
+    def shown(values: dict[str, float]) -> bool:
+        covered = [coverage(robot, joint, effect, motion, values) for motion in motions]
+        return any(share is None or share >= 1 for share in covered)
+
+    seen = [values for values in grid if shown(values)]
+    # where the logs hardly are, any coefficient would do
+    return [Candidate(effect, joint, tuple(values.items())) for values in seen or grid]

@@ -6,7 +6,6 @@ from shlex import join
 
 from flexmodels.coordinate import joint_number
 from pyident.diagnosis.result import Diagnosis, Named
-from pyident.regression.descriptions import describes, place_name
 
 
 def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
@@ -25,21 +24,13 @@ def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
     """Each effect added to the model of the line before, once per joint, and a new diagnosis."""
     lines, name, last = [], Path(model).stem, model
     for n in {(n.effect, n.joint): n for n in chosen}.values():
-        name = f"{name}_{n.effect.replace('[', '_').removesuffix(']')}"
+        name = f"{name}_{n.effect}"
         new = f"{name}.toml"
         logs = [n.log] if n.log else list(d.logs)
-        lines.append(join(["pyident", "add", last, *_what(n), *logs, "-o", new]))
+        lines.append(
+            join(["pyident", "add", last, n.effect, "--joint", str(joint_number(n.joint)), *logs, "-o", new])
+        )
         last = new
     held = [word for log in d.heldout for word in ("--holdout", log)]
     lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))
     return lines
-
-
-def _what(n: Named) -> list[str]:
-    """The words of `add` for an effect or a correction of the description."""
-    joint = joint_number(n.joint)
-    return (
-        ["geometry", place_name(joint, n.effect)]
-        if describes(n.effect)
-        else [n.effect, "--joint", str(joint)]
-    )

@@ -1,4 +1,4 @@
-"""What a diagnosis may name, at every joint: effects of the catalogue and errors of the description."""
+"""What a diagnosis may name: every effect of the catalogue at every joint; and errors of the description."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -51,8 +51,7 @@ class Candidate:
 def candidates(
     robot: Robot, logs: Sequence[Equations], orders: Mapping[int, Sequence[float]] | None = None
 ) -> list[Candidate]:
-    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters; every
-    description that may be wrong.
+    """Every effect that the robot does not have yet, over the grid of its nonlinear parameters.
 
     orders   joint -> orders per turn that periodic laws are tried at besides those of their grid
     """
@@ -75,8 +74,12 @@ def candidates(
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
             ]
-        found += [Candidate(name, joint) for name in description_names(robot, joint)]
     return found
+
+
+def described(robot: Robot) -> list[Candidate]:
+    """Every quantity of the robot's description that may be wrong."""
+    return [Candidate(name, joint) for joint, _ in robot.numbered for name in description_names(robot, joint)]
 
 
 def law_of(robot: Robot, candidate: Candidate) -> Effect:

@@ -1,13 +1,13 @@
 """A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns, described
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, others_of, solve_base
@@ -42,6 +42,16 @@ class Examination:
     energy: np.ndarray
     replica_energy: np.ndarray
     count: np.ndarray
+
+    def among(self, wanted: Callable[[Candidate], bool]) -> "Examination":
+        """The same with some of the candidates only."""
+        at = [i for i, c in enumerate(self.candidates) if wanted(c)]
+        return replace(
+            self,
+            candidates=[self.candidates[i] for i in at],
+            gains=[self.gains[i] for i in at],
+            replica_gains=self.replica_gains[:, at],
+        )
 
     @property
     def floor_energies(self) -> np.ndarray:
@@ -78,7 +88,9 @@ def examine(
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    listed = listed or candidates(robot, data, order_peaks(robot, data, base.p, setting.rules.periodic))
+    if listed is None:
+        orders = order_peaks(robot, data, base.p, setting.rules.periodic)
+        listed = [*candidates(robot, data, orders), *described(robot)]
     gains = gains_of(robot, data, base, level, listed)
     noisy = [setting.simulates and not c.describes for c in listed]
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion

@@ -19,15 +19,13 @@ _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 
 
 def limits(search: Search) -> Iterator[Limit]:
-    """One per effect and joint of the search, and per description that the model cannot imitate."""
+    """One per effect and joint of the search."""
     ex = search.examination
     for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
         if c.log in (None, 0):
-            limit = limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
-            if not (c.describes and limit.reason):  # what mechanics makes the same no motion shows
-                yield limit
+            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
 
 
 def limit_of(
@@ -38,7 +36,7 @@ def limit_of(
     amplitudes = zip(law.linear, np.sqrt(needed) * explained.alone, strict=True)
     smallest = {p.name: float(size) for p, size in amplitudes if np.isfinite(size)}
     share = _share(robot, log, c, smallest)
-    seen = None if c.describes else coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
+    seen = coverage(robot, c.joint, c.effect, log.part.motion, dict(c.values))
     reason = ""
     if explained.left < rules.imitated:
         reason = "the model's own parameters imitate it in these logs"
@@ -80,9 +78,7 @@ def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, fl
     of = slopes(robot, c, log.part.motion)
     found = []
     for name, amplitude in smallest.items():
-        rows = of[name]
-        row = max(rows, key=lambda r: float(np.square(rows[r]).sum())) if c.describes else next(iter(rows))
-        column = rows[row]
+        row, column = next(iter(of[name].items()))
         stiffness = robot.q[row].stiffness
         if stiffness is None:
             own = log.part.target[:, row]

@@ -81,13 +81,6 @@ def main_rows(search: Search, candidate: Candidate) -> tuple[int, ...]:
     return tuple(int(row) for row in rows)
 
 
-def acting_rows(search: Search, candidate: Candidate) -> list[int]:
-    """The equations of a law; of a description, which acts on all, those on which it takes most."""
-    if not candidate.describes:
-        return search.rows(candidate)
-    return list(main_rows(search.without(candidate), candidate))
-
-
 def share_on(search: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
     """What further candidates take of what exceeds the floor on some equations of the search."""
     before = search.remaining_on(rows)

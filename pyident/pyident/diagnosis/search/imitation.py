@@ -21,10 +21,8 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     The search must rest on the candidate and all others that are named.
     """
     rows = search.rows(candidate)
-    if (
-        candidate.describes
-        or candidate.log is not None
-        or search.remaining_on(rows) <= search.rules.foreign_left * search.excess_on(rows)
+    if candidate.log is not None or search.remaining_on(rows) <= search.rules.foreign_left * search.excess_on(
+        rows
     ):
         return ""
     row = max(rows, key=lambda row: search.remaining_on([row]))

@@ -15,20 +15,10 @@ from dataclasses import dataclass, replace
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import (
-    Refusal,
-    acting_rows,
-    admission,
-    counts,
-    group_for,
-    main_rows,
-    share_on,
-)
+from pyident.diagnosis.search.gate import Refusal, admission, counts, group_for, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.search import Found, Search, Step
-
-_Place = tuple[int, bool]  # an equation, and whether a description was refused there or a law
 
 
 @dataclass(frozen=True)
@@ -56,7 +46,7 @@ def select(search: Search, held: HeldOut) -> Selection:
     search = search.resting_on(())
     first = search.step()
     chosen: list[Step] = []
-    refusals: dict[_Place, Refusal] = {}
+    refusals: dict[int, Refusal] = {}
     imitators: dict[str, str] = {}
     view, step = search, first
     while len(chosen) < search.rules.most:
@@ -70,7 +60,7 @@ def select(search: Search, held: HeldOut) -> Selection:
             refusal = None if group else _imitator(view, lead, faults)
         if refusal is not None:
             worst = max(refusal.rows, key=lambda row: view.remaining_on([row]))
-            refusals[worst, lead.candidate.describes] = refusal
+            refusals[worst] = refusal
             continue
         chosen = _with_orders(search, [*chosen, *group])
         view = search.resting_on(_candidates(chosen))
@@ -79,13 +69,12 @@ def select(search: Search, held: HeldOut) -> Selection:
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
-def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[_Place, Refusal]) -> bool:
-    """Not where one of its kind was refused already, nor what is named already."""
+def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[int, Refusal]) -> bool:
+    """Not where something was refused already, nor what is named already."""
     named = {s.best.candidate.family for s in chosen}
     if found.candidate.family in named or not counts(view, found):
         return False
-    describes = found.candidate.describes
-    return all((row, describes) not in refusals for row in main_rows(view, found.candidate))
+    return refusals.keys().isdisjoint(main_rows(view, found.candidate))
 
 
 def _group(
@@ -93,7 +82,7 @@ def _group(
 ) -> tuple[list[Step], Refusal | None]:
     """A set for equations that have no effect yet; where they have one, a single one that takes the rest."""
     rows = main_rows(view, lead.candidate)
-    taken = {row for s in chosen for row in acting_rows(view, s.best.candidate)}
+    taken = {row for s in chosen for row in view.rows(s.best.candidate)}
     if taken.isdisjoint(rows):
         return group_for(view, step, lead, held)
     entry = admission(view, lead, [lead.candidate], held)

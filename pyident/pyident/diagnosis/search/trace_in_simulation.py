@@ -81,7 +81,7 @@ def _suspects(search: Search) -> list[Candidate]:
     if row < len(search.robot.joints):
         return []
     joint = joint_number(search.robot.coordinates[row])
-    best = {c.family: c for c in ex.candidates if c.joint == joint and c.log is None and not c.describes}
+    best = {c.family: c for c in ex.candidates if c.joint == joint and c.log is None}
     listed = [search.best(c.effect, c.joint) for c in best.values()]
     return [
         f.candidate

@@ -133,8 +133,7 @@ def _fitted_laws(
 ) -> list[_Law]:
     """The best of every family that explains anything."""
     levels = [level.at(e.band) for e in data]
-    orders = order_peaks(robot, data, base.p, RULES.periodic)
-    listed = [c for c in candidates(robot, data, orders) if not c.describes]
+    listed = candidates(robot, data, order_peaks(robot, data, base.p, RULES.periodic))
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
     best: dict[tuple[str, int, int | None], _Law] = {}
     for i, candidate in enumerate(listed):
