@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "model.h"
+#include "model_token.h"
 #if FACE == 2
 #include "face2.h"
 typedef fmi2Status Status;

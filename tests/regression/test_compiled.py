@@ -75,6 +75,7 @@ def test_a_truncated_library_is_made_anew(monkeypatch, tmp_path):
     assert compiled.library(SOURCE) is not None
     (file,) = tmp_path.iterdir()
     whole = file.read_bytes()
+    file.unlink()  # the file that is loaded stays whole: the process would die at its end
     file.write_bytes(whole[: len(whole) // 2])  # loading it would kill the process
     assert compiled.library(SOURCE) is not None
     (again,) = tmp_path.iterdir()

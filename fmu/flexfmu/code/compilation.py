@@ -6,6 +6,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from flexfmu.code.kept_objects import KeptObjects
 from flexmodels.compiler import BuildError, compiler, zig
 from flexmodels.scratch import scratch_folder
 
@@ -66,12 +67,16 @@ def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path
     """Compile the C files of `folder` into `binary`; `native` takes this machine's own compiler."""
     command = [*compiler()] if native else [*zig(), "-target", target.zig]
     flags = _FLAGS if target.system == "windows" else [*_FLAGS, "-fPIC"]
+    kept = KeptObjects(command)
     with scratch_folder() as built:
         objects = []
         for level, names in (("-O1", set(sources) & set(_STRAIGHT)), ("-O2", set(sources) - set(_STRAIGHT))):
             for name in sorted(names):
+                words = [*command, *flags, level, "-c", name, "-o"]
                 objects.append(str(built / f"{name}.o"))
-                _run([*command, *flags, level, "-c", name, "-o", objects[-1]], folder)
+                if not kept.copy(words, folder / name, objects[-1]):
+                    _run([*words, objects[-1]], folder)
+                    kept.keep(words, folder / name, objects[-1])
         _run([*command, "-shared", *objects, "-o", str(binary), "-lm"], folder)
     for leftover in binary.parent.iterdir():  # debug and import files of the Windows linker
         if leftover != binary:

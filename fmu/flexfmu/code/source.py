@@ -21,15 +21,18 @@ RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 
 
 def model_sources(equations: Equations, derivatives: bool, lanes: Sequence[str] = ()) -> dict[str, str]:
-    """File name -> text of the generated files: model.h, model.c, model_rates.h and model_derivatives.c."""
+    """File name -> text of the generated files.
+
+    What changes with the parameters' values alone stands apart, in model_tables.c and model_token.h: the rest
+    is then an object that has been compiled before.
+    """
     interface = plant_interface(equations)
     inside, outside = inner(equations), outer(equations)
     products = generated_derivatives(equations) if derivatives else []
     files = {
         "model_rates.h": "\n".join(g.c for g in inside),
-        "model.c": _shared_tables(interface, _positive(equations))
-        + _tables(equations)
-        + '#include "scalar.h"\n#include "model_rates.h"\n'
+        "model_tables.c": _shared_tables(interface, _positive(equations)) + _tables(equations),
+        "model.c": '#include "model.h"\n#include "scalar.h"\n#include "model_rates.h"\n'
         + "\n".join(g.c for g in outside),
     }
     if derivatives:
@@ -37,13 +40,13 @@ def model_sources(equations: Equations, derivatives: bool, lanes: Sequence[str] 
         files["model_derivatives.c"] = f'#include "model.h"\n#include "scalar.h"\n{body}'
     plant = _plant_header(equations, [*inside, *outside, *products], derivatives, lanes)
     period = equations.servo.period if equations.servo else None
-    return {"model.h": _header(interface, plant, _token(interface, files), period)} | files
+    return {"model.h": _header(interface, plant, period), **_token_file(_token(interface, files))} | files
 
 
 def controller_sources(interface: Interface) -> dict[str, str]:
-    """File name -> text of the generated files of a controller alone: model.h and model.c."""
-    files = {"model.c": _shared_tables(interface, ALWAYS_POSITIVE)}
-    return {"model.h": _header(interface, "", _token(interface, files))} | files
+    """File name -> text of the generated files of a controller alone."""
+    files = {"model_tables.c": _shared_tables(interface, ALWAYS_POSITIVE)}
+    return {"model.h": _header(interface, ""), **_token_file(_token(interface, files))} | files
 
 
 def _token(interface: Interface, files: dict[str, str]) -> str:
@@ -58,11 +61,14 @@ def _token(interface: Interface, files: dict[str, str]) -> str:
 
 def token_of(sources: dict[str, str]) -> str:
     """The instantiation token that the sources carry."""
-    line = next(line for line in sources["model.h"].splitlines() if "MODEL_TOKEN" in line)
-    return line.split('"')[1]
+    return sources["model_token.h"].split('"')[1]
 
 
-def _header(interface: Interface, plant: str, token: str, period: float | None = None) -> str:
+def _token_file(token: str) -> dict[str, str]:
+    return {"model_token.h": f'#define MODEL_TOKEN "{token}"\n'}
+
+
+def _header(interface: Interface, plant: str, period: float | None = None) -> str:
     loop = "/* no controller */"
     if interface.sampled:
         servo = f"#define MODEL_SERVO\n#define PERIOD {period!r}"
@@ -74,7 +80,6 @@ def _header(interface: Interface, plant: str, token: str, period: float | None =
 #define MODEL_IDENTIFIER "{interface.identifier}"
 #define MODEL_PREFIX {interface.identifier}_
 #include "symbols.h"
-#define MODEL_TOKEN "{token}"
 #define N_JOINTS {interface.joints}
 {loop}
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "face2.h"
+#include "model_token.h"
 
 fmi2Status face_report(Instance *m, fmi2Status status, const char *format, ...) {
     char text[512];

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "face3.h"
+#include "model_token.h"
 
 fmi3Status face_report(Instance *m, fmi3Status status, const char *format, ...) {
     char text[512];

@@ -1,5 +1,7 @@
 #include "states.h"
 
+#include "model_token.h"
+
 #include <stdlib.h>
 #include <string.h>
 
