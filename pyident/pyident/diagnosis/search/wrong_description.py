@@ -1,7 +1,7 @@
 """Whether the robot file may be wrong: offered beside the verdict, which laws alone decide.
 
 Errors of the description are ranked among themselves, with what was named in the base. The best one is told
-if it passes the gate. A name would need more: what else the model lacks, and noise in closed loop, bend the
+if it is no chance, with what the gate says of it. A name would need more: what else the model lacks, and noise in closed loop, bend the
 value by more than its standard deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is
 printed.
 """
@@ -33,15 +33,16 @@ def _beside(view: Search, held: HeldOut) -> Iterator[str]:
     step = view.step()
     lead = step.best
     entry = admission(view, lead, [lead.candidate], held)
-    if entry.reason:
+    if not counts(view, lead):
         return
     unseen = entry.unseen
     share = f"{100 * entry.share:.0f} %"
     if unseen is not None:
         share += f", on held-out data {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %,"
+    doubt = "; too little for `add`" if entry.reason else _doubt(view, lead)
     yield (
-        f"the robot file may be wrong in {_named(view, step.tie)}: it takes {share} of what exceeds the "
-        f"floor there, more than any replica shows{_doubt(view, lead)}"
+        f"the robot file may be wrong in {_named(view, step.tie)}: more than any replica shows, it takes "
+        f"{share} of what exceeds the floor there{doubt}"
     )
 
 
