@@ -25,17 +25,19 @@ _SETTLED = 1e-3  # of the correction
 
 @dataclass(frozen=True)
 class Correction:
-    """What was added to a quantity of the robot file. before, after: the file's text; may be empty."""
+    """What was added to a quantity of the robot file. before, after: the file's text; may be empty.
+
+    No interval: what else the model lacks bends the amount by more than the noise does.
+    """
 
     place: str
     amount: float
-    std: float
     unit: str
     before: str
     after: str
 
     def json(self) -> dict[str, Any]:
-        return {self.place: {"value": self.amount, "std": self.std, "unit": self.unit}}
+        return {self.place: {"value": self.amount, "unit": self.unit}}
 
 
 def require_new(robot: Robot, joint: int, effect: str) -> None:
@@ -83,4 +85,4 @@ def _correction(robot: Robot, asked: Asked) -> Correction:
         value_of(r, c.joint, c.effect) for r in (robot, corrected(robot, c.joint, c.effect, amount))
     )
     unit = DESCRIPTIONS[c.effect].unit
-    return Correction(place_name(c.joint, c.effect), amount, std, unit, before, after)
+    return Correction(place_name(c.joint, c.effect), amount, unit, before, after)

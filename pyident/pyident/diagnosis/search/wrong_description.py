@@ -1,9 +1,9 @@
 """Whether the robot file may be wrong: offered beside the verdict, which laws alone decide.
 
 Errors of the description are ranked among themselves, with what was named in the base. The best one is told
-if it is no chance, with what the gate says of it. A name would need more: what else the model lacks, and noise in closed loop, bend the
-value by more than its standard deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is
-printed.
+if it is no chance, with what the gate says of it. A name would need more: what else the model lacks, and
+noise in closed loop, bend the value by more than its standard deviation says (2 mm of a link were read as 1.6
+and 2.6 mm), so that none is printed.
 """
 
 from collections.abc import Iterator, Sequence
