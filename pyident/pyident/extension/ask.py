@@ -51,7 +51,7 @@ def ask(
     progress: Callable[[float], None],
 ) -> Asked:
     """setting: of the model without the effect, its bias removed. Raises LogError, RobotError."""
-    along = set_up(setting.simulated, setting.logs, setting.rules)
+    along = set_up(setting.robot, setting.logs, setting.rules)
     setting = setting if along.simulates else along
     with workers_of(setting, open_pool) as workers:
         search = search_of(examine(setting, workers, progress, _listed(setting, joint, effect)))
