@@ -16,9 +16,23 @@ test: lint
 slow: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-# All of them, and how much of pyident they reach; twice as slow.
-coverage: .venv/dev
-	$(BIN)/pytest -n auto -m "not importers and not browser" --cov --cov-report=term
+# How much of pyident the tests reach, branch by branch, in other processes too. A part per folder of tests, kept in
+# out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
+COVERED_BY ?= not importers
+PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
+PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
+COVERED := $(PARTS:%=out/coverage/%.data)
+out/coverage/%.data: $(shell find models fmu pyident tests studies -name '*.py' -not -path '*/.*')
+	mkdir -p $(@D)
+	rm -f $@.part*
+	$(BIN)/python -m coverage run --data-file=$@.part -m pytest -q \
+	  -m "$(COVERED_BY)" $(or $(wildcard tests/$*.py),tests/$*)
+	$(BIN)/python -m coverage combine --quiet --data-file=$@ $@.part*
+
+coverage: .venv/dev $(COVERED)
+	$(BIN)/python -m coverage combine --quiet --keep --data-file=out/coverage/all $(COVERED)
+	$(BIN)/python -m coverage json --quiet --data-file=out/coverage/all -o out/coverage/all.json
+	$(BIN)/python tests/branch_coverage.py out/coverage/all.json
 
 # Thousands of hostile inputs; what it counts goes to docs/reliability.md.
 fuzz: export HOSTILE_EXAMPLES ?= 200

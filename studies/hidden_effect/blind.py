@@ -34,45 +34,52 @@ ROBOT = "four_link"
 _OWN = ("blind.py", "oracle.py", "generator/*.py")
 
 
-def solve_all(cases: Sequence[Case], folder: Path, replicas: int, progress: Callable[[float], None]) -> None:
+def solve_all(
+    cases: Sequence[Case],
+    folder: Path,
+    replicas: int,
+    progress: Callable[[float], None],
+    robot: str = ROBOT,
+) -> None:
     """Every case that `folder` does not hold yet, one per core; after an interrupt the same call goes on.
 
+    robot   the plain one that the cases were drawn from: shipped, or a file
     Writes per case logs/<id>, diagnosed/<id>.json and, sealed, sealed/<id>/key.json and oracle.json.
     """
-    of = _fingerprint(replicas)
+    of = _fingerprint(f"{robot} {replicas}")
     left = [case for case in cases if not _finished(case.id, folder, of)]
     progress(1 - len(left) / len(cases))
     with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_solve, case, folder.absolute(), replicas, of) for case in left]
+        jobs = [workers.submit(_solve, case, folder.absolute(), robot, replicas, of) for case in left]
         for i, job in enumerate(as_completed(jobs)):
             job.result()
             progress(1 - (len(left) - i - 1) / len(cases))
 
 
-def _solve(_: None, case: Case, folder: Path, replicas: int, of: str) -> None:
+def _solve(_: None, case: Case, folder: Path, robot: str, replicas: int, of: str) -> None:
     with threadpool_limits(1):
         try:
-            _unseen(case, folder, replicas, of)
+            _unseen(case, folder, robot, replicas, of)
         except Exception as error:
             failure = f"{type(error).__name__}: {error}"
             _write(folder / "diagnosed" / f"{case.id}.json", {"failure": failure})
 
 
-def _unseen(case: Case, folder: Path, replicas: int, of: str) -> None:
+def _unseen(case: Case, folder: Path, robot: str, replicas: int, of: str) -> None:
     """The diagnosis is on the disk before the key is read."""
     begin, sealed = time.perf_counter(), folder / "sealed" / case.id
     generate(case, folder)
-    search, held, found = _diagnosed(folder / "logs" / case.id, replicas)
+    search, held, found = _diagnosed(folder / "logs" / case.id, robot, replicas)
     said = {"of": of, "seconds": time.perf_counter() - begin, "diagnosis": found.json()}
     _write(folder / "diagnosed" / f"{case.id}.json", said)
     best = _bound(search, found, held, sealed / "key.json")
     _write(sealed / "oracle.json", {"of": of} | (asdict(best) if best else {}))
 
 
-def _diagnosed(folder: Path, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
+def _diagnosed(folder: Path, robot: str, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
     """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
     logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
-    search = searched(load_robot(ROBOT), logs[:2], runs_here, rules=_rules(replicas))
+    search = searched(load_robot(robot), logs[:2], runs_here, rules=_rules(replicas))
     return search, logs[2:], concluded(search, runs_here, logs[2:])
 
 
@@ -97,9 +104,9 @@ def _finished(name: str, folder: Path, of: str) -> bool:
     )
 
 
-def _fingerprint(replicas: int) -> str:
+def _fingerprint(setting: str) -> str:
     """Of all code that a result depends on: another version's results are not mixed in."""
-    digest = hashlib.sha256(str(replicas).encode())
+    digest = hashlib.sha256(setting.encode())
     files = [file for pattern in _OWN for file in Path(__file__).parent.glob(pattern)]
     for package in (flexmodels, flexfmu, pyident):
         root = Path(str(package.__file__)).parent

@@ -82,6 +82,9 @@ def test_a_measured_log_has_no_defect(data):
         ({"joint2_tau": lambda x: np.roll(x, -2)}, "doubtful", "joint2.tau is 2 samples (8 ms) early"),
         ({"joint1_tau": lambda x: np.roll(x, 12)}, "gross", "joint1.tau is 12 samples (48 ms) late"),
         ({"time": lambda t: 1e3 * t}, "gross", "check the unit of time"),
+        ({"joint3_e": lambda x: np.linspace(0, 2, len(x))}, "gross", "joint3.e grows evenly with time"),
+        ({"joint2_e": lambda x: 1e3 * x}, "gross", "check its unit"),
+        ({"joint2_tau": np.abs}, "doubtful", "it looks like a magnitude"),
         (
             {"time": lambda t: t + 0.02 * np.sin(2 * np.pi * t / t[-1])},
             "doubtful",
@@ -101,6 +104,25 @@ def test_doubled_rows_are_named(four_link, sound):
     frame = sound.frame.iloc[at].reset_index(drop=True)
     frame["time"] = sound.frame["time"]
     assert any("recorded twice" in d.sentence for d in check_log(four_link, replace(sound, frame=frame)))
+
+
+def test_rows_out_of_order_are_named(four_link, sound):
+    frame = sound.frame.sample(frac=1, random_state=3).reset_index(drop=True)
+    frame["time"] = sound.frame["time"]
+    assert any("out of order" in d.sentence for d in check_log(four_link, replace(sound, frame=frame)))
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "words"),
+    [
+        ("joint2.e", "joint1.e", "joint1.e and joint2.e are the same numbers"),
+        ("joint2.e", "joint2.r", "the reference stands where the measured position should"),
+    ],
+)
+def test_a_column_that_stands_twice_is_named(four_link, sound, name, other, words):
+    twice = replace(sound, frame=sound.frame.assign(**{name: sound.frame[other]}))
+    found = [d for d in check_log(four_link, twice) if words in d.sentence]
+    assert [d.severity for d in found] == ["gross"]
 
 
 @pytest.mark.parametrize("shift", [-1.0, 3.5])

@@ -16,7 +16,8 @@ def test_the_address_is_configured_for_the_command_alone(tmp_path, monkeypatch):
     assert configured_scheduler() is None
 
 
-def test_a_cluster_that_does_not_answer_ends_in_one_sentence(tmp_path):
+def test_a_cluster_that_does_not_answer_ends_in_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr("pyident.simulation.workers._CONNECT_SECONDS", 1)
     plan = tmp_path / "plan.toml"
     plan.write_text(
         'model = "four_link"\nexperiment = "line"\nruns = 2\n[parameters]\n"joint1.coulomb" = 0.1\n'

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 from two_link_logs import TWO_LINK, hidden, in_process, loaded, made_log, two_link
@@ -38,15 +39,19 @@ def with_law(effect: str, joint: int, **values: float) -> Robot:
     return two_link().with_effect(joint, effect).with_parameters(named)
 
 
-def diagnosed(robot: Robot, folder) -> tuple[Search, Diagnosis]:
-    logs = logs_of(robot, folder)
+def diagnosed(logs: list[Log]) -> tuple[Search, Diagnosis]:
     search = searched(two_link(), logs[:2], in_process)
     return search, concluded(search, in_process, logs[2:])
 
 
 @pytest.fixture(scope="module")
-def asymmetric(folder):
-    return diagnosed(hidden(), folder)
+def asymmetric_logs(folder):
+    return logs_of(hidden(), folder)
+
+
+@pytest.fixture(scope="module")
+def asymmetric(asymmetric_logs):
+    return diagnosed(asymmetric_logs)
 
 
 def test_the_hidden_law_is_named(asymmetric):
@@ -64,7 +69,7 @@ def test_the_hidden_law_is_named(asymmetric):
 
 
 def test_nothing_hidden_is_nothing_found(folder):
-    _, found = diagnosed(two_link(), folder)
+    _, found = diagnosed(logs_of(two_link(), folder))
     assert found.verdict == "nothing_detectable"
     assert not found.findings
     smallest = {(x.effect, x.joint): x.smallest for x in found.limits if not x.reason}
@@ -181,12 +186,21 @@ def test_rivals_get_an_experiment(asymmetric, folder):
     assert "standard deviations" in finding.experiment
 
 
-def test_the_command(monkeypatch, folder, tmp_path):
+def test_the_command(monkeypatch, asymmetric, asymmetric_logs, tmp_path):
+    """It hands the files' logs to the diagnosis, the last held out, and tells what that found."""
     paths = []
-    for log in logs_of(hidden(), folder):
+    for log in asymmetric_logs:
         paths.append(str(tmp_path / f"{log.source.replace(' ', '')}.parquet"))
         write_log(log, paths[-1])
-    monkeypatch.setattr("pyident.verbs.judge.FmuRuns", in_process)
+
+    def known(robot, logs, open_pool, heldout, *_):
+        assert robot == two_link()
+        for read, log in zip([*logs, *heldout], asymmetric_logs, strict=True):
+            pd.testing.assert_frame_equal(read.frame[list(log.frame)], log.frame)
+        assert len(heldout) == 1
+        return asymmetric[1]
+
+    monkeypatch.setattr("pyident.verbs.judge.diagnosed", known)
     page, answer = tmp_path / "page.html", tmp_path / "answer.json"
     ran = CliRunner().invoke(
         main, ["diagnose", str(TWO_LINK), *paths, "-o", str(page), "--json", str(answer)]

@@ -79,8 +79,12 @@ def test_the_streamed_solution_is_numpys():
     np.testing.assert_allclose(solution.residual, 0.01, rtol=0.2)
 
 
-def test_four_link_is_identified(four_link, identification_log):
-    found = identify(four_link, [identification_log])
+@pytest.fixture(scope="module")
+def found(four_link, identification_log):
+    return identify(four_link, [identification_log])
+
+
+def test_four_link_is_identified(four_link, found):
     true, new = four_link.parameters, found.robot.parameters
     for k in range(1, 5):
         assert new[f"joint{k}.k[1]"] == pytest.approx(true[f"joint{k}.k[1]"], rel=0.02)
@@ -105,9 +109,8 @@ def test_the_nominal_values_are_never_used(four_link, identification_log):
     assert list(a.values()) == list(b.values())
 
 
-def test_the_identified_robot_is_physical(four_link, identification_log):
-    found = identify(four_link, [identification_log]).robot
-    for link in found.links:
+def test_the_identified_robot_is_physical(found):
+    for link in found.robot.links:
         xx, xy, xz, yy, yz, zz = link.J
         J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         pseudo = np.zeros((4, 4))
@@ -115,19 +118,21 @@ def test_the_identified_robot_is_physical(four_link, identification_log):
         pseudo[3, :3] = pseudo[:3, 3] = link.ms
         pseudo[3, 3] = link.m
         assert np.linalg.eigvalsh(pseudo).min() > 0
-    laws = {name: value for name, value in found.parameters.items() if name.startswith("joint")}
+    laws = {name: value for name, value in found.robot.parameters.items() if name.startswith("joint")}
     assert min(laws.values()) >= 0
 
 
 @pytest.mark.data
 def test_emps_agrees_with_the_published_values(data, tmp_path, monkeypatch):
-    """Free runs with two structures only: all twelve take minutes."""
+    """Free runs of two structures, hardly fitted, on the halves only: all of it takes minutes."""
     from pyident.sweep.studies import find_study
 
     study = find_study("emps")
     assert study is not None
     benchmark = import_module("pyident.sweep.studies.emps.benchmark")
     monkeypatch.setattr(benchmark, "STRUCTURES", benchmark.STRUCTURES[:2])
+    monkeypatch.setattr(benchmark, "folds", lambda samples, folds=benchmark.folds: folds(samples)[:2])
+    monkeypatch.setattr(import_module("pyident.sweep.studies.emps.structures"), "_ROUNDS", 2)
     rows = study(tmp_path, lambda _: None).rows
     published = [row for row in rows if row["goal"]]
     assert len(published) == 11

@@ -12,6 +12,7 @@ from studies.hidden_effect.confusion import ELSEWHERE, NOTHING, UNEXPLAINED, con
 from studies.hidden_effect.generator.logs_and_key import cases_of
 from studies.hidden_effect.scoring import FAILED, Scored, score, table, unseal
 from studies.hidden_effect.study import REDUCED, SEED, TUNING, Plan, report
+from two_link_logs import TWO_LINK
 
 from pyident.sweep.studies import find_study
 
@@ -103,11 +104,35 @@ def test_other_processes_find_the_study():
     assert done.stdout.strip() == "pyident.sweep.studies.hidden_effect.study", done.stderr
 
 
-def test_a_case_from_logs_to_scores(tmp_path):
+IDENTIFICATION = """
+[identification]
+swing = [1.2, 1.2]
+period = 4.1
+duration = 20.5
+[identification.multisine]
+rms = [20.0, 8.0]
+lines = 204
+lowest = 0.12
+highest = 50.0
+"""
+
+
+@pytest.fixture(params=["two_link", pytest.param("four_link", marks=pytest.mark.slow)])
+def robot(request, tmp_path_factory):
+    """The study's own takes two minutes."""
+    if request.param == "four_link":
+        return request.param
+    file = tmp_path_factory.mktemp("robot") / "two_link.toml"
+    controller, rest = TWO_LINK.read_text().split("[[joint]]", maxsplit=1)
+    file.write_text(f"{controller}{IDENTIFICATION}[[joint]]{rest}")
+    return str(file)
+
+
+def test_a_case_from_logs_to_scores(robot, tmp_path):
     """A second call finds all of it done."""
-    cases = cases_of(["asymmetric_coulomb@2"], seed=TUNING)
+    cases = cases_of(["asymmetric_coulomb@2"], seed=TUNING, robot=robot)
     done = []
-    solve_all(cases, tmp_path, 20, done.append)
+    solve_all(cases, tmp_path, 20, done.append, robot)
     assert done == [0, 1]
     effect = unseal(tmp_path, cases[0].id)
     assert effect.failure == ""
@@ -120,7 +145,7 @@ def test_a_case_from_logs_to_scores(tmp_path):
 
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")}
     again = []
-    solve_all(cases, tmp_path, 20, again.append)
+    solve_all(cases, tmp_path, 20, again.append, robot)
     assert again == [1]
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")} == before
 

@@ -17,7 +17,8 @@ from flexmodels.experiment import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.workers import Make, Processes, inline, workers_with
+from pyident.simulation.growing_pool import growing_pool
+from pyident.simulation.workers import Make, Processes, inline
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -43,10 +44,11 @@ def fmu_joints(path: str | Path) -> int:
 class FmuRuns:
     """Many simulations of one robot with different parameters; use as a context manager.
 
-    open_processes   gives them: all cores, or the Dask cluster that is configured, if nothing is said
+    open_processes   gives them; if nothing is said, the Dask cluster that is configured, else this process
+                     and, for long work, all cores
     """
 
-    def __init__(self, robot: Robot, open_processes: OpenProcesses = workers_with):
+    def __init__(self, robot: Robot, open_processes: OpenProcesses = growing_pool):
         self._robot, self._open = robot, open_processes
 
     def __enter__(self) -> "FmuRuns":

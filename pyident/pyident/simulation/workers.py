@@ -50,8 +50,7 @@ class Processes(Generic[T]):
         self, work: Callable[Concatenate[T, P], R], *arguments: P.args, **named: P.kwargs
     ) -> "Future[R]":
         """Call `work(tool, *arguments)` in one of the processes. The tool serves one call at a time."""
-        with interrupts_blocked():  # the first tasks start the processes
-            return self.executor.submit(_with_tool, self.token, work, *arguments, **named)
+        return self.executor.submit(_with_tool, self.token, work, *arguments, **named)
 
 
 @contextmanager
@@ -62,13 +61,19 @@ def workers_with(make: Make[T]) -> Iterator[Processes[T]]:
         yield workers
 
 
+class _Pool(ProcessPoolExecutor):
+    """The first tasks start the processes, which are not to see Ctrl-C."""
+
+    def submit(self, fn: Callable[..., R], /, *args: Any, **kwargs: Any) -> "Future[R]":
+        with interrupts_blocked():
+            return super().submit(fn, *args, **kwargs)
+
+
 @contextmanager
 def local_processes(make: Make[T]) -> Iterator[Processes[T]]:
     """One process per core, started when first needed; `make` builds the tool and is sent by pickle."""
     token, count = uuid.uuid4().hex, cpu_count() or 1
-    pool = ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=_start_process, initargs=(token, make)
-    )
+    pool = _Pool(count, mp_context=get_context("spawn"), initializer=_start_process, initargs=(token, make))
     try:
         yield Processes(pool, count, token)
     finally:
