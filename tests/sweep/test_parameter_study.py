@@ -186,11 +186,11 @@ def test_a_part_written_twice_counts_once(tmp_path):
     assert store.rows()["run"].tolist() == [1, 2, 3]
 
 
-def test_bad_designs(fmu, tmp_path):
+def test_bad_designs(fmu, cluster, tmp_path):
     with pytest.raises(StudyError, match=r"no parameter joint2\.viscous"):
-        parameter_study(pd.DataFrame({"joint2.viscous": [1.0]}), fmu, swing(), tmp_path)
+        parameter_study(pd.DataFrame({"joint2.viscous": [1.0]}), fmu, swing(), tmp_path, scheduler=cluster)
     with pytest.raises(StudyError, match="nothing to run"):
-        parameter_study(pd.DataFrame(), fmu, swing(), tmp_path)
+        parameter_study(pd.DataFrame(), fmu, swing(), tmp_path, scheduler=cluster)
     assert not list(tmp_path.iterdir())
 
 
