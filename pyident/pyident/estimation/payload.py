@@ -95,7 +95,8 @@ def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple
     whitened = (vectors[:, telling] / np.sqrt(values[telling])).T / size
     x = cp.Variable(len(p))
     cost = cp.norm(whitened @ (x - p)) + 1e-3 * cp.norm(vectors[:, ~telling].T @ cp.multiply(x - p, 1 / size))
-    problem = cp.Problem(cp.Minimize(cost), [pseudo_inertia(list(x)) >> _SMALLEST * np.eye(4)])
+    body = pseudo_inertia([x[i] for i in range(len(p))])
+    problem = cp.Problem(cp.Minimize(cost), [body >> _SMALLEST * np.eye(4)])
     problem.solve(solver=cp.CLARABEL)
     if x.value is None:
         raise RuntimeError(f"no physically consistent payload was found ({problem.status})")
