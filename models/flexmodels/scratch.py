@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,8 +22,9 @@ _janitors: dict[int, subprocess.Popen[bytes]] = {}
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
     """An empty folder, removed with all it holds when the block ends or the process dies."""
-    folder = Path(tempfile.mkdtemp(dir=_root()))
+    folder = _root() / uuid.uuid4().hex
     try:
+        folder.mkdir(mode=0o700)
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -31,9 +33,10 @@ def scratch_folder() -> Iterator[Path]:
 def _root() -> Path:
     process = os.getpid()
     if process not in _roots or not _roots[process].is_dir():
-        _roots[process] = Path(tempfile.mkdtemp(prefix="flexident-"))
+        _roots[process] = Path(tempfile.gettempdir()) / f"flexident-{uuid.uuid4().hex}"
+        atexit.register(_clean, process)  # known before it is there: Ctrl-C may come at any time
         _watch(process)
-        atexit.register(_clean, process)
+        _roots[process].mkdir(mode=0o700)
     return _roots[process]
 
 

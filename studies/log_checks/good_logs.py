@@ -108,7 +108,7 @@ def _so101() -> Iterator[tuple[Robot, Log]]:
     folder = data_folder() / "so101"
     if not folder.is_dir():
         return
-    from flexmodels.files.urdf_import import import_urdf
+    from flexmodels.files.urdf.importer import import_urdf
 
     robot = import_urdf(str(folder / "so101.urdf"), [], [])
     names = ("Rotation", "Pitch", "Elbow", "Wrist_Pitch", "Wrist_Roll", "Jaw")

@@ -11,7 +11,7 @@ def imported(
 ) -> tuple[Robot, tuple[str, ...]]:
     """The robot of a URDF or MJCF file, and what of the file it does not hold. Raises RobotError."""
     from flexmodels.files.mjcf.importer import import_mjcf
-    from flexmodels.files.urdf_import import import_urdf
+    from flexmodels.files.urdf.importer import import_urdf
 
     if is_mjcf(path):
         read = import_mjcf(path, flexible, twist)
@@ -33,12 +33,13 @@ def exported(robot: Robot, path: str | Path) -> tuple[list[str], frozenset[str]]
     Returns what the format cannot say, a sentence each, and the names of the laws that it keeps. Raises
     RobotError.
     """
-    from flexmodels.files import five_numbers, urdf_export
-    from flexmodels.files.mjcf import exporter
+    from flexmodels.files import five_numbers
+    from flexmodels.files.mjcf import exporter as mjcf
+    from flexmodels.files.urdf import exporter as urdf
 
     formats = {
-        ".urdf": (urdf_export.export_urdf, urdf_export.KEPT),
-        ".xml": (exporter.export_mjcf, exporter.KEPT),
+        ".urdf": (urdf.export_urdf, urdf.KEPT),
+        ".xml": (mjcf.export_mjcf, mjcf.KEPT),
         ".json": (five_numbers.export_five_numbers, five_numbers.KEPT),
     }
     ending = Path(path).suffix

@@ -21,7 +21,7 @@ from flexmodels.files.schema import schema
 from flexmodels.files.servo_table import read_servo
 from flexmodels.files.settings_tables import read_settings
 from flexmodels.files.toml_table import Table, line_of_text, number, read_toml
-from flexmodels.files.urdf_check import require_few
+from flexmodels.files.urdf.check import require_few
 from flexmodels.files.validate import validate
 from flexmodels.gearing import Transmission
 from flexmodels.link import Link

@@ -44,22 +44,17 @@ class Table:
         return line_of_text(self.get(key, default), self.place(key))
 
     def number(
-        self,
-        key: str,
-        default: float | None = None,
-        lower: float = -np.inf,
-        above: bool = False,
-        upper: float = LARGEST_NUMBER,
+        self, key: str, default: float | None = None, lower: float = -np.inf, above: bool = False
     ) -> float:
-        """Finite, from `lower` (or above it) to `upper`. Raises RobotError."""
-        return number(self.get(key, default), self.place(key), lower, above, upper)
+        """Finite, from `lower` on or above it. Raises RobotError."""
+        return number(self.get(key, default), self.place(key), lower, above)
 
-    def vector(self, key: str, size: int, default: Any = None, lower: float = -np.inf) -> tuple[float, ...]:
-        """So many numbers, none below `lower`. Raises RobotError."""
+    def vector(self, key: str, size: int, default: Any = None) -> tuple[float, ...]:
+        """So many numbers. Raises RobotError."""
         value = self.get(key, default)
         if not isinstance(value, list | tuple) or len(value) != size:
             raise RobotError(f"{self.place(key)} must be {size} numbers")
-        return tuple(number(v, f"{self.place(key)}[{i + 1}]", lower) for i, v in enumerate(value))
+        return tuple(number(v, f"{self.place(key)}[{i + 1}]") for i, v in enumerate(value))
 
     def whole(self, value: Any, key: str, lower: int, upper: int) -> int:
         """A value found at `key` as a whole number."""
@@ -115,18 +110,14 @@ def line_of_text(value: Any, place: str) -> str:
     return value
 
 
-def number(
-    value: Any, place: str, lower: float = -np.inf, above: bool = False, upper: float = LARGEST_NUMBER
-) -> float:
-    """A finite number from `lower` (or above it) to `upper`. Raises RobotError."""
+def number(value: Any, place: str, lower: float = -np.inf, above: bool = False) -> float:
+    """A finite number from `lower` on or above it. Raises RobotError."""
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
         raise RobotError(f"{place} must be a finite number, not {shortened(value)}")
     if abs(value) > LARGEST_NUMBER:
         raise RobotError(f"{place} must be a finite number up to {LARGEST_NUMBER:g}, not {shortened(value)}")
     if value < lower or (above and value <= lower):
         raise RobotError(f"{place} = {shortened(value)} must be {'above' if above else 'at least'} {lower:g}")
-    if value > upper:
-        raise RobotError(f"{place} = {shortened(value)} must be at most {upper:g}")
     return float(value)
 
 

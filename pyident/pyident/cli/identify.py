@@ -12,6 +12,7 @@ from pyident.cli.common.any_model import (
 from pyident.cli.common.outputs import ROBOT
 from pyident.cli.common.shared import (
     effects_option,
+    estimator_option,
     force_option,
     json_option,
     mapping_option,
@@ -33,13 +34,7 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @output_option(ROBOT, required=False)
 @effects_option
 @click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber).")
-@click.option(
-    "--estimator",
-    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
-    default="iv",
-    show_default=True,
-    help="Instrumental variables from the simulated model, output error, or least squares for comparison.",
-)
+@estimator_option
 @click.option(
     "--prior", metavar="MODEL", help="Robot from CAD or URDF: what the data leave open stays near its bodies."
 )

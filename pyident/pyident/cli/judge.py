@@ -180,8 +180,8 @@ def diagnose_command(
 @click.command(name="add")
 @click.argument("model")
 @click.argument("effect")
-@click.option("--joint", required=True, type=int, metavar="K", help="Where the effect acts, from 1.")
-@click.argument("logs", nargs=-1, required=True, metavar="LOG...")
+@click.option("--joint", type=int, metavar="K", help="Where the effect acts, from 1.")
+@click.argument("logs", nargs=-1, required=True, metavar="[PLACE] LOG...")
 @_holdout
 @output_option(ROBOT)
 @effects_option
@@ -193,7 +193,7 @@ def diagnose_command(
 def add_command(
     model: str,
     effect: str,
-    joint: int,
+    joint: int | None,
     logs: tuple[str, ...],
     holdout: tuple[str, ...],
     output: str,
@@ -203,11 +203,15 @@ def add_command(
 ) -> None:
     """Add EFFECT to MODEL, fit it to logs, and write it if held-out data are met better.
 
-    Both the equations' error and the FMU's must fall on data that were not fitted; else nothing is written
-    and the exit code is 1.
+    The effect must pass the gate by which `diagnose` names, and the error of the FMU must fall on data that
+    were not fitted; else nothing is written and the exit code is 1. EFFECT `geometry` corrects the
+    description at PLACE: joint3.origin[z] (m), joint2.axis[y], joint2.encoder_zero, base_tilt[x] (rad).
 
+    \b
     Example: pyident add identified.toml stribeck --joint 2 a.parquet b.parquet -o extended.toml
+             pyident add identified.toml geometry joint3.origin[z] a.parquet b.parquet -o corrected.toml
     """
+    effect, joint, logs = _what(model, effect, joint, logs)
     with progress_bar(f"{effect} at joint {joint}") as progress:
         found = pi.add_effect(
             model, effect, joint, logs, heldout=holdout, mapping=mapping, force=force, progress=progress
@@ -219,6 +223,24 @@ def add_command(
         sys.exit(1)
     found.save(output)
     show(f"wrote {output}")
+
+
+def _what(
+    model: str, effect: str, joint: int | None, words: tuple[str, ...]
+) -> tuple[str, int, tuple[str, ...]]:
+    """Effect, joint and logs. Raises RobotError."""
+    if effect != "geometry":
+        if joint is None:
+            raise RobotError(f"where does {effect} act? Give --joint K, from 1")
+        return effect, joint, words
+    from flexmodels.files.robot_file import load_robot
+    from pyident.regression.descriptions import parsed
+
+    place, *logs = words or ("",)
+    joint, name = parsed(load_robot(model), place)
+    if not logs:
+        raise RobotError(f"there is no log; give one or more behind {place}")
+    return name, joint, tuple(logs)
 
 
 def _models_and_logs(given: tuple[str, ...]) -> tuple[list[str], list[str]]:

@@ -6,6 +6,7 @@ import pyident as pi
 from pyident.cli.common.outputs import ROBOT
 from pyident.cli.common.shared import (
     effects_option,
+    estimator_option,
     force_option,
     json_option,
     mapping_option,
@@ -24,13 +25,7 @@ from pyident.cli.common.shared import (
 @click.argument("loaded")
 @output_option(ROBOT, required=False)
 @effects_option
-@click.option(
-    "--estimator",
-    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
-    default="iv",
-    show_default=True,
-    help="As for identify.",
-)
+@estimator_option
 @mapping_option
 @force_option
 @json_option

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.joint import parameter_name
-from pyident.diagnosis.base.candidates import law_of
+from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, counts, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.search.wrong_description import wrong_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 
@@ -46,7 +46,12 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         depends_on=tuple(
             f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
         ),
-        notes=(*(_orders_of(step) for step in steps if step.orders), *_warnings(search, verdict, places)),
+        notes=(
+            *(_orders_of(step) for step in steps if step.orders),
+            *_warnings(search, verdict, places),
+            *_quiet(beside, places, selection),
+            *wrong_descriptions(search, selection, held),
+        ),
         noise=ex.setting.noise,
         stages=stages,
         places=places,
@@ -77,13 +82,12 @@ def named(search: Search, found: Found) -> Named:
     robot, c = search.robot, found.candidate
     law = law_of(robot, c)
     linear = [p.name for p in law.linear]
-    units = robot.with_effect(c.joint, c.effect).units
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
-        units={p.name: units[parameter_name(c.joint, c.effect, p.name)] for p in law.parameters},
+        units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
         nonlinear=tuple(name for name, _ in c.values),
@@ -124,10 +128,11 @@ def _floor_percent(search: Search) -> list[float]:
         signals = []
         for log in ex.logs:
             part = log.part
-            if row < len(robot.joints):
+            stiffness = coordinate.stiffness
+            if stiffness is None:
                 own = part.target[:, row]
             else:
-                own = robot.parameters[coordinate.stiffness] * part.motion.q[:, row]  # pyright: ignore[reportArgumentType]
+                own = robot.parameters[stiffness] * part.motion.q[:, row]
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
         out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
     return out
@@ -150,6 +155,19 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
             "there, and hide what is smaller than their floor"
         )
+
+
+def _quiet(beside: Search, places: Sequence[Place], selection: Selection) -> Iterator[str]:
+    """What no replica shows where nothing stands out, and why it is not named; beside: with the findings."""
+    by_family = {r.candidate.family: r for r in selection.refusals}
+    for refusal in by_family.values():
+        if any(places[row].state != "in_order" for row in refusal.rows):
+            continue
+        c = refusal.candidate
+        found = beside.best(c.effect, c.joint)
+        if found is None or not counts(beside, found):
+            continue
+        yield f"{c.effect} at joint{c.joint} is more than any replica shows, but {refusal.reason}"
 
 
 def _orders_of(step: Step) -> str:

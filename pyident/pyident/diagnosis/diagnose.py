@@ -19,7 +19,7 @@ from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import held_out
-from pyident.diagnosis.search.search import Search, search_of
+from pyident.diagnosis.search.search import Search, search_among_laws
 from pyident.diagnosis.search.selection import select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
@@ -46,19 +46,47 @@ def diagnose(
     heldout        logs on which the findings must hold
     draft          look for a formula where no law explains the residual
     rules          every threshold
-    Raises LogError.
+    An interrupt (Ctrl-C) after the search gives what is known by then. Raises LogError.
     """
     search = searched(robot, logs, open_pool, lambda share: progress(0.8 * share), rules)
-    found = concluded(search, open_pool, heldout)
-    if found.verdict == "unexplained":
-        found = with_dependences(search, found, open_pool, draft)
-    if not search.examination.setting.simulates:
-        progress(1.0)
-        return replace(found, notes=(_ALONG, *found.notes))
-    found = with_experiments(search, found, open_pool, lambda share: progress(0.85 + 0.1 * share))
-    found = with_revealing(search, found, open_pool, lambda share: progress(0.95 + 0.05 * share))
+    search = search.resting_on(())
+    found = _from_columns(search, heldout)
+    steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
+        ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
+        ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
+    ]
+    if search.examination.setting.simulates:
+        steps += [
+            (
+                "motions that separate",
+                lambda d: with_experiments(search, d, open_pool, _part(progress, 0.85)),
+            ),
+            ("motions that show", lambda d: with_revealing(search, d, open_pool, _part(progress, 0.95))),
+        ]
+    else:
+        found = replace(found, notes=(_ALONG, *found.notes))
+    found = _as_far_as(found, steps)
     progress(1.0)
     return found
+
+
+def _as_far_as(found: Diagnosis, steps: Sequence[tuple[str, Callable[[Diagnosis], Diagnosis]]]) -> Diagnosis:
+    """The diagnosis after all steps, or after those done when somebody interrupts: its verdict stands."""
+    for number, (_, step) in enumerate(steps):
+        try:
+            found = step(found)
+        except KeyboardInterrupt:
+            left = ", ".join(name for name, _ in steps[number:])
+            return replace(found, notes=(*found.notes, f"interrupted; not looked at: {left}"))
+    return found
+
+
+def _part(progress: Progress, start: float, width: float = 0.05) -> Progress:
+    return lambda share: progress(start + width * share)
+
+
+def _with_leads(search: Search, found: Diagnosis, open_pool: OpenPool, draft: bool) -> Diagnosis:
+    return with_dependences(search, found, open_pool, draft) if found.verdict == "unexplained" else found
 
 
 def searched(
@@ -79,7 +107,7 @@ def searched(
         with workers_of(start, open_pool) as workers:
             found = adjust(start, workers)
             progress(0.2)
-            return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
+            return search_among_laws(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
     try:
         return examined(setting, unbiased)
@@ -99,8 +127,18 @@ def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) 
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.
     """
-    search, held = search.resting_on(()), held_out(search, heldout)
-    found = conclusion(search, select(search, held), held, heldout)
+    search = search.resting_on(())
+    return _from_signatures(search, _from_columns(search, heldout), open_pool, heldout)
+
+
+def _from_columns(search: Search, heldout: Sequence[Log]) -> Diagnosis:
+    held = held_out(search, heldout)
+    return conclusion(search, select(search, held), held, heldout)
+
+
+def _from_signatures(
+    search: Search, found: Diagnosis, open_pool: OpenPool, heldout: Sequence[Log]
+) -> Diagnosis:
     if found.verdict != "unexplained" or not search.examination.setting.simulates:
         return found
     return _by_signature(search, found, traces(search, heldout, open_pool))

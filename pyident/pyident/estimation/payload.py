@@ -12,6 +12,7 @@ import numpy as np
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified
+from pyident.estimation.physical import pseudo_inertia
 
 _ABSENT = 1e-6  # singular value, of the largest, below which a direction is not determined
 _OPEN = 1e-3  # entry of an undetermined direction from which on a parameter takes part in it
@@ -93,13 +94,8 @@ def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple
     telling = values > 1e-9 * values.max()
     whitened = (vectors[:, telling] / np.sqrt(values[telling])).T / size
     x = cp.Variable(len(p))
-    m, a, b, c, xx, xy, xz, yy, yz, zz = (x[i] for i in range(len(p)))
-    half = (xx + yy + zz) / 2
-    body = cp.bmat(
-        [[half - xx, -xy, -xz, a], [-xy, half - yy, -yz, b], [-xz, -yz, half - zz, c], [a, b, c, m]]
-    )
     cost = cp.norm(whitened @ (x - p)) + 1e-3 * cp.norm(vectors[:, ~telling].T @ cp.multiply(x - p, 1 / size))
-    problem = cp.Problem(cp.Minimize(cost), [body >> _SMALLEST * np.eye(4)])
+    problem = cp.Problem(cp.Minimize(cost), [pseudo_inertia(list(x)) >> _SMALLEST * np.eye(4)])
     problem.solve(solver=cp.CLARABEL)
     if x.value is None:
         raise RuntimeError(f"no physically consistent payload was found ({problem.status})")

@@ -8,7 +8,7 @@ Wensing and Park 2020), what belongs to a joint in shares of its prior value.
 """
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +39,7 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot 
     bounds = lower_bounds(robot)
     for scale in (solution.scale, _balanced(solution)):
         try:
-            found = _nearest(robot, reduced, solution, prior, scale)
+            found = _nearest(robot, reduced, solution, prior, bounds, scale)
         except cp.SolverError:  # numbers too far apart for the solver
             continue
         return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
@@ -54,7 +54,12 @@ def _balanced(solution: Solution) -> np.ndarray:
 
 
 def _nearest(
-    robot: Robot, reduced: Reduced, solution: Solution, prior: Robot | None, scale: np.ndarray
+    robot: Robot,
+    reduced: Reduced,
+    solution: Solution,
+    prior: Robot | None,
+    bounds: Mapping[str, float],
+    scale: np.ndarray,
 ) -> np.ndarray:
     """(P,) Raises RuntimeError where there are none, and cvxpy's SolverError."""
     import cvxpy as cp
@@ -66,12 +71,9 @@ def _nearest(
     z = near + deviations @ u + solution.null @ t
     p = cp.multiply(z, 1 / scale)
     limits: list[cp.Constraint] = [
-        _pseudo_inertia(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
+        _body(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
     ]
-    limits += [
-        z[names.index(name)] >= bound * scale[names.index(name)]
-        for name, bound in lower_bounds(robot).items()
-    ]
+    limits += [z[names.index(name)] >= bound * scale[names.index(name)] for name, bound in bounds.items()]
     if prior is None:
         cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
     else:
@@ -94,7 +96,7 @@ def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Express
         if link.m <= 0:
             continue
         L = np.linalg.inv(np.linalg.cholesky(_prior_body(known, k)))
-        body = L @ _pseudo_inertia(p, names, k) @ L.T
+        body = L @ _body(p, names, k) @ L.T
         terms.append(cp.trace(body) - cp.log_det(body) - 4)
     joints = [i for i, name in enumerate(names) if not name.startswith("link") and known.get(name)]
     if joints:
@@ -135,10 +137,15 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
     }
 
 
-def _pseudo_inertia(p: "cp.Expression", names: list[str], link: int) -> "cp.Expression":
+def _body(p: "cp.Expression", names: list[str], link: int) -> "cp.Expression":
+    return pseudo_inertia([p[names.index(f"link{link}.{name}")] for name in LINK_PARAMETERS])
+
+
+def pseudo_inertia(body: Sequence["cp.Expression"]) -> "cp.Expression":
+    """(4, 4) of ten expressions in the order of LINK_PARAMETERS; positive definite for what can be a body."""
     import cvxpy as cp
 
-    m, x, y, z, xx, xy, xz, yy, yz, zz = (p[names.index(f"link{link}.{n}")] for n in LINK_PARAMETERS)
+    m, x, y, z, xx, xy, xz, yy, yz, zz = body
     half = (xx + yy + zz) / 2
     return cp.bmat(
         [[half - xx, -xy, -xz, x], [-xy, half - yy, -yz, y], [-xz, -yz, half - zz, z], [x, y, z, m]]

@@ -1,11 +1,9 @@
-"""Add an effect to a robot: fit it, simulate it, and keep it only if held-out data are met better.
+"""Add an effect to a robot, or correct its description: fit it, simulate it, and keep it only if it holds.
 
-Linear parameters come from the regression with its bias removed (`examination.unbiased`), nonlinear ones by
-variable projection: at each value the linear ones are eliminated, and the value that leaves least is taken,
-first from the law's grid, then between its neighbours. Both models are then judged on data that were not
-used (see `trial`): by their equations, each over its floor at every frequency, and by their FMU under the
-log's reference. Without references the FMU tracks the measured motion; positions then agree in any case,
-and it is the motor torques that it needs which tell.
+The equations are judged by the gate of a diagnosis (`diagnosis.search.gate`), the simulation by its error on
+data that were not used: the FMU runs under the log's reference. Without references it tracks the measured
+motion; positions then agree in any case, and it is the motor torques that it needs which tell. Linear
+parameters come from the regression with its bias removed, nonlinear ones and corrections from the search.
 """
 
 from collections.abc import Sequence
@@ -14,23 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import is_motor, is_torque, of_joint, signal_of
+from flexmodels.coordinate import is_motor, is_torque, signal_of
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, RobotError
+from flexmodels.robot import Robot
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.compare import log_errors
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import Part, Progress, Trial, run_trial
-from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns
-from pyident.diagnosis.base.nonlinear_values import refined
-from pyident.diagnosis.base.projection import gain, solve_base
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
+from pyident.extension.ask import Asked, ask
+from pyident.extension.extended_robot import Correction, extended_robot, require_new
 from pyident.logs.log import Log, LogError
-from pyident.regression.candidate_columns import coverage, nonlinear_grid
-from pyident.regression.spectrum import equations
+from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import repeat_like
+from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
 
 
@@ -54,6 +49,8 @@ class Extended:
     waterfall        torque or moment where the effect acts, then the simulation
     gains            relative fall of the mean square error: equations, simulation
     reason           why the effect is refused; empty: it is accepted
+    asked            what the gate of a diagnosis says, with its numbers
+    correction       of the description; None where a law was added
     """
 
     base: Robot
@@ -63,6 +60,8 @@ class Extended:
     waterfall: tuple[Step, ...]
     gains: tuple[float, float]
     reason: str
+    asked: Asked
+    correction: Correction | None = None
 
     @property
     def accepted(self) -> bool:
@@ -72,10 +71,14 @@ class Extended:
         """For machines: whether it is accepted, why not, its parameters, errors on held-out data."""
         new = {n: v for n, v in self.robot.parameters.items() if n not in self.base.parameters}
         units = self.robot.units
+        parameters = {n: {"value": v, "unit": units[n]} for n, v in new.items()}
+        if self.correction:
+            parameters |= self.correction.json()
         return {
             "accepted": self.accepted,
             "reason": self.reason,
-            "parameters": {n: {"value": v, "unit": units[n]} for n, v in new.items()},
+            "parameters": parameters,
+            "gate": self.asked.json(),
             "mean_square_fall_percent": {
                 "equations": 100 * self.gains[0],
                 "simulation": 100 * self.gains[1],
@@ -133,17 +136,16 @@ def add_effect(
     open_pool   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
     Raises RobotError where the law cannot act, LogError, and what the simulation raises.
     """
-    wider = robot.with_effect(joint, effect)
-    if wider.units == robot.units:
-        raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
+    require_new(robot, joint, effect)
     parts = split(logs, heldout, rules)
-    base = _fitted(robot, parts, open_pool, rules, _share(progress, 0.0, 0.5))
-    wider = _with_best_values(base, wider, joint, effect)
+    base = _fitted(robot, parts, open_pool, rules, _share(progress, 0.0, 0.3))
+    asked = ask(base.setting, joint, effect, parts.unseen, open_pool, _share(progress, 0.3, 0.6))
+    wider, correction = extended_robot(robot, asked)
     try:
-        new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.5, 1.0))
+        new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.6, 1.0))
     except SimulationError as error:
-        return _not_simulated(base, wider, joint, effect, error)
-    return _judged(base, new, joint, effect)
+        return _not_simulated(base, wider, asked, correction, error)
+    return _judged(base, new, asked, correction)
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,8 @@ def _fitted(robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progr
         setting = unbiased(setting, workers)
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
-        trial = Trial(setting.robot, setting.simulated, setting.repeats, judged, parts.since, setting.noise)  # pyright: ignore[reportArgumentType]
+        fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
+        trial = Trial(setting.robot, setting.simulated, fitted, judged, parts.since, setting.noise)
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)
 
@@ -177,42 +180,18 @@ def _share(progress: Progress, start: float, end: float) -> Progress:
     return lambda fraction: progress(start + (end - start) * fraction)
 
 
-def _with_best_values(base: _Fit, wider: Robot, joint: int, effect: str) -> Robot:
-    """The extended robot with the nonlinear values that leave least of the weighted equations."""
-    setting = base.setting
-    robot = setting.robot
-    logs = setting.logs
-    parts = [condition(log, robot) for log in logs]
-    grid = nonlinear_grid(robot, joint, effect, [part.motion for part in parts])
-    listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
-    if not listed[0].values:
-        return wider
-    plain = equations(robot, parts, [log.period for log in logs])
-    level = 1 / np.maximum(setting.solution.weights, 1e-300)
-    levels = [np.repeat(level[:, None], e.y.shape[1], axis=1) for e in plain]
-    weighted = [e.over(lv) for e, lv in zip(plain, levels, strict=True)]
-    solved, limits = solve_base(weighted), bounds(robot, listed[0])
-
-    def explained(candidate: Candidate) -> float:
-        covered = [coverage(robot, joint, effect, part.motion, dict(candidate.values)) for part in parts]
-        if all(c is not None and c < 1 for c in covered):
-            return 0.0  # where the logs hardly are, any coefficient would do
-        return gain(solved, columns(robot, candidate, weighted, levels), *limits).energy
-
-    best = refined(robot, max(listed, key=explained), listed, explained)
-    names = {name: of_joint(joint, f"{effect}.{name}") for name, _ in best.values}
-    return wider.with_parameters({names[name]: value for name, value in best.values})
-
-
-def _not_simulated(base: _Fit, wider: Robot, joint: int, effect: str, error: SimulationError) -> Extended:
+def _not_simulated(
+    base: _Fit, wider: Robot, asked: Asked, correction: Correction | None, error: SimulationError
+) -> Extended:
     """A law that the logs show so badly that no model with it can be simulated."""
-    errors = base.errors
+    errors, joint, effect = base.errors, asked.candidate.joint, asked.candidate.effect
     steps = tuple(_step("equations", row, errors, errors) for row in _acts_on(wider, joint, effect))
     reason = f"{effect} at joint {joint} is refused: the model fitted with it cannot be simulated ({error})"
-    return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason)
+    return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason, asked, correction)
 
 
-def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:
+def _judged(base: _Fit, new: _Fit, asked: Asked, correction: Correction | None) -> Extended:
+    joint, effect = asked.candidate.joint, asked.candidate.effect
     before, after = base.errors, new.errors
     rows = _acts_on(new.trial.robot, joint, effect)
     channels = _telling(base.trial, before)
@@ -223,14 +202,18 @@ def _judged(base: _Fit, new: _Fit, joint: int, effect: str) -> Extended:
     steps = [_step("equations", name, before, after) for name in rows]
     shown = ["tip"] if all("tip" in log.simulation for log in before) and not base.trial.tracks else channels
     steps += [_step("simulation", name, before, after) for name in shown]
-    name = f"{base.trial.robot.name.removesuffix('_identified')}_{effect}{joint}"
+    word = effect.replace("[", "_").removesuffix("]")
+    name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
-    reason = _reason(effect, joint, gains, base.trial.tracks, base.setting.rules.extension.least_gain)
-    return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason)
+    least = base.setting.rules.extension.least_gain
+    reason = _reason(effect, joint, asked.admission.reason, gains[1], base.trial.tracks, least)
+    return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason, asked, correction)
 
 
 def _acts_on(robot: Robot, joint: int, effect: str) -> list[str]:
     """Coordinates on whose equations the law acts."""
+    if describes(effect):
+        return list(robot.coordinates)
     law = robot.joints[joint - 1].law(effect)
     if law.body:
         return list(robot.coordinates)
@@ -269,17 +252,13 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     return Step(f"{what} {name}", listed[0][0].unit, *rms)
 
 
-def _reason(effect: str, joint: int, gains: tuple[float, float], tracks: bool, least: float) -> str:
-    equations_, simulated = gains
+def _reason(effect: str, joint: int, gate: str, simulated: float, tracks: bool, least: float) -> str:
+    """gate: what the gate of a diagnosis says against it."""
     what = "the torque that the simulation needs" if tracks else "the simulation"
-    if equations_ >= least and simulated >= least:
-        return ""
-    said = [
-        f"the error of {name} {_change(value, least)}"
-        for name, value in (("the equations", equations_), (what, simulated))
-        if value < least
-    ]
-    return f"{effect} at joint {joint} is refused: on held-out data {' and '.join(said)}."
+    said = [gate] if gate else []
+    if simulated < least:
+        said.append(f"on held-out data the error of {what} {_change(simulated, least)}")
+    return f"{effect} at joint {joint} is refused: {'; '.join(said)}." if said else ""
 
 
 def _change(value: float, least: float) -> str:

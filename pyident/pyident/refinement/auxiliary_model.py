@@ -36,7 +36,16 @@ from pyident.refinement.instrumental_covariance import (
 )
 from pyident.refinement.noise_scatter import carries
 from pyident.refinement.remove_bias import seen
-from pyident.refinement.simulated_rows import Data, every, faded, in_memory, rows_of, simulable, simulations
+from pyident.refinement.simulated_rows import (
+    Data,
+    Repeated,
+    every,
+    faded,
+    in_memory,
+    rows_of,
+    simulable,
+    simulations,
+)
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
 from pyident.regression.reduced import Reduced
@@ -76,7 +85,7 @@ def identify_by_instruments(
     try:
         with open_pool(simulated) as workers:
             best = _nearest(starts, again, workers)
-            solution, reason = _rounds(robot, best, data, again, workers, progress)
+            solution, reason = _rounds(Repeated(robot, data, again, reduced), best, workers, progress)
     except SimulationError as error:
         solution, reason = best.solution, f"the model found cannot be simulated ({error})"
     if reason:
@@ -129,15 +138,11 @@ def _started(robot: Robot, data: list[Data], reduced: Reduced, plain: Solution, 
 
 
 def _rounds(
-    robot: Robot,
-    best: Identified,
-    data: list[Data],
-    again: Sequence[Repeat],
-    workers: Workers,
-    progress: Progress | None,
+    logs: Repeated, best: Identified, workers: Workers, progress: Progress | None
 ) -> tuple[Solution, str | None]:
     """The solution at which the rounds settle, or why there is none."""
-    reduced, solution, rows, put_in = best.reduced, best.solution, [], {}
+    robot, data, again, reduced = logs.robot, logs.data, logs.again, logs.reduced
+    solution, rows, put_in = best.solution, [], {}
     values, std = np.array(list(best.robot.linear_parameters.values())), best.solution.std
     fixed = {n: v for n, v in best.robot.parameters.items() if n not in best.robot.linear_parameters}
     held = np.zeros(len(values), bool)
@@ -168,8 +173,8 @@ def _rounds(
             progress((number + 1) / _ROUNDS)
         if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
             break
-    known = with_covariance(robot, data, again, rows, solution, reduced)
-    return through_simulation(robot, data, again, rows, known, reduced, workers, put_in, held), None
+    known = with_covariance(logs, rows, solution)
+    return through_simulation(logs, rows, known, workers, put_in, held), None
 
 
 def _missed(again: Repeat, frame: pd.DataFrame) -> float:

@@ -19,11 +19,10 @@ from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
-from pyident.refinement.simulated_rows import Data, every, in_memory, simulated
+from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, simulated
 from pyident.refinement.stand_in import driven
 from pyident.regression.equations import predicted
 from pyident.regression.natural_frequencies import natural_frequencies
-from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Simulator, Workers
@@ -33,50 +32,37 @@ _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its 
 _SMOOTH = 51  # bins over which the two are averaged, so that they agree within a fifth where they are alike
 
 
-def with_covariance(
-    robot: Robot,
-    data: list[Data],
-    again: Sequence[Repeat],
-    rows: list[Rows],
-    solution: Solution,
-    reduced: Reduced,
-) -> Solution:
+def with_covariance(logs: Repeated, rows: list[Rows], solution: Solution) -> Solution:
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
+    robot, reduced = logs.robot, logs.reduced
     if not carries(robot):
         by_spectrum = spectral(every(rows), solution.weights)
         return solve_instrumental(every(rows), reduced, solution.weights, by_spectrum, solution.rank)
-    noise = sensor_noise(robot, [r.log for r in again], solution.p)
+    noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
         parts = [
             noise_scatter(robot, d.part, r, p, solution.weights, turn, noise, a.log.period)
-            for d, r, a in zip(data, rows, again, strict=True)
+            for d, r, a in zip(logs.data, rows, logs.again, strict=True)
         ]
-        beyond = _beyond(robot, data, again, rows, p, noise)
+        beyond = _beyond(logs, rows, p, noise)
         return np.sum(parts, axis=0) + spectral(every(rows), solution.weights, beyond)(turn, p)
 
     return solve_instrumental(every(rows), reduced, solution.weights, scatter, solution.rank)
 
 
-def _beyond(
-    robot: Robot,
-    data: list[Data],
-    again: Sequence[Repeat],
-    rows: list[Rows],
-    p: np.ndarray,
-    noise: dict[str, float],
-) -> list[np.ndarray]:
+def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, float]) -> list[np.ndarray]:
     """Per log (N // 2 + 1, n): share of the residual's amplitude that is not the sensors' noise.
 
     A hinge that the controller shakes with the encoders' noise rings between the samples; near reversals
     friction changes its sign with the noise. Both are motion, which no noise of a sensor tells of.
     """
     rng, out = np.random.default_rng(0), []
-    for d, r, a in zip(data, rows, again, strict=True):
+    for d, r, a in zip(logs.data, rows, logs.again, strict=True):
         frame = a.log.frame.copy()
         for name, sigma in noise.items():
             frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
-        more = in_memory(robot, condition(replace(a.log, frame=frame), robot))
+        more = in_memory(logs.robot, condition(replace(a.log, frame=frame), logs.robot))
         change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
         left, drawn = (_power(v * r.share) for v in (r.y - predicted(r.A, p), change))
         ratio = left / np.maximum(drawn, 1e-300)
@@ -92,12 +78,9 @@ def _power(values: np.ndarray) -> np.ndarray:
 
 
 def through_simulation(
-    robot: Robot,
-    data: list[Data],
-    again: Sequence[Repeat],
+    logs: Repeated,
     rows: list[Rows],
     solution: Solution,
-    reduced: Reduced,
     workers: Workers,
     put_in: Mapping[str, float],
     held: np.ndarray,
@@ -108,17 +91,17 @@ def through_simulation(
     held     (P,) which of them the simulation had otherwise than they were estimated
     Of what is simulated, the dampings of hinges change g: they say how much rings between the samples.
     """
-    names, std = reduced.columns, solution.std
-    if not driven(robot):  # then nothing of the simulation's equations is in `rows`
+    names, std = logs.reduced.columns, solution.std
+    if not driven(logs.robot):  # then nothing of the simulation's equations is in `rows`
         return solution
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
-    jobs = [workers.submit(_shifts, robot, again, values) for values in changed]
+    jobs = [workers.submit(_shifts, logs.robot, logs.again, values) for values in changed]
     slope = np.zeros((len(names), len(names)))
     for (j, step), job in zip(steps.items(), jobs, strict=True):
-        moved = [replace(r, y=d.y - shift) for d, r, shift in zip(data, rows, job.result(), strict=True)]
-        there = solve_instrumental(every(moved), reduced, solution.weights, unknown, solution.rank)
+        moved = [replace(r, y=d.y - shift) for d, r, shift in zip(logs.data, rows, job.result(), strict=True)]
+        there = solve_instrumental(every(moved), logs.reduced, solution.weights, unknown, solution.rank)
         slope[:, j] = seen(solution, there.p - solution.p) / step
     growth = np.linalg.inv(np.eye(len(names)) - np.where(held, 0.0, slope))
     gap = np.array([put_in[name] for name in names]) - solution.p

@@ -15,6 +15,7 @@ from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.stand_in import driven
 from pyident.regression.equations import Problem, predicted
+from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers
 
@@ -30,6 +31,16 @@ class Data:
     A: np.ndarray
     y: np.ndarray
     use: np.ndarray
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """A robot's logs, each with its equations and with what simulates it again."""
+
+    robot: Robot
+    data: list[Data]
+    again: Sequence[Repeat]
+    reduced: Reduced
 
 
 def in_memory(robot: Robot, part: Conditioned) -> Data:

@@ -39,9 +39,7 @@ class AlongMotion:
     steps: Mapping[str, float]
     spread: np.ndarray
 
-    def replica(
-        self, _: object, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
-    ) -> Log:
+    def replica(self, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int) -> Log:
         """The log's motion with the torques of a model; noise: signal -> standard deviation."""
         rng = np.random.default_rng(seed)
         p = np.array([parameters[name] for name in self.robot.linear_parameters])

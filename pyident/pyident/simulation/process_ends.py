@@ -5,7 +5,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from multiprocessing import parent_process
+from multiprocessing import parent_process, resource_tracker
 from multiprocessing.connection import wait
 
 
@@ -18,7 +18,12 @@ def end_with_parent(clean_up: Callable[[], None]) -> None:
 
 @contextmanager
 def interrupts_blocked() -> Iterator[None]:
-    """A process or thread that is started in the block never sees Ctrl-C; this one sees it afterwards."""
+    """A process or thread that is started in the block never sees Ctrl-C; this one sees it afterwards.
+
+    The tracker of shared resources, which the first process brings along, unblocks Ctrl-C in the thread
+    that starts it, so it is started before.
+    """
+    resource_tracker.ensure_running()
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

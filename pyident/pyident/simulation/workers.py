@@ -9,7 +9,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
@@ -196,22 +196,26 @@ def scheduler_configured(address: str | None) -> Iterator[None]:
         yield
 
 
-def _local_cluster(module: str | None, folder: Path) -> Any:
+@contextmanager
+def _local_cluster(module: str | None, folder: Path) -> Iterator[Any]:
     """No workers yet; theirs and the scheduler's is `folder`, which goes even when this process is killed."""
     import dask.config
     from distributed import LocalCluster
 
     asked = {"distributed.scheduler.allowed-failures": 1, "temporary-directory": str(folder)}
-    with dask.config.set(asked), interrupts_blocked():
-        return LocalCluster(
-            n_workers=0,
-            threads_per_worker=1,
-            local_directory=str(folder),
-            dashboard_address=":0",
-            memory_limit=0,  # pyright: ignore[reportArgumentType]
-            silence_logs=CRITICAL,
-            preload=[module] if module else [],
-        )
+    with dask.config.set(asked), ExitStack() as open_ones:
+        with interrupts_blocked():  # one that is half built cannot be closed
+            cluster = LocalCluster(
+                n_workers=0,
+                threads_per_worker=1,
+                local_directory=str(folder),
+                dashboard_address=":0",
+                memory_limit=0,  # pyright: ignore[reportArgumentType]
+                silence_logs=CRITICAL,
+                preload=[module] if module else [],
+            )
+            open_ones.enter_context(cluster)
+        yield cluster
 
 
 def _start(local: Any, count: int) -> None:

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, table, wrapped
+from pyident.verbs.text import Text, half_interval, table, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,7 +74,9 @@ class Fit(Result):
         from pyident.estimation.base_parameters import weakest_directions
 
         found, units = self.identified, self.robot.units
-        rows = [(f"{b.value:.6g}", _interval(b.std), units[b.terms[0][1]], b.expression) for b in found.base]
+        rows = [
+            (f"{b.value:.6g}", half_interval(b.std), units[b.terms[0][1]], b.expression) for b in found.base
+        ]
         heads = ("value", "± 95 %", "unit", "base parameter")
         weak = weakest_directions(found.reduced, found.solution)
         lines = [f"{found.estimator}: {len(found.reduced.columns)} parameters, rank {found.solution.rank}"]
@@ -136,7 +137,7 @@ class ServoFit(Result):
     def summary(self) -> Text:
         frame = self.to_frame()
         columns = frame["value"].to_numpy(float), frame["std"].to_numpy(float), frame["unit"], frame.index
-        rows = [(f"{v:.5g}", _interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
+        rows = [(f"{v:.5g}", half_interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
         lines = [
             f"{log}: mean absolute position error {e:.3g} rad or m"
             for log, e in zip(self.logs, self.fit.error, strict=True)
@@ -157,10 +158,6 @@ class ServoFit(Result):
 
         known = self.robot.units
         return known[name] if name in known else (PER_JOINT | SHARED)[name.rpartition(".")[2]][0]
-
-
-def _interval(std: float) -> str:
-    return f"{CONFIDENCE * std:.2g}" if std == std else "-"  # not a number: nothing is claimed
 
 
 def _percentages(errors: dict[str, float]) -> str:

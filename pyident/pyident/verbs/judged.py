@@ -168,6 +168,9 @@ class Added(Result):
         values = [
             f"{name} = {p['value']:.5g} {p['unit']}" for name, p in self.extended.json()["parameters"].items()
         ]
+        c = self.extended.correction
+        if c and c.before:
+            values.append(f"{c.place}: {c.before} becomes {c.after}")
         return Text("\n".join([table(heads, rows, numbers=(1, 2, 3)), *values, wrapped(self.headline())]))
 
     def plot(self) -> "Figure":

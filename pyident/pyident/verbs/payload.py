@@ -12,11 +12,10 @@ from flexmodels.robot import Robot
 from pyident.estimation.payload import Carried, carried, last_link
 from pyident.logs.log import LogError
 from pyident.refinement.estimators import DEFAULT
-from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.fit import identify
 from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, table, wrapped
+from pyident.verbs.text import Text, half_interval, table, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,7 +90,7 @@ class Payload(Result):
         one = self.carried
         columns = (LINK_PARAMETERS.items(), one.free.tolist(), one.std.tolist(), one.consistent.tolist())
         rows = [
-            (f"{value:.5g}", _interval(std), f"{body:.5g}", unit, name)
+            (f"{value:.5g}", half_interval(std), f"{body:.5g}", unit, name)
             for (name, unit), value, std, body in zip(*columns, strict=True)
         ]
         heads = ("value", "± 95 %", "of a body", "unit", "added")
@@ -150,7 +149,3 @@ def payload(
         )
     load = carried(without.robot, without.identified, having.identified)
     return Payload(robot, load, tuple(dict.fromkeys((*without.notes, *having.notes))))
-
-
-def _interval(std: float) -> str:
-    return f"{CONFIDENCE * std:.2g}" if np.isfinite(std) else "-"

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, table, wrapped
+from pyident.verbs.text import Text, half_interval, table, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -168,7 +167,7 @@ def _rank(found: "Prediction") -> str:
 
 def _told(robot: "Robot", found: "Prediction") -> str:
     rows = [
-        (name, f"{found.values[name]:.5g}", f"{CONFIDENCE * std:.2g}", robot.units[name])
+        (name, f"{found.values[name]:.5g}", half_interval(std), robot.units[name])
         for name, std in found.std.items()
         if np.isfinite(std)
     ]

@@ -3,8 +3,11 @@
 from collections.abc import Sequence
 from html import escape
 from io import StringIO
+from math import isfinite
 from shutil import get_terminal_size
 from textwrap import fill
+
+from pyident.rules.confidence import CONFIDENCE
 
 _WIDEST = 160
 
@@ -27,6 +30,11 @@ def width() -> int:
 def wrapped(sentence: str, indent: str = "") -> str:
     """Lines of a sentence; names are not broken."""
     return fill(sentence, width(), subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
+def half_interval(std: float) -> str:
+    """Half of a 95 % interval; where there is none, nothing is claimed."""
+    return f"{CONFIDENCE * std:.2g}" if isfinite(std) else "-"
 
 
 def table(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from flexmodels.files.mjcf.importer import import_mjcf
-from flexmodels.files.urdf_import import import_urdf
+from flexmodels.files.urdf.importer import import_urdf
 from flexmodels.robot import RobotError
 
 ARM = Path(__file__).parents[2] / "robots" / "mjcf" / "arm.xml"

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 from pinocchio_model import pin  # pyright: ignore[reportMissingImports]
 
 from flexmodels.files.robot_file import load_robot, save_robot
-from flexmodels.files.urdf_export import export_urdf
-from flexmodels.files.urdf_import import import_urdf
+from flexmodels.files.urdf.exporter import export_urdf
+from flexmodels.files.urdf.importer import import_urdf
 from flexmodels.link import Link
 from flexmodels.mechanics import dynamics
 from flexmodels.robot import Robot, RobotError

@@ -58,12 +58,21 @@ def reported(command: Callable[..., Any]) -> Callable[..., Any]:
         except click.exceptions.ClickException:
             raise
         except Exception as error:
+            if _followed_an_interrupt(error):
+                ended("stopped", _STOPPED)
             if os.environ.get("PYIDENT_TRACEBACK"):
                 raise
             ended(f"fault in pyident itself: {type(error).__name__}: {error} (the environment variable "
                   "PYIDENT_TRACEBACK=1 shows where); please report it", _OUR_FAULT)  # fmt: skip
 
     return run
+
+
+def _followed_an_interrupt(error: BaseException | None) -> bool:
+    """Whether it was raised while something made way for a Ctrl-C."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__context__
+    return error is not None
 
 
 def ended(sentence: str, code: int) -> NoReturn:
@@ -146,6 +155,17 @@ def effects_option(command: Command) -> Command:
         expose_value=False,
         callback=lambda context, _, value: value and context.with_resource(code_allowed()),
         help="Run the Python files that the given files refer to.",
+    )(command)
+
+
+def estimator_option(command: Command) -> Command:
+    """`--estimator NAME`, wherever parameters are identified."""
+    return click.option(
+        "--estimator",
+        type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
+        default="iv",
+        show_default=True,
+        help="Instrumental variables from a simulated model, output error, or least squares for comparison.",
     )(command)
 
 

@@ -1,4 +1,4 @@
-"""What a diagnosis may name: every effect of the catalogue at every joint where it can act."""
+"""What a diagnosis may name: every effect of the catalogue at every joint; and errors of the description."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -8,20 +8,23 @@ import numpy as np
 
 from flexmodels.coordinate import of_joint
 from flexmodels.effects import signals
-from flexmodels.effects.effect import Effect
+from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.samples import Conditioned
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
+from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.regressor import regressor_blocks
-from pyident.regression.spectrum import Equations
+from pyident.regression.spectrum import Band, Equations
 
+_described: deque[tuple[Robot, Conditioned, "Candidate", dict[int, np.ndarray]]] = deque(maxlen=512)
 _recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at a joint (from 1), its nonlinear parameters fixed.
+    """An effect or a wrong description at a joint (from 1), its nonlinear parameters fixed.
 
     log   number of the only log in which it acts (a payload is carried in some logs); None: in all of them
     """
@@ -38,6 +41,11 @@ class Candidate:
 
     def at(self, values: Mapping[str, float]) -> "Candidate":
         return Candidate(self.effect, self.joint, tuple(values.items()), self.log)
+
+    @property
+    def describes(self) -> bool:
+        """Whether it is an error of the robot's description, not a law."""
+        return describes(self.effect)
 
 
 def candidates(
@@ -69,8 +77,18 @@ def candidates(
     return found
 
 
+def described(robot: Robot) -> list[Candidate]:
+    """Every quantity of the robot's description that may be wrong."""
+    return [Candidate(name, joint) for joint, _ in robot.numbered for name in description_names(robot, joint)]
+
+
 def law_of(robot: Robot, candidate: Candidate) -> Effect:
-    """The law as it would act at its joint."""
+    """The law as it would act at its joint; of a description one without forces that corrects it."""
+    if candidate.describes:
+        d = DESCRIPTIONS[candidate.effect]
+        parameter = Parameter("correction", d.unit, lower=-d.largest, upper=d.largest)
+        measure = f"a measurement of {d.words}, or slow motion through poses far apart"
+        return Effect(d.name, d.words, {}, (parameter,), citation="", experiment=measure)
     return robot.joints[candidate.joint - 1].law(candidate.effect)
 
 
@@ -78,6 +96,15 @@ def with_law(robot: Robot, candidate: Candidate) -> Robot:
     """The robot with the law, its nonlinear parameters at the candidate's values."""
     values = {parameter_name(candidate.joint, candidate.effect, name): v for name, v in candidate.values}
     return robot.with_effect(candidate.joint, candidate.effect).with_parameters(values)
+
+
+def units_of(robot: Robot, candidate: Candidate) -> dict[str, str]:
+    """Parameter -> unit, at its joint."""
+    law = law_of(robot, candidate)
+    if candidate.describes:
+        return {p.name: p.unit for p in law.parameters}
+    units = robot.with_effect(candidate.joint, candidate.effect).units
+    return {p.name: units[parameter_name(candidate.joint, candidate.effect, p.name)] for p in law.parameters}
 
 
 def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
@@ -122,14 +149,17 @@ def columns(
     return out
 
 
-def motion_for(robot: Robot, candidate: Candidate, log: Equations) -> Motion:
+def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     """The log's motion as a law is evaluated along it.
 
     A measured torque holds the friction that a law would explain, and noise that would explain itself. So a
     law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
     of the whole model where no controller says which torque was commanded.
     """
-    motion, read = log.part.motion, robot.catalogue[candidate.effect].symbols
+    if candidate.describes:
+        return motion
+    own = robot.catalogue[candidate.effect]  # as it acts, a rigid joint's load is its torque
+    read = own.symbols
     rigid = not robot.joints[candidate.joint - 1].flexible
     if signals.load in read and rigid:
         return with_model_torque(robot, motion, "link")
@@ -150,15 +180,43 @@ def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
     return made
 
 
+def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
+    """Linear parameter -> row -> (N,), the torques that one unit of it makes along a motion."""
+    if candidate.describes:
+        return {"correction": description_column(robot, candidate.joint, candidate.effect, motion)}
+    return effect_columns(robot, candidate.joint, candidate.effect, motion, dict(candidate.values))
+
+
 def _columns(
     robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
-    motion = motion_for(robot, candidate, log)
-    slopes = effect_columns(robot, candidate.joint, candidate.effect, motion, dict(candidate.values))
-    rows = sorted({row for by_row in slopes.values() for row in by_row})
-    nothing = np.zeros(len(log.part.target))
+    if candidate.describes and factor.all():  # costs far more than a law, and is asked for as often
+        raw = _known_columns(robot, candidate, log.part, log.band)
+    else:
+        raw = _transformed(robot, candidate, log.part, log.band, factor)
+    return {row: X / level[row][:, None] for row, X in raw.items()}
+
+
+def _known_columns(
+    robot: Robot, candidate: Candidate, part: Conditioned, band: Band
+) -> dict[int, np.ndarray]:
+    for known in tuple(_described):
+        if known[0] is robot and known[1] is part and known[2] == candidate:
+            return known[3]
+    made = _transformed(robot, candidate, part, band, np.ones(len(part.target)))
+    _described.append((robot, part, candidate, made))
+    return made
+
+
+def _transformed(
+    robot: Robot, candidate: Candidate, part: Conditioned, band: Band, factor: np.ndarray
+) -> dict[int, np.ndarray]:
+    """Row -> (E, K)."""
+    of = slopes(robot, candidate, motion_for(robot, candidate, part.motion))
+    rows = sorted({row for by_row in of.values() for row in by_row})
+    nothing = np.zeros(len(part.target))
     out = {}
     for row in rows:
-        X = np.column_stack([by_row.get(row, nothing) for by_row in slopes.values()])
-        out[row] = log.band.transform(X * (factor * log.part.use[:, row])[:, None]) / level[row][:, None]
+        X = np.column_stack([by_row.get(row, nothing) for by_row in of.values()])
+        out[row] = band.transform(X * (factor * part.use[:, row])[:, None])
     return out

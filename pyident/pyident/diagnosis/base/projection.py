@@ -87,31 +87,43 @@ def gain(
             G += X.T @ X
             g += X.T @ residual[c]
             b += basis[c].T @ X
-    return _gain(G, G - b.T @ b, g, lower, upper)
+    return _System.of(G, G - b.T @ b).solved(g, lower, upper)
+
+
+@dataclass(frozen=True)
+class Others:
+    """Other residuals of the same motion, per log (n, E) each, and what the basis has of each, (R,)."""
+
+    residuals: Sequence[Sequence[np.ndarray]]
+    along: Sequence[np.ndarray]
+
+
+def others_of(base: Base, residuals: Sequence[Sequence[np.ndarray]]) -> Others:
+    """What a base and other residuals have in common, taken once for all columns."""
+    along = [
+        np.sum([np.tensordot(r, basis, 2) for basis, r in zip(base.basis, left, strict=True)], axis=0)
+        for left in residuals
+    ]
+    return Others(residuals, along)
 
 
 def gains_over(
-    base: Base,
-    columns: Columns,
-    residuals: Sequence[Sequence[np.ndarray]],
-    lower: np.ndarray,
-    upper: np.ndarray,
+    base: Base, columns: Columns, others: Others, lower: np.ndarray, upper: np.ndarray
 ) -> list[float]:
-    """Energies that K columns explain of other residuals (per log (n, E)) of the same motion."""
+    """Energies that K columns explain of other residuals of the same motion."""
     K = len(lower)
     G, b = np.zeros((K, K)), np.zeros((base.basis[0].shape[2], K))
     for rows, basis in zip(columns, base.basis, strict=True):
         for c, X in rows.items():
             G += X.T @ X
             b += basis[c].T @ X
-    out = []
-    for left in residuals:
-        along = sum(np.einsum("cek,ce->k", basis, r) for basis, r in zip(base.basis, left, strict=True))
+    system, out = _System.of(G, G - b.T @ b), []
+    for left, along in zip(others.residuals, others.along, strict=True):
         g = (
             sum(X.T @ r[c] for rows, r in zip(columns, left, strict=True) for c, X in rows.items())
             - b.T @ along
         )
-        out.append(_gain(G, G - b.T @ b, np.asarray(g), lower, upper).energy)
+        out.append(system.solved(np.asarray(g), lower, upper).energy)
     return out
 
 
@@ -183,23 +195,37 @@ def _directions(base: Base, columns: Columns) -> list[np.ndarray]:
     return [d @ directions for d in new]
 
 
-def _gain(full: np.ndarray, G: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
-    size = np.sqrt(np.maximum(np.diag(full), 1e-300))
-    own = np.diag(G) / size**2
-    alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
-    w, V = np.linalg.eigh(G / np.outer(size, size))
-    left = float(w[-1])
-    kept = w > _IMITATED
-    if not kept.any():
-        return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), alone, left)
-    half = V[:, kept] * np.sqrt(w[kept])  # G = half halfᵀ, in scaled columns
-    target = V[:, kept].T @ (g / size) / np.sqrt(w[kept])
-    x = V[:, kept] @ (target / np.sqrt(w[kept])) / size
-    if (x < lower).any() or (x > upper).any():
-        lo, hi = lower * size, upper * size
-        x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
-    z = half.T @ (x * size)
-    spread = V[:, kept] / np.sqrt(w[kept])
-    open = np.square(V[:, ~kept]).sum(axis=1) > _IMITATED
-    std = np.where(open, np.inf, np.sqrt(np.square(spread).sum(axis=1)) / size)
-    return Gain(float(2 * z @ target - z @ z), x, std, alone, left)
+@dataclass(frozen=True)
+class _System:
+    """G of K columns beyond the base, taken apart once for all residuals; size (K,): of the whole columns."""
+
+    size: np.ndarray
+    alone: np.ndarray
+    w: np.ndarray
+    V: np.ndarray
+    kept: np.ndarray
+
+    @staticmethod
+    def of(full: np.ndarray, G: np.ndarray) -> "_System":
+        size = np.sqrt(np.maximum(np.diag(full), 1e-300))
+        own = np.diag(G) / size**2
+        alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
+        w, V = np.linalg.eigh(G / np.outer(size, size))
+        return _System(size, alone, w, V, w > _IMITATED)
+
+    def solved(self, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
+        """g (K,): the columns times a residual."""
+        size, left = self.size, float(self.w[-1])
+        if not self.kept.any():
+            return Gain(0.0, np.zeros(len(g)), np.full(len(g), np.inf), self.alone, left)
+        V, root = self.V[:, self.kept], np.sqrt(self.w[self.kept])
+        half = V * root  # G = half halfᵀ, in scaled columns
+        target = V.T @ (g / size) / root
+        x = V @ (target / root) / size
+        if (x < lower).any() or (x > upper).any():
+            lo, hi = lower * size, upper * size
+            x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
+        z = half.T @ (x * size)
+        free = np.square(self.V[:, ~self.kept]).sum(axis=1) > _IMITATED
+        std = np.where(free, np.inf, np.sqrt(np.square(V / root).sum(axis=1)) / size)
+        return Gain(float(2 * z @ target - z @ z), x, std, self.alone, left)

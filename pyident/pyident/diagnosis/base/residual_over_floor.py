@@ -1,16 +1,16 @@
 """A fitted model against its logs, and against replicas of itself that went through the same analysis."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns, described
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
-from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, solve_base
+from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, others_of, solve_base
 from pyident.diagnosis.base.setting import Setting, replica_of
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
@@ -43,6 +43,16 @@ class Examination:
     replica_energy: np.ndarray
     count: np.ndarray
 
+    def among(self, wanted: Callable[[Candidate], bool]) -> "Examination":
+        """The same with some of the candidates only."""
+        at = [i for i, c in enumerate(self.candidates) if wanted(c)]
+        return replace(
+            self,
+            candidates=[self.candidates[i] for i in at],
+            gains=[self.gains[i] for i in at],
+            replica_gains=self.replica_gains[:, at],
+        )
+
     @property
     def floor_energies(self) -> np.ndarray:
         """(n,) energy that replicas leave on each equation, on average."""
@@ -59,8 +69,14 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def examine(setting: Setting, workers: Workers, progress: Progress) -> Examination:
-    """Run the replicas and hold the data against them. workers: processes with the fitted robot's FMU."""
+def examine(
+    setting: Setting, workers: Workers, progress: Progress, listed: Sequence[Candidate] | None = None
+) -> Examination:
+    """Run the replicas and hold the data against them.
+
+    workers   processes with the fitted robot's FMU
+    listed    the candidates to look at; None: all
+    """
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
     replicas, bands, residuals = [], [], []
@@ -72,31 +88,33 @@ def examine(setting: Setting, workers: Workers, progress: Progress) -> Examinati
         progress(0.5 * (i + 1) / count)
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    listed = candidates(robot, data, order_peaks(robot, data, base.p, setting.rules.periodic))
+    if listed is None:
+        orders = order_peaks(robot, data, base.p, setting.rules.periodic)
+        listed = [*candidates(robot, data, orders), *described(robot)]
     gains = gains_of(robot, data, base, level, listed)
-    if setting.simulates:
-        jobs = [workers.submit(_judged, robot, made, level, listed) for made in replicas]
-    else:
-        jobs = [workers.submit(_left, robot, made, level) for made in replicas]
+    noisy = [setting.simulates and not c.describes for c in listed]
+    own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
+    jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
-    if setting.simulates:
-        replica_gains = np.array([g for g, _ in judged])
-    else:
-        replica_gains = _along_same_motion(robot, data, base, level, listed, [left for left, _ in judged])
+    shared = [c for c, is_noisy in zip(listed, noisy, strict=True) if not is_noisy]
+    of_shared = _along_same_motion(robot, data, base, level, shared, [left for _, left, _ in judged])
+    replica_gains = np.empty((count, len(listed)))
+    replica_gains[:, noisy] = [g for g, _, _ in judged]
+    replica_gains[:, np.logical_not(noisy)] = of_shared
     mean_square, number = energy(data, base)
     return Examination(
         setting,
         level,
         data,
         base,
-        listed,
+        list(listed),
         gains,
         replica_gains,
         mean_square,
-        np.array([e for _, e in judged]),
+        np.array([e for _, _, e in judged]),
         number,
     )
 
@@ -135,19 +153,14 @@ def judged_replica(fmu: Simulator, setting: Setting, seed: int) -> list[Log]:
     return [inexact(setting.robot, log, share, len(made) * seed + i) for i, log in enumerate(made)]
 
 
-def _judged(_: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]):
+def _judged(
+    _: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]
+) -> tuple[list[float], list[np.ndarray], np.ndarray]:
+    """Gains, residual and its energy in a replica."""
     data = whitened(robot, logs, level)
     base = solve_base(data)
-    return [g.energy for g in gains_of(robot, data, base, level, listed)], energy(data, base)[0]
-
-
-def _left(
-    _: Simulator, robot: Robot, logs: Sequence[Log], level: Floor
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Residual and its energy in a replica."""
-    data = whitened(robot, logs, level)
-    base = solve_base(data)
-    return base.residual, energy(data, base)[0]
+    gains = [g.energy for g in gains_of(robot, data, base, level, listed)]
+    return gains, base.residual, energy(data, base)[0]
 
 
 def _along_same_motion(
@@ -158,10 +171,10 @@ def _along_same_motion(
     listed: Sequence[Candidate],
     residuals: Sequence[Sequence[np.ndarray]],
 ) -> np.ndarray:
-    """(B, C) gains in replicas that share the data's motion but for noise, and so its columns."""
-    levels = [level.at(e.band) for e in data]
-    found = [gains_over(base, columns(robot, c, data, levels), residuals, *bounds(robot, c)) for c in listed]
-    return np.array(found).T
+    """(B, C) gains in replicas that share the data's motion but for little, and so its columns."""
+    levels, others = [level.at(e.band) for e in data], others_of(base, residuals)
+    found = [gains_over(base, columns(robot, c, data, levels), others, *bounds(robot, c)) for c in listed]
+    return np.array(found).reshape(len(listed), len(residuals)).T
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:

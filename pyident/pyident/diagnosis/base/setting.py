@@ -131,15 +131,14 @@ def replica_of(
     rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
     seeds = rng.integers(2**31, size=len(repeats))
     parameters = setting.robot.parameters | dict(setting.solver)
-    return [
-        r.replica(
-            fmu.simulate if fmu else None,  # pyright: ignore[reportArgumentType]
-            parameters,
-            {**setting.noise, **setting.own_noise.get(r.log.source, {})},
-            int(s),
-        )
-        for r, s in zip(repeats, seeds, strict=True)
-    ]
+    made = []
+    for r, s in zip(repeats, seeds.tolist(), strict=True):
+        noise = {**setting.noise, **setting.own_noise.get(r.log.source, {})}
+        if isinstance(r, AlongMotion):
+            made.append(r.replica(parameters, noise, s))
+        else:
+            made.append(r.replica(fmu.simulate, parameters, noise, s))
+    return made
 
 
 def _refitted(fmu: Simulator, setting: Setting, seed: int) -> np.ndarray:

@@ -5,14 +5,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.candidates import Candidate, law_of, slopes, units_of
 from pyident.diagnosis.base.projection import Gain
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
 from pyident.diagnosis.result import Limit, Row
 from pyident.diagnosis.search.search import Search
-from pyident.regression.candidate_columns import coverage, effect_columns
+from pyident.regression.candidate_columns import coverage
 from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
@@ -45,8 +44,8 @@ def limit_of(
         reason = f"the logs do not cover what it needs: {law.needs}"
     elif share > _WHOLE:
         reason = "it would have to be larger than all else on its equation to be seen"
-    units = robot.with_effect(c.joint, c.effect).units
-    names = {name: units[parameter_name(c.joint, c.effect, name)] for name in smallest}
+    units = units_of(robot, c)
+    names = {name: units[name] for name in smallest}
     return Limit(
         c.effect, joint_name(c.joint), smallest, names, share, reason, law.experiment if reason else ""
     )
@@ -76,10 +75,10 @@ def rows_over_floor(ex: Examination) -> list[Row]:
 
 def _share(robot: Robot, log: Equations, c: Candidate, smallest: Mapping[str, float]) -> float:
     """rms of the least of the parameters' forces, of the rms of its row's own torque [%]."""
-    slopes = effect_columns(robot, c.joint, c.effect, log.part.motion, dict(c.values))
+    of = slopes(robot, c, log.part.motion)
     found = []
     for name, amplitude in smallest.items():
-        row, column = next(iter(slopes[name].items()))
+        row, column = next(iter(of[name].items()))
         stiffness = robot.q[row].stiffness
         if stiffness is None:
             own = log.part.target[:, row]

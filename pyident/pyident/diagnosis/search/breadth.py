@@ -16,11 +16,10 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns, motion_for
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns, motion_for, slopes
 from pyident.diagnosis.base.projection import Base, extended, fall_per_row, gain, solve_base
 from pyident.diagnosis.search.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
-from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.spectrum import Equations, equations
 from pyident.rules.search import SearchRules
 
@@ -106,8 +105,7 @@ def _force_left(
     whole: dict[int, float] = {}
     left: dict[int, float] = {}
     for log, keep in zip(logs, kept, strict=True):
-        motion, known = motion_for(robot, candidate, log), dict(candidate.values)
-        of = effect_columns(robot, candidate.joint, candidate.effect, motion, known).values()
+        of = slopes(robot, candidate, motion_for(robot, candidate, log.part.motion)).values()
         for row in {row for by_row in of for row in by_row}:
             force = sum(x * by_row.get(row, 0.0) for x, by_row in zip(coefficients, of, strict=True))
             energy = np.square(force) * log.part.use[:, row]

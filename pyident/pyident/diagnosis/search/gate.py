@@ -1,17 +1,17 @@
-"""The gate that an effect passes to be named, and the numbers by which it fails.
+"""The gate that an effect passes to be added to a model, or named, and the numbers by which it fails.
 
 All shares are of what exceeds the floor on the equations where the effect acts: what another joint lacks says
-nothing about this one.
+nothing about this one. `admission` is the gate. Who passes it may be added; who takes most besides is named.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import fall_per_row
-from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.search import Found, Search, Step
 
 
@@ -24,6 +24,45 @@ class Refusal:
     share_percent: float
     heldout_percent: float | None
     reason: str
+
+
+@dataclass(frozen=True)
+class Admission:
+    """What the gate finds of effects, `lead` first, on the equations `rows` of a search.
+
+    p_value   chance of the lead's gain with nothing missing
+    share     of what exceeds the floor there that all of them take;  unseen: the same on held-out logs
+    reason    why they do not pass; empty: they do
+    """
+
+    lead: Candidate
+    rows: tuple[int, ...]
+    p_value: float
+    share: float
+    unseen: Unseen | None
+    reason: str
+
+    @property
+    def refusal(self) -> Refusal:
+        unseen = None if self.unseen is None else 100 * self.unseen.share
+        return Refusal(self.lead, self.rows, 100 * self.share, unseen, self.reason)
+
+
+def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held: HeldOut) -> Admission:
+    """Whether effects, `lead` first, may be added to what the search rests on."""
+    rules, rows = search.rules, main_rows(search, lead.candidate)
+    p_value, share = search.p_value(lead), share_on(search, candidates, rows)
+    unseen = held.share(search, candidates, rows)
+    reason = ""
+    if p_value > rules.level:
+        reason = f"replicas without it show as much (p = {p_value:.2g})"
+    elif not counts(search, lead):
+        reason = "what it takes is too small beside the floor to matter"
+    elif share < rules.part:
+        reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
+    elif unseen is not None and not held.holds(unseen, share, rules):
+        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
+    return Admission(lead.candidate, rows, p_value, share, unseen, reason)
 
 
 def counts(search: Search, found: Found) -> bool:
@@ -54,26 +93,19 @@ def group_for(search: Search, step: Step, lead: Found, held: HeldOut) -> tuple[l
 
     The search rests on what was accepted before; step: its ranking.
     """
-    rows = main_rows(search, lead.candidate)
     steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
-    shares: list[float] = []
+    first = None
     for needed in search.rules.explained:
-        chosen = [s.best.candidate for s in steps]
-        shares.append(share_on(search, chosen, rows))
-        if shares[-1] >= needed:
-            break
-        further = _next(search, steps, rows)
+        entry = admission(search, lead, [c for s in steps for c in s.candidates], held)
+        first = first or entry
+        if entry.share >= needed:
+            return (steps, None) if not entry.reason else ([], entry.refusal)
+        further = _next(search, steps, entry.rows)
         if further is None:
-            return [], _refusal(search, steps[0], rows, shares[0], held, needed)
+            return [], _too_little(first, needed)
         steps.append(further)
-    else:
-        return [], _refusal(search, steps[0], rows, shares[0], held, search.rules.explained[0])
-    chosen = [c for s in steps for c in s.candidates]
-    unseen = held.share(search, chosen, rows)
-    if unseen is not None and not held.holds(unseen, shares[-1], search.rules):
-        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
-        return [], Refusal(lead.candidate, rows, 100 * shares[-1], 100 * unseen.share, reason)
-    return steps, None
+    assert first is not None
+    return [], _too_little(first, search.rules.explained[0])
 
 
 def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
@@ -90,13 +122,10 @@ def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | 
     return None
 
 
-def _refusal(
-    search: Search, step: Step, rows: tuple[int, ...], share: float, held: HeldOut, needed: float
-) -> Refusal:
-    unseen = held.share(search, [step.best.candidate], rows)
-    reason = (
-        f"it takes {100 * share:.0f} % of what exceeds the floor there; a name needs {100 * needed:.0f} %"
-    )
-    return Refusal(
-        step.best.candidate, rows, 100 * share, None if unseen is None else 100 * unseen.share, reason
-    )
+def _too_little(entry: Admission, needed: float) -> Refusal:
+    """Of a lead that passes the gate or not, but takes too little for a name."""
+    share = f"it takes {100 * entry.share:.0f} % of what exceeds the floor there"
+    unseen = entry.unseen
+    if unseen is not None:
+        share = f"{share}, {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} % on held-out data"
+    return replace(entry, reason=f"{share}; a name needs {100 * needed:.0f} %").refusal

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import Refusal, counts, group_for, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, admission, counts, group_for, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.search import Found, Search, Step
@@ -59,7 +59,8 @@ def select(search: Search, held: HeldOut) -> Selection:
             imitators |= faults
             refusal = None if group else _imitator(view, lead, faults)
         if refusal is not None:
-            refusals[max(refusal.rows, key=lambda row: view.remaining_on([row]))] = refusal
+            worst = max(refusal.rows, key=lambda row: view.remaining_on([row]))
+            refusals[worst] = refusal
             continue
         chosen = _with_orders(search, [*chosen, *group])
         view = search.resting_on(_candidates(chosen))
@@ -84,14 +85,13 @@ def _group(
     taken = {row for s in chosen for row in view.rows(s.best.candidate)}
     if taken.isdisjoint(rows):
         return group_for(view, step, lead, held)
+    entry = admission(view, lead, [lead.candidate], held)
     if not _owns(view, lead, rows):
-        reason = "beside the effects found there it takes too little of the rest"
-        return [], Refusal(lead.candidate, rows, 100 * share_on(view, [lead.candidate], rows), None, reason)
-    unseen = held.share(view, [lead.candidate], rows)
-    share = share_on(view, [lead.candidate], rows)
-    if unseen is not None and not held.holds(unseen, share, view.rules):
-        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
-        return [], Refusal(lead.candidate, rows, 100 * share, 100 * unseen.share, reason)
+        return [], replace(
+            entry, reason="beside the effects found there it takes too little of the rest"
+        ).refusal
+    if entry.reason:
+        return [], entry.refusal
     return [view.led_by(lead, step.ranked)], None
 
 

@@ -24,6 +24,7 @@ from pyident.diagnosis.base.candidates import (
     law_of,
     motion_for,
     proper,
+    slopes,
 )
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
@@ -31,7 +32,6 @@ from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.log import Log
-from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Equations, Floor, equations
@@ -164,9 +164,9 @@ def _forces(
 def _force(robot: Robot, law: _Law, log: Equations, row: int) -> np.ndarray:
     """(N,) of the law on one row."""
     c = law.candidate
-    slopes = effect_columns(robot, c.joint, c.effect, motion_for(robot, c, log), dict(c.values))
+    unit_forces = slopes(robot, c, motion_for(robot, c, log.part.motion))
     force = np.zeros(len(log.part.target))
-    for by_row, coefficient in zip(slopes.values(), law.gain.coefficients, strict=True):
+    for by_row, coefficient in zip(unit_forces.values(), law.gain.coefficients, strict=True):
         force += coefficient * by_row.get(row, 0.0)
     return force
 

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, table, wrapped
+from pyident.verbs.text import Text, half_interval, table, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +62,7 @@ class FmuFit(Result):
             (
                 e.free.name,
                 f"{e.value:.6g}",
-                f"{CONFIDENCE * e.std:.2g}" if np.isfinite(e.std) else "-",
+                half_interval(e.std),
                 e.free.unit,
                 "" if e.determined else "the logs do not tell it by itself",
             )

@@ -10,7 +10,9 @@ from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.extension import add_effect as extension
 from pyident.extension.add_effect import add_effect, split
+from pyident.extension.extended_robot import require_new
 from pyident.logs.log import write_log
+from pyident.regression.descriptions import corrected, value_of
 from pyident.verbs import judge
 
 
@@ -41,7 +43,8 @@ def test_the_true_effect_is_accepted(folder, logs):
 def test_a_wrong_effect_is_refused(folder, logs):
     found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
     assert not found.accepted
-    assert found.reason.startswith("stribeck at joint 1 is refused: on held-out data the error of the")
+    assert found.reason.startswith("stribeck at joint 1 is refused: ")
+    assert found.asked.admission.reason in found.reason  # the gate of the diagnosis, in its words
 
 
 def test_a_law_whose_model_cannot_be_simulated_is_refused(monkeypatch, folder, logs):
@@ -94,3 +97,31 @@ def test_the_command(monkeypatch, folder, logs, tmp_path):
     done = add("teleport", 2, tmp_path / "no.toml")
     assert done.exit_code == 2
     assert "unknown effect 'teleport'" in done.stderr
+
+
+def test_a_description_is_named_as_the_robot_file_names_it(folder, logs, tmp_path):
+    save_robot(two_link(), tmp_path / "old.toml")
+    write_log(logs[0], tmp_path / "log.parquet")
+    for words, said in (
+        (("geometry", "joint2.length"), "is no quantity of a robot's description"),
+        (("geometry", "joint2.torque_gain"), "multiply joint2.tau"),
+        (("stribeck",), "Give --joint K"),
+    ):
+        given = ["add", tmp_path / "old.toml", *words, tmp_path / "log.parquet", "-o", tmp_path / "new.toml"]
+        done = CliRunner().invoke(main, [str(w) for w in given])
+        assert done.exit_code == 2
+        assert said in " ".join(done.stderr.split())
+        assert not (tmp_path / "new.toml").exists()
+
+
+def test_a_correction_is_what_the_file_lacks():
+    robot = two_link()
+    right = corrected(robot, 2, "origin[z]", 0.002)
+    assert right.joints[1].origin == pytest.approx((0.0, -0.05, 0.402))
+    assert value_of(right, 2, "origin[z]") == "[0, -0.05, 0.402]"
+    turned = corrected(robot, 1, "encoder_zero", 0.01)
+    assert turned.joints[0].x == pytest.approx(robot.joints[0].x)
+    assert turned.joints[1].origin != pytest.approx(robot.joints[1].origin)
+    require_new(robot, 2, "axis[y]")
+    with pytest.raises(RobotError, match="has no joint 3"):
+        require_new(robot, 3, "encoder_zero")

@@ -15,7 +15,7 @@ from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
-from flexmodels.files.urdf_check import check_urdf, require_few
+from flexmodels.files.urdf.check import check_urdf, require_few
 from flexmodels.joint import Joint, Limits
 from flexmodels.robot import Robot, RobotError
 
@@ -83,10 +83,10 @@ def _parse(path: Path) -> Any:
     except RobotError as error:
         raise RobotError(f"{path} cannot be read as URDF: {error}") from None
     except (etree.XMLSyntaxError, core.ParseError, AssertionError, ValueError, KeyError, TypeError) as error:
-        missing = (
+        what = (
             "a number that URDF requires is missing" if isinstance(error, TypeError) else str(error).strip()
         )
-        first = (missing or "it has no single root link").splitlines()
+        first = (what or "it has no single root link").splitlines()
         raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); correct the file") from None
     return model
 

@@ -1,0 +1,28 @@
+"""What a diagnosis may name: laws, errors of the description; the motion that these are evaluated along."""
+
+import numpy as np
+from pinocchio_model import PinocchioRobot
+from six_axis_logs import arm, made
+
+from flexmodels.files.robot_file import load_robot
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.candidates import Candidate, law_of, motion_for, units_of
+
+
+def test_a_description_is_a_law_with_one_parameter():
+    robot = load_robot("four_link")
+    law = law_of(robot, Candidate("axis[y]", 2))
+    assert [(p.name, p.unit) for p in law.linear] == [("correction", "rad")]
+    assert not law.nonlinear
+    assert units_of(robot, Candidate("stribeck", 2))["velocity"] == "rad/s"
+
+
+def test_the_load_of_a_rigid_joint_is_what_the_links_need():
+    """Not the measured torque, nor the model's own: both hold friction, which would then explain itself."""
+    robot = arm()
+    motion = condition(made(robot, 0, duration=5.0), robot).motion
+    oracle = PinocchioRobot(robot)
+    links = np.array([oracle.inverse_dynamics(*x) for x in zip(motion.q, motion.dq, motion.ddq, strict=True)])
+    given = motion_for(robot, Candidate("load_dependent_friction", 2), motion)
+    assert given.tau is not None
+    np.testing.assert_allclose(given.tau, links, atol=1e-6 * np.abs(links).max())
