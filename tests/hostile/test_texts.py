@@ -90,6 +90,19 @@ def test_modelica_texts(name, folder):
         assert "y" not in package.classes
 
 
+@pytest.mark.parametrize("name", [RUNS, "]]>&amp;<!ENTITY", "../../../etc/passwd"])
+def test_system_structures(name, folder):
+    (folder / "arm.toml").write_bytes(named((name,) * 4))
+    assert run("export", "arm.toml", "-o", "out.ssp").exit_code == 0
+    counted("texts")
+    with zipfile.ZipFile(folder / "out.ssp") as archive:
+        system = ET.fromstring(archive.read("SystemStructure.ssd"))
+        names = ["SystemStructure.ssd", "resources/controller.fmu", "resources/plant.fmu"]
+        assert archive.namelist() == names
+    assert system.get("name") == name
+    assert {path.name for path in folder.iterdir()} == {"arm.toml", "out.ssp"}
+
+
 def test_an_fmu_runs_no_text(folder):
     """Compiled and loaded; the sources that it carries are the same for any text."""
     (folder / "arm.toml").write_bytes(named((RUNS,) * 4))
