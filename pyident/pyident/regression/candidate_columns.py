@@ -1,6 +1,5 @@
 """Columns that one more law would add to Φ, for a search over laws and over their nonlinear parameters."""
 
-from collections import deque
 from collections.abc import Mapping, Sequence
 from itertools import product
 
@@ -12,9 +11,10 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import Signals, body_columns, compiled, law_columns
+from pyident.regression.recent import Recent
 from pyident.regression.regressor import regressor
 
-_recent: deque[tuple[Robot, Motion, Signals]] = deque(maxlen=8)  # a search asks for them again and again
+_signals_of: Recent[Signals] = Recent(8)
 
 
 def effect_columns(
@@ -73,13 +73,7 @@ def coverage(
 
 
 def _signals(robot: Robot, motion: Motion) -> Signals:
-    """A motion's signals, those of the last motions kept."""
-    for known in tuple(_recent):
-        if known[0] is robot and known[1] is motion:
-            return known[2]
-    made = Signals(robot, motion)
-    _recent.append((robot, motion, made))
-    return made
+    return _signals_of.of((robot, motion), lambda: Signals(robot, motion))
 
 
 def _acting(

@@ -1,6 +1,5 @@
 """What a diagnosis may name: every effect of the catalogue at every joint; and errors of the description."""
 
-from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,11 +14,12 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
+from pyident.regression.recent import Recent
 from pyident.regression.regressor import regressor_blocks
 from pyident.regression.spectrum import Band, Equations
 
-_described: deque[tuple[Robot, Conditioned, "Candidate", dict[int, np.ndarray]]] = deque(maxlen=512)
-_recent: deque[tuple[Robot, Motion, str, Motion]] = deque(maxlen=16)  # a search asks for them again and again
+_descriptions: Recent[dict[int, np.ndarray]] = Recent(512)
+_with_torques: Recent[Motion] = Recent(16)
 
 
 @dataclass(frozen=True)
@@ -170,14 +170,14 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
 
 def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
     """The motion with torques of the model's parameters whose names begin with `part`."""
-    for known in tuple(_recent):
-        if known[0] is robot and known[1] is motion and known[2] == part:
-            return known[3]
-    p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
-    tau = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])[:, : len(robot.joints)]
-    made = replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
-    _recent.append((robot, motion, part, made))
-    return made
+
+    def made() -> Motion:
+        p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
+        torques = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])
+        tau = torques[:, : len(robot.joints)]
+        return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
+
+    return _with_torques.of((robot, motion), made, part)
 
 
 def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
@@ -191,21 +191,15 @@ def _columns(
     robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
     if candidate.describes and factor.all():  # costs far more than a law, and is asked for as often
-        raw = _known_columns(robot, candidate, log.part, log.band)
+        whole = np.ones(len(log.part.target))
+        raw = _descriptions.of(
+            (robot, log.part),
+            lambda: _transformed(robot, candidate, log.part, log.band, whole),
+            candidate,
+        )
     else:
         raw = _transformed(robot, candidate, log.part, log.band, factor)
     return {row: X / level[row][:, None] for row, X in raw.items()}
-
-
-def _known_columns(
-    robot: Robot, candidate: Candidate, part: Conditioned, band: Band
-) -> dict[int, np.ndarray]:
-    for known in tuple(_described):
-        if known[0] is robot and known[1] is part and known[2] == candidate:
-            return known[3]
-    made = _transformed(robot, candidate, part, band, np.ones(len(part.target)))
-    _described.append((robot, part, candidate, made))
-    return made
 
 
 def _transformed(
