@@ -9,7 +9,7 @@ from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.gate import Refusal, counts, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
@@ -49,7 +49,6 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         notes=(
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
-            *_quiet(beside, places, selection),
             *wrong_descriptions(search, selection, held),
         ),
         noise=ex.setting.noise,
@@ -155,19 +154,6 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
             "there, and hide what is smaller than their floor"
         )
-
-
-def _quiet(beside: Search, places: Sequence[Place], selection: Selection) -> Iterator[str]:
-    """What no replica shows where nothing stands out, and why it is not named; beside: with the findings."""
-    by_family = {r.candidate.family: r for r in selection.refusals}
-    for refusal in by_family.values():
-        if any(places[row].state != "in_order" for row in refusal.rows):
-            continue
-        c = refusal.candidate
-        found = beside.best(c.effect, c.joint)
-        if found is None or not counts(beside, found):
-            continue
-        yield f"{c.effect} at joint{c.joint} is more than any replica shows, but {refusal.reason}"
 
 
 def _orders_of(step: Step) -> str:

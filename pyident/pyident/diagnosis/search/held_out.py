@@ -16,7 +16,7 @@ from pyident.rules.search import SearchRules
 @dataclass(frozen=True)
 class Unseen:
     """Of what exceeds the floor on held-out logs: the share that is taken, its standard deviation; and that
-    excess itself, in floors.
+    excess itself, in floors. Where hardly anything exceeds it, of the least that would count.
 
     With the residual r of the effects and s what they take, the energy falls by Σ (r + s)² − r², and the
     noise in r makes that vary by 4 Σ s² r².
@@ -47,7 +47,7 @@ class HeldOut:
         floor = float(search.examination.floor_energies[listed].sum()) / count
         floor *= sum(r.shape[1] for r in before)
         excess = sum(float(np.square(b).sum()) for b, _ in pairs) - floor
-        scale = max(excess, 1e-300)
+        scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
         return Unseen(fall / scale, float(np.sqrt(variance)) / scale, excess / max(floor, 1e-300))
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:

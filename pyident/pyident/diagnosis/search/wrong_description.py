@@ -1,7 +1,8 @@
 """Whether the robot file may be wrong: offered beside the verdict, which laws alone decide.
 
 Errors of the description are ranked among themselves, with what was named in the base. The best one is told
-if it is no chance, with what the gate says of it. A name would need more: what else the model lacks, and
+if it passes the gate where logs, held-out ones too, exceed the floor: elsewhere a gain of a torque takes what
+no replica shows of almost any log. A name would need more: what else the model lacks, and
 noise in closed loop, bend the value by more than its standard deviation says (2 mm of a link were read as 1.6
 and 2.6 mm), so that none is printed.
 """
@@ -29,20 +30,23 @@ def wrong_descriptions(search: Search, selection: Selection, held: HeldOut) -> I
 
 
 def _beside(view: Search, held: HeldOut) -> Iterator[str]:
-    """The best one beside what was named."""
+    """The best one beside what was named, if it passes the gate where something is left to explain."""
     step = view.step()
     lead = step.best
     entry = admission(view, lead, [lead.candidate], held)
-    if not counts(view, lead):
+    least = view.rules.unseen_excess
+    excess = view.over_floor[list(entry.rows)].mean() - 1
+    if entry.unseen is not None:
+        excess = min(excess, entry.unseen.excess)
+    if entry.reason or excess < least:
         return
     unseen = entry.unseen
     share = f"{100 * entry.share:.0f} %"
     if unseen is not None:
         share += f", on held-out data {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %,"
-    doubt = "; too little for `add`" if entry.reason else _doubt(view, lead)
     yield (
         f"the robot file may be wrong in {_named(view, step.tie)}: more than any replica shows, it takes "
-        f"{share} of what exceeds the floor there{doubt}"
+        f"{share} of what exceeds the floor there{_doubt(view, lead)}"
     )
 
 
