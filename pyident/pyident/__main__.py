@@ -21,18 +21,24 @@ def main() -> None:
     interrupted: list[int] = []
     atexit.register(_leave, interrupted)  # the first that is registered is the last that is called
     try:
+        _command()
+    except SystemExit as end:
+        if end.code == 128 + signal.SIGINT:
+            interrupted.append(128 + signal.SIGINT)
+        raise
+
+
+def _command() -> None:
+    import signal
+
+    try:
         from pyident.cli.main import main
 
         main()
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         print("stopped", file=sys.stderr)
-        interrupted.append(128 + signal.SIGINT)
         raise SystemExit(128 + signal.SIGINT) from None
-    except SystemExit as end:
-        if end.code == 128 + signal.SIGINT:
-            interrupted.append(128 + signal.SIGINT)
-        raise
 
 
 def _asked(number: int, frame: "FrameType | None") -> None:

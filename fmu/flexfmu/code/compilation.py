@@ -4,6 +4,7 @@ import platform
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from flexfmu.code.kept_objects import KeptObjects
@@ -73,11 +74,10 @@ def compile_for(target: Platform, folder: Path, sources: list[str], binary: Path
         for level, names in (("-O1", set(sources) & set(_STRAIGHT)), ("-O2", set(sources) - set(_STRAIGHT))):
             for name in sorted(names):
                 words = [*command, *flags, level, "-c", name, "-o"]
-                objects.append(str(built / f"{name}.o"))
-                if not kept.copy(words, folder / name, objects[-1]):
-                    _run([*words, objects[-1]], folder)
-                    kept.keep(words, folder / name, objects[-1])
-        _run([*command, "-shared", *objects, "-o", str(binary), "-lm"], folder)
+                objects.append(built / f"{name}.o")
+                compiled = partial(_run, [*words, str(objects[-1])], folder)
+                kept.place(words, folder / name, objects[-1], compiled)
+        _run([*command, "-shared", *map(str, objects), "-o", str(binary), "-lm"], folder)
     for leftover in binary.parent.iterdir():  # debug and import files of the Windows linker
         if leftover != binary:
             leftover.unlink()

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -20,25 +21,21 @@ class KeptObjects:
         self._kept = Kept(".o", cache_folder() / "objects")
         self._compiler = None if "ziglang" in command else _described(command)
 
-    def copy(self, words: list[str], source: Path, path: str) -> bool:
-        """Puts the object of the same call and the same C at `path`; False if there is none."""
+    def place(self, words: list[str], source: Path, path: Path, compiled: Callable[[], None]) -> None:
+        """Puts the object of this call and this C at `path`: a kept one, else what `compiled` puts there."""
         if self._compiler is None:
-            return False
+            compiled()
+            return
+        # of the call, the compiler's own file, the C file and the headers beside it that it includes
+        key = key_of(*words, self._compiler, *_with_headers(source))
         with suppress(OSError):
-            kept = self._kept.find(self._key(words, source))
+            kept = self._kept.find(key)
             if kept:
                 shutil.copyfile(kept, path)
-                return True
-        return False
-
-    def keep(self, words: list[str], source: Path, path: str) -> None:
-        if self._compiler is not None:
-            with suppress(OSError):
-                self._kept.keep(self._key(words, source), Path(path).read_bytes())
-
-    def _key(self, words: list[str], source: Path) -> str:
-        """Of the call, the compiler's own file, the C file and the headers beside it that it includes."""
-        return key_of(*words, self._compiler or "", *_with_headers(source))
+                return
+        compiled()
+        with suppress(OSError):
+            self._kept.keep(key, path.read_bytes())
 
 
 def _described(command: list[str]) -> str:

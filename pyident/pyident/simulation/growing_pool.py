@@ -9,14 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from pyident.simulation.workers import (
-    Make,
-    Processes,
-    configured_scheduler,
-    dask_workers,
-    inline,
-    local_processes,
-)
+from pyident.simulation.workers import Make, Processes, inline, local_processes, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -48,10 +41,11 @@ class _Growing(Processes[T]):
 @contextmanager
 def growing_pool(make: Make[T]) -> Iterator[Processes[T]]:
     """The Dask cluster that is configured; else this process, and one per core where the work goes on."""
-    scheduler = configured_scheduler()
-    if scheduler:
-        with dask_workers(make, scheduler) as workers:
-            yield workers
-        return
+    with workers_with(make, _growing) as workers:
+        yield workers
+
+
+@contextmanager
+def _growing(make: Make[T]) -> Iterator[Processes[T]]:
     with inline(make) as here, local_processes(make) as others:
         yield _Growing(others.executor, others.count, others.token, here)

@@ -23,10 +23,10 @@ def interrupts_blocked() -> Iterator[None]:
     The tracker of shared resources, which the first process brings along, unblocks Ctrl-C in the thread
     that starts it, so it is started before.
     """
-    resource_tracker.ensure_running()
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
+    resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -54,10 +54,13 @@ class Processes(Generic[T]):
 
 
 @contextmanager
-def workers_with(make: Make[T]) -> Iterator[Processes[T]]:
+def workers_with(
+    make: Make[T], on_this_machine: "Callable[[Make[T]], AbstractContextManager[Processes[T]]] | None" = None
+) -> Iterator[Processes[T]]:
     """The Dask cluster that is configured (DASK_SCHEDULER_ADDRESS), else processes of this machine."""
     scheduler = configured_scheduler()
-    with dask_workers(make, scheduler) if scheduler else local_processes(make) as workers:
+    own = on_this_machine or local_processes
+    with dask_workers(make, scheduler) if scheduler else own(make) as workers:
         yield workers
 
 

@@ -61,7 +61,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
     elif unseen is not None and not held.holds(unseen, share, rules):
-        reason = f"on held-out data it takes {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %"
+        reason = f"on held-out data it takes {unseen}"
     return Admission(lead.candidate, rows, p_value, share, unseen, reason)
 
 
@@ -125,7 +125,6 @@ def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | 
 def _too_little(entry: Admission, needed: float) -> Refusal:
     """Of a lead that passes the gate or not, but takes too little for a name."""
     share = f"it takes {100 * entry.share:.0f} % of what exceeds the floor there"
-    unseen = entry.unseen
-    if unseen is not None:
-        share = f"{share}, {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} % on held-out data"
+    if entry.unseen is not None:
+        share = f"{share}, {entry.unseen} on held-out data"
     return replace(entry, reason=f"{share}; a name needs {100 * needed:.0f} %").refusal

@@ -26,6 +26,9 @@ class Unseen:
     std: float
     excess: float
 
+    def __str__(self) -> str:
+        return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
+
 
 @dataclass(frozen=True)
 class HeldOut:

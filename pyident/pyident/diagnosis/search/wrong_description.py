@@ -40,10 +40,9 @@ def _beside(view: Search, held: HeldOut) -> Iterator[str]:
         excess = min(excess, entry.unseen.excess)
     if entry.reason or excess < least:
         return
-    unseen = entry.unseen
     share = f"{100 * entry.share:.0f} %"
-    if unseen is not None:
-        share += f", on held-out data {100 * unseen.share:.0f} ± {100 * unseen.std:.0f} %,"
+    if entry.unseen is not None:
+        share += f", on held-out data {entry.unseen},"
     yield (
         f"the robot file may be wrong in {_named(view, step.tie)}: more than any replica shows, it takes "
         f"{share} of what exceeds the floor there{_doubt(view, lead)}"
