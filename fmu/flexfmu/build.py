@@ -11,7 +11,7 @@ from flexfmu.files.icon import icons
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
 from flexfmu.variables import states
-from flexmodels.compiler import BuildError
+from flexmodels.compiling.compiler import BuildError
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 

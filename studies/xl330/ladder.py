@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-from flexmodels.compiler import compiler
+from flexmodels.compiling.compiler import compiler
 
 STEP = 0.005  # [s]
 _ROUGH = 0.03  # [rad], as in the fit that it is compared with

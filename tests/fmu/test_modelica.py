@@ -7,7 +7,7 @@ import pytest
 
 import pyident as pi
 from flexfmu.code.modelica import export_modelica, modelica_text
-from flexmodels.compiler import BuildError
+from flexmodels.compiling.compiler import BuildError
 from flexmodels.experiment import Experiment
 from flexmodels.settings.controller import Controller
 from flexmodels.settings.settings import Settings

@@ -6,7 +6,7 @@ import pytest
 
 from flexfmu.build import export_fmu
 from flexfmu.code import compilation
-from flexmodels import kept
+from flexmodels.compiling import kept
 from flexmodels.files.robot_file import load_robot
 from flexmodels.mechanics.plant import equations
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from pinocchio_model import mixed_robot, random_motion, tree_robot
 
-from flexmodels.compiler import BuildError
+from flexmodels.compiling.compiler import BuildError
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression import compiled
 from pyident.regression import links as link_columns
 from pyident.regression.links import LinkColumns
+from pyident.regression.machine import compiled
 from pyident.regression.regressor import regressor
 
 ROBOTS = [

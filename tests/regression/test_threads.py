@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pyident.regression.threads import cores, each, spread
+from pyident.regression.machine.threads import cores, each, spread
 
 
 @settings(max_examples=50, deadline=None)
@@ -23,7 +23,7 @@ def test_every_sample_once(samples, most):
 
 @pytest.mark.parametrize("available", [1, 2])
 def test_errors_come_back(monkeypatch, available):
-    monkeypatch.setattr("pyident.regression.threads.cores", lambda: available)
+    monkeypatch.setattr("pyident.regression.machine.threads.cores", lambda: available)
 
     def work(item: int) -> None:
         if item == 3:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from flexfmu.code.kept_objects import KeptObjects
-from flexmodels.compiler import BuildError, compiler, zig
+from flexmodels.compiling.compiler import BuildError, compiler, zig
 from flexmodels.scratch import scratch_folder
 
 

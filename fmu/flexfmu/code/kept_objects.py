@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from flexmodels.kept import Kept, cache_folder, key_of
+from flexmodels.compiling.kept import Kept, cache_folder, key_of
 
 _INCLUDE = re.compile(rb'^#include "([^"]+)"', re.MULTILINE)
 

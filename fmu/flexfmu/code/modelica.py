@@ -12,7 +12,7 @@ import numpy as np
 
 from flexfmu.names import c_identifier
 from flexmodels.atomic import replacing
-from flexmodels.compiler import BuildError
+from flexmodels.compiling.compiler import BuildError
 from flexmodels.effects import BASE
 from flexmodels.joint import Joint
 from flexmodels.link import LINK_PARAMETERS

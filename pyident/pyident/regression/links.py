@@ -15,7 +15,7 @@ from pyident.kinematics import link_forces, robot_structure, source, symbolic, t
 from pyident.kinematics.elements import hinge
 from pyident.kinematics.elements.hinge import Hinge
 from pyident.kinematics.structure import Structure
-from pyident.regression.compiled import library
+from pyident.regression.machine.compiled import library
 
 _known: dict[str, "Compiled | None"] = {}  # by content of structure and gravity
 Rates = tuple[np.ndarray, np.ndarray, np.ndarray]  # q, dq, ddq, each (N, n), contiguous rows of floats

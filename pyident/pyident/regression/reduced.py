@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.regression.threads import each
+from pyident.regression.machine.threads import each
 from pyident.regression.triangle import Triangle
 
 

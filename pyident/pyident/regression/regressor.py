@@ -11,7 +11,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import LawColumn, Signals, body_columns, law_columns
 from pyident.regression.links import LinkColumns
-from pyident.regression.threads import spread
+from pyident.regression.machine.threads import spread
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
 BLOCK = 2 * CACHED

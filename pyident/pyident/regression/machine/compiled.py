@@ -8,8 +8,8 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from flexmodels.compiler import BuildError, compiler
-from flexmodels.kept import Kept, cache_folder, key_of
+from flexmodels.compiling.compiler import BuildError, compiler
+from flexmodels.compiling.kept import Kept, cache_folder, key_of
 from flexmodels.scratch import scratch_folder
 
 # -ffast-math for sines of several samples at once; never given to the linker, where it changes the process.

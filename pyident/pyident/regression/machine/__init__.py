@@ -1,0 +1,1 @@
+"""This machine: compiled C and all of its cores."""
