@@ -17,7 +17,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _WIDER = 1.5  # times the highest frequency of the motion: the corner of the low pass
@@ -45,9 +45,7 @@ class AlongMotion:
         p = np.array([parameters[name] for name in self.robot.linear_parameters])
         p = p + self.spread @ rng.standard_normal(self.spread.shape[1])
         joints = len(self.robot.joints)
-        torque = np.concatenate(
-            [(Phi @ p)[:, :joints] for _, Phi in regressor_blocks(self.robot, self.motion)]
-        )
+        torque = generalised_forces(self.robot, self.motion, p)[:, :joints]
         frame = self.log.frame.copy()
         made = dict(zip(self.robot.coordinates, self.motion.q.T, strict=True))
         made |= dict(zip(self.robot.torques, torque.T, strict=True))

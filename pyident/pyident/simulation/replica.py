@@ -42,13 +42,13 @@ class Repeat:
     lead: int = 0
     note: str | None = None
 
-    @property
-    def _inputs(self) -> Recorded:
-        return Recorded(self.plan, self.lead)
-
     def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
         """The log's motion made by a model, without noise."""
-        return self._inputs.cut(run(self.plan, parameters))
+        return self.cut(run(self.plan, parameters))
+
+    def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """A simulation of the plan without what comes before the log."""
+        return Recorded(self.plan, self.lead).cut(frame)
 
     def replica(
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
@@ -58,7 +58,7 @@ class Repeat:
         plan, n = self.plan, len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
         frame = with_noise(lambda made: run(made, parameters), plan, added)
-        return Log(self._inputs.cut(frame), f"replica of {self.log.source}")
+        return Log(self.cut(frame), f"replica of {self.log.source}")
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:

@@ -17,6 +17,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+_MEASURED = "this motion was measured and cannot be simulated"
 SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
 
 
@@ -25,6 +26,12 @@ class Simulator(Protocol):
 
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
         """The log of an experiment, with other values of some parameters. Raises SimulationError."""
+        ...
+
+    def simulate_batch(
+        self, experiment: Sequence[Experiment], parameters: Sequence[Mapping[str, float]]
+    ) -> list[pd.DataFrame]:
+        """The logs of as many experiments as there are sets of parameters, all of the same names."""
         ...
 
 
@@ -52,7 +59,12 @@ class Unsimulated:
     """Stands where replicas go along a measured motion, and nothing is simulated."""
 
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
-        raise SimulationError("this motion was measured and cannot be simulated")
+        raise SimulationError(_MEASURED)
+
+    def simulate_batch(
+        self, experiment: Sequence[Experiment], parameters: Sequence[Mapping[str, float]]
+    ) -> list[pd.DataFrame]:
+        raise SimulationError(_MEASURED)
 
 
 OpenPool = Callable[[Robot], AbstractContextManager[Pool]]
