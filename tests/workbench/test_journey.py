@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tab import Prompt, Tab, recorded, visit
+from one_joint_logs import recorded
+from tab import Prompt, Tab, visit
 
 from flexmodels.files.robot_file import load_robot
 from pyident.workbench import bench as benches
@@ -103,6 +104,13 @@ def test_a_law_is_tried_on_a_stretch(compared):
 
     log = compared.result("compare").comparison.traces[1].log
     visit(compared, steps, View("why", log, "joint1.e", (0.5, 2.5)))
+
+
+def test_a_span_that_the_log_does_not_have_is_a_sentence(compared):
+    async def steps(tab: Tab) -> None:
+        assert "has no samples from 100 to 200 s" in tab["no-ranking"].text
+
+    visit(compared, steps, View("why", span=(100.0, 200.0)))
 
 
 def test_a_model_is_fitted_and_held_beside_the_first(compared):
