@@ -17,7 +17,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import base_parameters
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import Estimate, weighted
 from pyident.estimation.identify import Identified, identified, without_intervals
 from pyident.estimation.instrumental_variables import (
     Rows,
@@ -48,7 +48,6 @@ from pyident.refinement.simulated_rows import (
 )
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
-from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
@@ -72,11 +71,12 @@ def identify_by_instruments(
     Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals.
     """
     parts = [condition(log, robot) for log in logs]
-    reduced, plain = estimate(Problem(robot, tuple(parts)))
+    plain = weighted(Problem(robot, tuple(parts)))
+    reduced = plain.reduced
     data = [in_memory(robot, part) for part in parts]
     lows = _LOW if carries(robot) else ()
-    starts = [identified(robot, reduced, _started(robot, data, reduced, plain, low)) for low in lows]
-    starts = starts or [identified(robot, reduced, plain)]
+    starts = [identified(robot, reduced, _started(robot, data, plain, low)) for low in lows]
+    starts = starts or [identified(robot, reduced, plain.solution)]
     best = starts[0]
     simulated, again = repeats(best.robot, logs)
     if not driven(robot):
@@ -121,7 +121,7 @@ def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers
     return starts[int(np.argmin(errors))]
 
 
-def _started(robot: Robot, data: list[Data], reduced: Reduced, plain: Solution, low: float) -> Solution:
+def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Solution:
     """Instruments from the log itself, of frequencies below `low`, where there is little noise."""
     from scipy.signal import butter
 
@@ -134,7 +134,8 @@ def _started(robot: Robot, data: list[Data], reduced: Reduced, plain: Solution, 
             listed.append(Rows(d.A, without_phase(sections, d.A * share[:, :, None]), d.y, share))
         return listed
 
-    return solve_instrumental(rows, reduced, plain.weights, spectral(rows, plain.weights))
+    weights = plain.solution.weights
+    return solve_instrumental(rows, plain.reduced, weights, spectral(rows, weights))
 
 
 def _rounds(

@@ -13,13 +13,14 @@ _DIGITS = 1e-17
 
 def filtered(a: np.ndarray, b: np.ndarray, h: np.ndarray, start: float) -> np.ndarray:
     """z at the samples, (N,), from a, b over the intervals, (N - 1,), of lengths h [s]."""
-    from scipy.linalg.lapack import dgtsv
+    from scipy.linalg import get_lapack_funcs
 
     gain, drive = np.exp(a * h), b * h * _psi(1, a * h)
     if not (gain <= 1).all():  # elimination would pivot, and a state that grows overflow backwards
         return _stepped(gain, drive, start)
     ones, nothing = np.ones(len(gain) + 1), np.zeros(len(gain))
-    return np.asarray(dgtsv(-gain, ones, nothing, np.append(start, drive))[3])  # z' - gain z = drive
+    (gtsv,) = get_lapack_funcs(("gtsv",), (drive,))
+    return np.asarray(gtsv(-gain, ones, nothing, np.append(start, drive))[3])  # z' - gain z = drive
 
 
 def _stepped(gain: np.ndarray, drive: np.ndarray, start: float) -> np.ndarray:

@@ -8,8 +8,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import Solution, solve, solve_weighted
+from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
@@ -32,6 +33,7 @@ class Setting:
     solver   the FMU's own parameters for the replicas
     rules    every threshold
     own_noise   log -> noise of its own, where it tells it
+    estimator   by which logs and replicas are fitted alike
     """
 
     robot: Robot
@@ -43,6 +45,7 @@ class Setting:
     solver: Mapping[str, float] = field(default_factory=dict)
     own_noise: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     rules: Rules = RULES
+    estimator: Estimator = weighted
 
     @property
     def logs(self) -> list[Log]:
@@ -54,15 +57,16 @@ class Setting:
         return all(isinstance(r, Repeat) for r in self.repeats)
 
 
-def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
+def set_up(
+    robot: Robot, logs: Sequence[Log], rules: Rules = RULES, estimator: Estimator = weighted
+) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = problem.reduced()
-    solution = solve_weighted(reduced)
+    found = estimator(Problem(robot, tuple(condition(log, robot) for log in logs)))
+    reduced, solution = found.reduced, found.solution
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
     own = {log.source: torque_noise(fitted, [log]) for log in logs}
-    setting = Setting(fitted, fitted, (), noise, reduced, solution, rules=rules, own_noise=own)
+    setting = Setting(fitted, fitted, (), noise, reduced, solution, {}, own, rules, estimator)
     loop_is_known = all(loop_of(fitted, log) is None for log in logs)
     if loop_is_known or any(joint.flexible for joint in fitted.joints):
         return in_closed_loop(setting, logs)
@@ -154,5 +158,5 @@ def _refitted(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[np
     robot, found = setting.robot, []
     for logs in replicas_of(fmu, setting, setting.repeats, seeds):
         problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-        found.append(solve(problem.reduced(), setting.solution.weights).p)
+        found.append(setting.estimator(problem, setting.solution).solution.p)
     return found
