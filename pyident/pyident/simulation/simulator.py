@@ -27,6 +27,19 @@ class Simulator(Protocol):
         """The log of an experiment, with other values of some parameters. Raises SimulationError."""
         ...
 
+    def simulate_batch(
+        self,
+        experiment: Experiment,
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+    ) -> list[pd.DataFrame]:
+        """A log per seed of the sensors' noise, or per set of parameters. Raises SimulationError.
+
+        noise   channel -> standard deviation; that of an encoder passes through the loop
+        """
+        ...
+
 
 class Workers(Protocol):
     """Simulators of one robot at work, in this process, in others or on a cluster."""
@@ -53,6 +66,15 @@ class Unsimulated:
 
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
         raise SimulationError("this motion was measured and cannot be simulated")
+
+    def simulate_batch(
+        self,
+        experiment: Experiment,
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+    ) -> list[pd.DataFrame]:
+        return [self.simulate(experiment) for _ in noise_seeds]
 
 
 OpenPool = Callable[[Robot], AbstractContextManager[Pool]]

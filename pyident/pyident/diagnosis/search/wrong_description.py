@@ -9,7 +9,7 @@ and 2.6 mm), so that none is printed.
 
 from collections.abc import Iterator, Sequence
 
-from pyident.diagnosis.base.candidates import units_of
+from pyident.diagnosis.base.candidates import described, units_of
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.gate import admission, counts
 from pyident.diagnosis.search.held_out import HeldOut
@@ -20,9 +20,12 @@ from pyident.regression.descriptions import place_name
 
 def wrong_descriptions(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:
     """Sentences about errors of the robot's description."""
-    if search.descriptions is None or not search.descriptions.candidates:
+    if not selection.steps and search.over_floor.max() < 1 + search.rules.unseen_excess:
+        return  # nothing is left for them to explain, and their columns cost more than all laws'
+    listed = described(search.robot)
+    if not listed:
         return
-    among = search_of(search.descriptions)
+    among = search_of(search.examination.of_others(listed))
     yield from _beside(among.resting_on(selection.candidates), held)
     for step in selection.steps:
         others = [c for s in selection.steps if s is not step for c in s.candidates]
