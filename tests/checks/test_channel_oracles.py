@@ -1,14 +1,21 @@
 """Channels whose step, noise or fault was put in, and so is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 from one_joint import one_joint
 
+from flexmodels.joint import Limits
+from pyident.checks.channels import channels
+from pyident.checks.check_log import check_log
 from pyident.checks.jumps import jumps, spikes
 from pyident.checks.quantisation import coarse, noise_of, runs, step_of
-from pyident.logs.log import Log
+from pyident.checks.whole_log import whole_log
+from pyident.logs.log import Log, LogError
 
+LIMITS = Limits((-1.0, 1.0), None, None)
 TIME = np.arange(2000) * 0.004
 ANGLE = np.sin(2 * TIME) + 0.2 * np.sin(11 * TIME)
 
@@ -83,3 +90,39 @@ def test_values_that_were_lost_and_values_that_stick_out_are_told_apart():
     (spiked,) = spikes(logged(), "joint1.tau", wild)
     assert spiked.severity == "gross"
     assert "sticks out by 40 for single samples, 4 times, first at 1.2 s" in spiked.sentence
+
+
+def kinds(defects, kind: str) -> list[str]:
+    return [d.sentence for d in defects if d.kind == kind]
+
+
+def test_a_position_that_runs_into_its_range_at_full_speed_is_clipped():
+    clipped = np.clip(ANGLE, -0.6, 0.6)
+    assert any(
+        "the channel is clipped" in s
+        for s in kinds(channels(one_joint(), logged(**{"joint1.e": clipped})), "limit")
+    )
+    assert not kinds(channels(one_joint(), logged()), "limit")
+
+
+@pytest.mark.parametrize(("scale", "severity"), [(1.0, None), (4.0, "doubtful"), (60.0, "gross")])
+def test_a_position_far_beyond_the_robot_files_limits_has_another_unit(scale, severity):
+    robot = one_joint()
+    limited = replace(robot, joints=(replace(robot.joints[0], limits=LIMITS),))
+    found = [d for d in whole_log(limited, logged(**{"joint1.e": scale * ANGLE})) if d.kind == "unit"]
+    assert [d.severity for d in found] == ([severity] if severity else [])
+
+
+def test_a_reference_that_stands_for_the_position_is_told():
+    told = kinds(whole_log(one_joint(), logged(**{"joint1.r": ANGLE})), "same")
+    assert told == [
+        "a log: joint1.e and joint1.r are the same numbers; "
+        "the reference stands where the measured position should"
+    ]
+
+
+def test_without_positions_there_is_nothing_to_check():
+    with pytest.raises(LogError, match=r"a log: column joint1\.e is missing, which robot one_joint needs"):
+        check_log(one_joint(), Log(pd.DataFrame({"time": TIME, "joint1.tau": TIME}), "a log"))
+    short = logged().frame.head(5)
+    assert check_log(one_joint(), Log(short, "a log")) == ()
