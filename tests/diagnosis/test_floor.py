@@ -61,7 +61,8 @@ def standing_out(energy: float, replicas: list[float]) -> bool:
     floor: Any = None
     residual = np.full((1, SAMPLES), np.sqrt(energy))
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
-    examination = Examination(setting, floor, [], base, [], [], nothing, np.array([[energy]]), left, count)
+    examined: Any = ([], [], [], nothing, [], np.array([[energy]]), left, count)
+    examination = Examination(setting, floor, [], base, *examined)
     families: Any = None
     return bool(Search(examination, families, base).standing_out[0])
 

@@ -21,6 +21,7 @@ from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import Recorded, loop_of, recorded
+from pyident.simulation.simulator import Simulator
 
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
@@ -57,7 +58,20 @@ class Repeat:
         rng = np.random.default_rng(seed)
         plan, n = self.plan, len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
-        frame = with_noise(lambda made: run(made, parameters), plan, added)
+        return self._made(with_noise(lambda made: run(made, parameters), plan, added))
+
+    def replicas(
+        self,
+        simulator: Simulator,
+        parameters: Mapping[str, float],
+        noise: Mapping[str, float],
+        seeds: Sequence[int],
+    ) -> list[Log]:
+        """One per seed, simulated side by side; as `replica`, but that the noise is held between samples."""
+        frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
+        return [self._made(frame) for frame in frames]
+
+    def _made(self, frame: pd.DataFrame) -> Log:
         return Log(self.cut(frame), f"replica of {self.log.source}")
 
 

@@ -29,9 +29,17 @@ class Simulator(Protocol):
         ...
 
     def simulate_batch(
-        self, experiment: Sequence[Experiment], parameters: Sequence[Mapping[str, float]]
+        self,
+        experiment: Experiment | Sequence[Experiment],
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
     ) -> list[pd.DataFrame]:
-        """The logs of as many experiments as there are sets of parameters, all of the same names."""
+        """A log per experiment, set of parameters and seed, or as many of one as of another.
+
+        noise   channel -> standard deviation; that of an encoder passes through the loop
+        Raises SimulationError.
+        """
         ...
 
 
@@ -62,7 +70,11 @@ class Unsimulated:
         raise SimulationError(_MEASURED)
 
     def simulate_batch(
-        self, experiment: Sequence[Experiment], parameters: Sequence[Mapping[str, float]]
+        self,
+        experiment: Experiment | Sequence[Experiment],
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
     ) -> list[pd.DataFrame]:
         raise SimulationError(_MEASURED)
 

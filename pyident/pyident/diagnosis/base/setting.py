@@ -23,6 +23,8 @@ from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 from pyident.simulation.workers import inline
 
+_TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -100,9 +102,10 @@ def unbiased(
     probes = rules.probes if probes is None else probes
     for number in range(rules.rounds if rounds is None else rounds):
         seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
-        jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
+        jobs = [workers.submit(_refitted, setting, group) for group in together(seeds)]
         put_in = np.array(list(setting.robot.linear_parameters.values()))
-        change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
+        refits = [p for job in jobs for p in job.result()]
+        change = seen(setting.solution, found - np.mean(refits, axis=0))
         solution = replace(setting.solution, p=put_in + change)
         robot = identified(setting.robot, setting.reduced, solution).robot
         simulated = setting.simulated.with_parameters(robot.parameters)
@@ -128,27 +131,32 @@ def steadied(setting: Setting) -> Setting:
     )
 
 
-def replica_of(
-    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int
-) -> list[Log]:
-    """Logs as the setting's robot would have made them."""
-    rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
-    seeds = rng.integers(2**31, size=len(repeats))
+def together(seeds: Sequence[int]) -> list[Sequence[int]]:
+    """Seeds of the replicas that one process makes side by side."""
+    return [seeds[at : at + _TOGETHER] for at in range(0, len(seeds), _TOGETHER)]
+
+
+def replicas_of(
+    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seeds: Sequence[int]
+) -> list[tuple[Log, ...]]:
+    """Logs as the setting's robot would have made them, all of them once per seed."""
+    chance = [np.random.default_rng(np.abs([seed, int(seed < 0)])) for seed in seeds]
+    drawn = np.array([rng.integers(2**31, size=len(repeats)) for rng in chance])
     parameters = setting.robot.parameters | dict(setting.solver)
     made = []
-    for r, s in zip(repeats, seeds.tolist(), strict=True):
+    for r, own in zip(repeats, drawn.T.tolist(), strict=True):
         noise = {**setting.noise, **setting.own_noise.get(r.log.source, {})}
         if isinstance(r, AlongMotion):
-            made.append(r.replica(parameters, noise, s))
+            made.append(r.replicas(parameters, noise, own))
         else:
-            made.append(r.replica(fmu.simulate, parameters, noise, s))
-    return made
+            made.append(r.replicas(fmu, parameters, noise, own))
+    return list(zip(*made, strict=True)) or [()] * len(seeds)
 
 
-def _refitted(fmu: Simulator, setting: Setting, seed: int) -> np.ndarray:
-    """What the regression finds in a replica."""
-    robot = setting.robot
-    problem = Problem(
-        robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
-    )
-    return setting.estimator(problem, setting.solution).solution.p
+def _refitted(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[np.ndarray]:
+    """What the regression finds in replicas."""
+    robot, found = setting.robot, []
+    for logs in replicas_of(fmu, setting, setting.repeats, seeds):
+        problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+        found.append(setting.estimator(problem, setting.solution).solution.p)
+    return found
