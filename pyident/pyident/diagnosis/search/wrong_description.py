@@ -37,11 +37,12 @@ def _beside(view: Search, held: HeldOut) -> Iterator[str]:
     step = view.step()
     lead = step.best
     entry = admission(view, lead, [lead.candidate], held)
-    least = view.rules.unseen_excess
+    if entry.reason or not entry.rows:
+        return
     excess = view.over_floor[list(entry.rows)].mean() - 1
     if entry.unseen is not None:
         excess = min(excess, entry.unseen.excess)
-    if entry.reason or excess < least:
+    if excess < view.rules.unseen_excess:
         return
     share = f"{100 * entry.share:.0f} %"
     if entry.unseen is not None:
