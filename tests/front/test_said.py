@@ -6,46 +6,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from one_joint import one_joint
+from outcomes import ADDED, DIAGNOSIS, compared
 
 from flexmodels.robot import RobotError
-from pyident.comparison.compare import Comparison
-from pyident.comparison.errors import Error, LogErrors
-from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
-from pyident.extension.add_effect import Extended, Step
 from pyident.extension.extended_robot import Correction
 from pyident.greybox.residual import Finding as Dependence
 from pyident.greybox.residual import Shown
 from pyident.verbs.fmu.results import FmuDiagnosed
-from pyident.verbs.judged import Added, Compared, Diagnosed, side_by_side
-
-inf = float("inf")
-STRIBECK = Named(
-    "stribeck",
-    "joint1",
-    {"level": 8.1234, "velocity": 0.0517, "share": 0.5},
-    {"level": 0.25, "velocity": inf, "share": inf},
-    {"level": "N.m", "velocity": "rad/s", "share": "1"},
-    91.5,
-    nonlinear=("velocity",),
-)
-DIAGNOSIS = Diagnosis(
-    robot="arm",
-    logs=("a.csv",),
-    heldout=(),
-    verdict="missing_effect",
-    sentence="stribeck at joint1 is missing.",
-    findings=(Finding((STRIBECK,), 1 / 21, 88.8, 97.25, None, "slow reversals"),),
-    localised=("joint1", "motor"),
-    limits=tuple(Limit(f"law{i}", "joint1", {}, {}, 1.0, "no such motion") for i in range(6)),
-    rows=(Row("joint1.e", "joint1", "motor", ((0.0, 0.5), (0.5, 25.0)), (1.25, 0.06), (12.5, 1.25)),),
-    excess=7.25,
-    remaining=1.17,
-    ranking=(STRIBECK,),
-    notes=(),
-    noise={},
-    depends_on=("It repeats with time at 7.5 Hz.",),
-    stages=(),
-)
+from pyident.verbs.judged import Added, Diagnosed, side_by_side
 
 
 def test_a_finding_is_said_with_what_the_logs_leave_open():
@@ -80,18 +48,6 @@ def test_a_waterfall_has_two_bars_a_step():
     assert [cast(Any, bar).get_width() for bar in axes.patches] == [4.0, 2.0]  # over the floor
 
 
-ADDED = Extended(
-    one_joint(),
-    one_joint().with_effect(1, "stribeck"),
-    (),
-    (),
-    (Step("torque of joint 1", "N.m", 2.0, 1.0, 0.5),),
-    (0.75, 0.5),
-    "",
-    cast(Any, type("Gate", (), {"json": lambda self: {}})()),
-)
-
-
 def test_an_added_law_is_said_with_its_parameters_and_its_fall():
     added = Added(ADDED, ("a note",))
     text = " ".join(str(added.summary()).split())
@@ -115,12 +71,6 @@ def test_a_refused_law_writes_nothing(tmp_path):
         refused.save(tmp_path / "robot.toml")
     assert not list(tmp_path.iterdir())
     assert Added(ADDED, ()).save(tmp_path / "robot.toml").is_file()
-
-
-def compared(rmse: float) -> Compared:
-    error = Error(rmse=rmse, signal=10.0, floor=0.5, unit="N.m")
-    log = LogErrors("a.csv", {"joint1.e": error}, {}, np.zeros(1), {})
-    return Compared(Comparison("arm", f"it misses by {rmse:g}", None, False, (log,), (), (), True), ())
 
 
 def test_models_stand_side_by_side():
