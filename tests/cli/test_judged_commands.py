@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from hashlib import sha256
 
 import pytest
 from click.testing import CliRunner, Result
@@ -10,6 +11,8 @@ from outcomes import ADDED, DIAGNOSIS, compared
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from pyident.cli.main import main
+from pyident.greybox.residual import Shown
+from pyident.verbs.fmu.results import FmuDiagnosed
 from pyident.verbs.judged import Added, Diagnosed
 
 
@@ -127,3 +130,34 @@ def test_options_that_exclude_each_other_are_refused(run, words, sentence):
     done, _ = run("identify", None, "identify", "four_link", "a.csv", *words)
     assert done.exit_code == 2
     assert sentence in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize(("white", "code"), [(0.5, 0), (1e-9, 1)])
+def test_an_fmu_whose_residual_is_no_noise_ends_in_1(run, white, code):
+    found = FmuDiagnosed("other", (Shown("y", "rad", 0.1, white, ()),), None, ("a note",))
+    done, asked = run("diagnose_fmu", found, "diagnose", "other.fmu", "a.csv", "--json", "found.json")
+    assert done.exit_code == code
+    assert "note: a note" in done.output
+    assert asked["arguments"][:2] == ("other.fmu", ("a.csv",))
+
+
+def test_options_of_a_robot_are_refused_with_an_fmu(run):
+    done, _ = run("diagnose_fmu", None, "diagnose", "other.fmu", "a.csv", "--holdout", "b.csv")
+    assert done.exit_code == 2
+    assert "--holdout" in done.output
+
+
+def test_a_law_that_nobody_knows_is_refused():
+    done = CliRunner().invoke(main, ["effects", "magic"])
+    assert done.exit_code == 2
+    assert "unknown effect 'magic'; known are asymmetric_coulomb" in done.output
+
+
+def test_trust_is_in_the_content_of_a_file(tmp_path, monkeypatch):
+    monkeypatch.setattr("flexmodels.effects.trust.user_config_path", lambda *_, **__: tmp_path / "config")
+    (tmp_path / "laws.py").write_bytes(b"LAWS = []\n")
+    done = CliRunner().invoke(main, ["trust", str(tmp_path / "laws.py")])
+    assert done.exit_code == 0, done.output
+    assert sha256(b"LAWS = []\n").hexdigest() in done.output
+    done = CliRunner().invoke(main, ["trust", str(tmp_path / "none.py")])
+    assert done.exit_code == 2
