@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition
+from pyident.conditioning.weak_form import condition_every_sample
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
@@ -195,7 +195,8 @@ def _columns_and_bounds(
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    return equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
+    parts = [condition_every_sample(log, robot) for log in logs]
+    return equations(robot, parts, [log.period for log in logs])
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
