@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_joint import one_joint
 
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import identification
@@ -71,3 +72,17 @@ def test_a_start_is_measured(monkeypatch):
     found = measured(0)
     assert found["what"].to_list() == [PEER]
     assert found["ratio to numpy, pandas"].to_list() == [1.0]
+
+
+def test_the_ways_from_logs_to_parameters_are_measured_on_the_same_logs(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    from benchmarks import identification
+
+    monkeypatch.setattr(identification, "load_robot", lambda _: one_joint())
+    monkeypatch.setattr(identification, "LEVEL", 0.0)
+    found = identification.rows(seconds=1.0, verdict=False)
+    assert [row["way"] for row in found] == ["lstsq", "wls", "iv", "oe"]
+    assert found[0]["times lstsq [CPU]"] == 1.0
+    robot, given = one_joint(), identification.logs(one_joint(), 1.0)
+    p = dict(zip(robot.linear_parameters, identification.by_lstsq(robot, given), strict=True))
+    assert p["joint1.viscous"] == pytest.approx(robot.parameters["joint1.viscous"], rel=1e-2)

@@ -3,12 +3,16 @@
 import cvxpy as cp
 import numpy as np
 import pytest
+from one_joint import one_joint, swing
 from six_axis_logs import ROTOR, arm, made
 
+import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
 from pyident.estimation.identify import identify, near
 from pyident.estimation.physical import _distance
+from pyident.logs.log import Log
+from pyident.simulation.fmu_runs import simulate_robot
 
 MASSES = [f"link{k}.m" for k in range(1, 7)]
 
@@ -67,3 +71,13 @@ def test_a_prior_of_another_arm_is_refused(fitted):
     _, found = fitted
     with pytest.raises(RobotError, match="same arm"):
         near(found, load_robot("emps"))
+
+
+@pytest.mark.parametrize("estimator", ["wls", "iv"])
+def test_data_without_noise_leave_a_prior_its_right(estimator):
+    """A quiet log of one joint: the data know friction to rounding, the prior alone the link's mass."""
+    robot = one_joint()
+    log = Log(simulate_robot(robot, swing(4.0)), "quiet")
+    found = pi.identify(robot, log, estimator=estimator, prior=robot).robot.parameters
+    assert found["link1.m"] == pytest.approx(2.0, rel=1e-2)
+    assert found["joint1.viscous"] == pytest.approx(2.0, rel=1e-2)

@@ -13,6 +13,7 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified
 from pyident.estimation.physical import pseudo_inertia
+from pyident.logs.log import LogError
 
 _ABSENT = 1e-6  # singular value, of the largest, below which a direction is not determined
 _OPEN = 1e-3  # entry of an undetermined direction from which on a parameter takes part in it
@@ -84,7 +85,7 @@ def _scaled(one: Identified, scale: np.ndarray) -> np.ndarray:
 
 
 def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple[np.ndarray, float]:
-    """Raises RuntimeError when the solver finds none."""
+    """Raises LogError when the solver finds none."""
     import cvxpy as cp
 
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -99,5 +100,5 @@ def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple
     problem = cp.Problem(cp.Minimize(cost), [body >> _SMALLEST * np.eye(4)])
     problem.solve(solver=cp.CLARABEL)
     if x.value is None:
-        raise RuntimeError(f"no physically consistent payload was found ({problem.status})")
+        raise LogError(f"no physically consistent payload was found ({problem.status})")
     return np.asarray(x.value), float(np.linalg.norm(whitened @ (x.value - p)))

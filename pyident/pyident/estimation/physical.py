@@ -17,6 +17,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.least_squares import Solution
+from pyident.logs.log import LogError
 from pyident.regression.reduced import Reduced
 
 if TYPE_CHECKING:
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
 _TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
 _EXTENT = 0.01  # m: least radius of gyration of a prior's body
+_EXACT, _ROUNDED = 1e-9, 1e-6  # of the parameters' length: what the solver tells apart from nothing
+_NONE = "no physically consistent parameters were found"
+_CURE = "`pyident check` shows channels whose sign or unit is wrong"
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
 
@@ -32,18 +36,19 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot 
     """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
 
     Directions that the data do not determine are settled by the bounds and by nearness to the prior, or where
-    there is none by small size. Raises RuntimeError when the solver finds no such parameters.
+    there is none by small size. Raises LogError when the solver finds no such parameters.
     """
     import cvxpy as cp
 
     bounds = lower_bounds(robot)
-    for scale in (solution.scale, _balanced(solution)):
+    balanced = _balanced(solution)
+    for scale, least in ((solution.scale, _EXACT), (balanced, _EXACT), (balanced, _ROUNDED)):
         try:
-            found = _nearest(robot, reduced, solution, prior, bounds, scale)
+            found = _nearest(robot, reduced, solution, prior, bounds, scale, least)
         except cp.SolverError:  # numbers too far apart for the solver
             continue
         return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
-    raise RuntimeError("no physically consistent parameters were found: the solver gave up")
+    raise LogError(f"{_NONE}: the solver gave up; {_CURE}")
 
 
 def _balanced(solution: Solution) -> np.ndarray:
@@ -60,13 +65,19 @@ def _nearest(
     prior: Robot | None,
     bounds: Mapping[str, float],
     scale: np.ndarray,
+    least: float,
 ) -> np.ndarray:
-    """(P,) Raises RuntimeError where there are none, and cvxpy's SolverError."""
+    """(P,) Raises LogError where there are none, and cvxpy's SolverError.
+
+    scale   (P,) of the parameters;  least: standard deviation, of the length of all parameters
+    """
     import cvxpy as cp
 
+    length = max(float(np.linalg.norm(solution.p * scale)), 1e-300)
+    scale = scale / length  # so that values and what data leave open are of one size to the solver
     names, near = list(reduced.columns), solution.p * scale
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
-    sigma = max(_sigma(reduced, solution), 1e-9 * float(np.linalg.norm(near)))
+    sigma = max(_sigma(reduced, solution) / length, least)
     deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
     z = near + deviations @ u + solution.null @ t
     p = cp.multiply(z, 1 / scale)
@@ -75,7 +86,7 @@ def _nearest(
     ]
     limits += [z[names.index(name)] >= bound * scale[names.index(name)] for name, bound in bounds.items()]
     if prior is None:
-        cost = cp.norm(u) + _OPEN / float(np.linalg.norm(near)) * cp.norm(t)
+        cost = cp.norm(u) + _OPEN * cp.norm(t)
     else:
         cost = cp.sum_squares(u) / 2 + _distance(p, names, prior) / _TRUSTED**2
     problem = cp.Problem(cp.Minimize(cost), limits)
@@ -83,7 +94,7 @@ def _nearest(
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
         problem.solve(solver=cp.CLARABEL)
     if z.value is None:
-        raise RuntimeError(f"no physically consistent parameters were found ({problem.status})")
+        raise LogError(f"{_NONE} ({problem.status}); {_CURE}")
     return np.asarray(z.value) / scale
 
 
