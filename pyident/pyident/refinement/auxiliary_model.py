@@ -21,6 +21,7 @@ from pyident.estimation.estimator import Estimate, weighted
 from pyident.estimation.identify import Identified, identified, without_intervals
 from pyident.estimation.instrumental_variables import (
     Rows,
+    instrumented,
     solve_instrumental,
     spectral,
     unknown,
@@ -127,15 +128,15 @@ def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Sol
 
     sections = np.asarray(butter(4, low, output="sos"))
 
-    def rows() -> list[Rows]:
-        listed = []
-        for d in data:
-            share = faded(robot, d.use)
-            listed.append(Rows(d.A, without_phase(sections, d.A * share[:, :, None]), d.y, share))
-        return listed
-
+    rows = []
+    for d in data:
+        share = faded(robot, d.use)
+        Z = np.zeros_like(d.A)
+        for c, columns in enumerate(d.columns):
+            Z[:, c, columns] = without_phase(sections, d.A[:, c][:, columns] * share[:, c, None])
+        rows.append(Rows(d.A, Z, d.y, share))
     weights = plain.solution.weights
-    return solve_instrumental(rows, plain.reduced, weights, spectral(rows, weights))
+    return solve_instrumental(every(rows), plain.reduced, weights, spectral(every(rows), weights))
 
 
 def _rounds(
@@ -161,21 +162,20 @@ def _rounds(
         if not missed < _FOLLOWS:
             return solution, f"the simulated model misses {100 * missed:.0f} % of the motion"
         rows = [rows_of(robot, d, frame, quiet) for d, frame in zip(data, frames, strict=True)]
-        weights = _weights(data, rows, values)
-        listed = every(rows)
+        equations = instrumented(every(rows), reduced, _weights(data, rows, values))
         if number == 0:
-            solution = solve_instrumental(listed, reduced, weights, spectral(listed, weights))
+            solution = equations.solve(spectral(equations.logs, equations.weights))
             std = solution.std
         else:
-            solution = solve_instrumental(listed, reduced, weights, unknown, solution.rank)
+            solution = equations.solve(unknown, solution.rank)
         step = seen(solution, solution.p - values)
         values = values + step
         if progress:
             progress((number + 1) / _ROUNDS)
         if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
             break
-    known = with_covariance(logs, rows, solution)
-    return through_simulation(logs, rows, known, workers, put_in, held), None
+    known = with_covariance(logs, rows, equations, solution)
+    return through_simulation(logs, equations, known, workers, put_in, held), None
 
 
 def _missed(again: Repeat, frame: pd.DataFrame) -> float:

@@ -43,13 +43,13 @@ class Repeat:
     lead: int = 0
     note: str | None = None
 
-    @property
-    def _inputs(self) -> Recorded:
-        return Recorded(self.plan, self.lead)
-
     def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
         """The log's motion made by a model, without noise."""
-        return self._inputs.cut(run(self.plan, parameters))
+        return self.cut(run(self.plan, parameters))
+
+    def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """A simulation of the plan without what comes before the log."""
+        return Recorded(self.plan, self.lead).cut(frame)
 
     def replica(
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
@@ -72,7 +72,7 @@ class Repeat:
         return [self._made(frame) for frame in frames]
 
     def _made(self, frame: pd.DataFrame) -> Log:
-        return Log(self._inputs.cut(frame), f"replica of {self.log.source}")
+        return Log(self.cut(frame), f"replica of {self.log.source}")
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:

@@ -16,7 +16,7 @@ from pyident.conditioning.samples import Conditioned
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.recent import Recent
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
 
 _descriptions: Recent[dict[int, np.ndarray]] = Recent(512)
@@ -193,8 +193,7 @@ def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
 
     def made() -> Motion:
         p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
-        torques = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])
-        tau = torques[:, : len(robot.joints)]
+        tau = generalised_forces(robot, motion, p)[:, : len(robot.joints)]
         return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
 
     return _with_torques.of((robot, motion), made, part)

@@ -20,7 +20,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.diagnosis.base.projection import Base, Columns, gains
 from pyident.diagnosis.unexplained.smooth import whitened_columns
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Equations
 from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
@@ -166,7 +166,7 @@ def _torques(
     for rate, difference in zip(moved, change, strict=True):
         rate[:, column] += difference
     q, dq, ddq = moved
-    return regressor(robot, replace(motion, q=q, dq=dq, ddq=ddq)).matrix @ p
+    return generalised_forces(robot, replace(motion, q=q, dq=dq, ddq=ddq), p)
 
 
 def _waves(log: Equations, over: Over, at: float) -> np.ndarray:
