@@ -22,12 +22,15 @@ COVERED_BY ?= not importers
 PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
 PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
 COVERED := $(PARTS:%=out/coverage/%.data)
-out/coverage/%.data: $(shell find models fmu pyident tests studies -name '*.py' -not -path '*/.*')
+SOURCES = $(shell find models fmu pyident tests studies -name '*.py' -not -path '*/.*')
+.SECONDEXPANSION: # so that the tree is searched when a part is asked for, not at every call of make
+out/coverage/%.data: $$(SOURCES)
 	mkdir -p $(@D)
 	rm -f $@.part*
 	$(BIN)/python -m coverage run --data-file=$@.part -m pytest -q \
 	  -m "$(COVERED_BY)" $(or $(wildcard tests/$*.py),tests/$*)
-	$(BIN)/python -m coverage combine --quiet --data-file=$@ $@.part*
+	@for again in 1 2 3 4 5; do sleep $$again; $(COMBINED) && exit; done; exit 1 # processes may still be writing
+COMBINED = $(BIN)/python -m coverage combine --quiet --data-file=$@ $@.part*
 
 coverage: .venv/dev $(COVERED)
 	$(BIN)/python -m coverage combine --quiet --keep --data-file=out/coverage/all $(COVERED)

@@ -1,4 +1,4 @@
-"""Many runs of one experiment in one call of an FMU of ours; see runtime/batch.h."""
+"""Many runs over the same times in one call of an FMU of ours; see runtime/batch.h."""
 
 import ctypes
 from collections.abc import Callable, Sequence
@@ -9,7 +9,9 @@ import numpy as np
 
 from flexmodels.inputs import SimulationError
 
-_DOUBLES, _UINTS, _INTS = (ctypes.POINTER(t) for t in (ctypes.c_double, ctypes.c_uint, ctypes.c_int))
+_DOUBLES, _UINTS, _INTS, _LONGS = (
+    ctypes.POINTER(t) for t in (ctypes.c_double, ctypes.c_uint, ctypes.c_int, ctypes.c_longlong)
+)
 _STOP = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double)
 _MESSAGE = 512
 
@@ -21,6 +23,7 @@ class _Batch(ctypes.Structure):
         *((name, ctypes.c_longlong) for name in ("runs", "samples", "parameters", "outputs")),
         ("time", _DOUBLES),
         ("inputs", _DOUBLES),
+        ("experiment", _LONGS),
         ("parameter", _UINTS),
         ("value", _DOUBLES),
         ("noise", _DOUBLES),
@@ -59,6 +62,7 @@ class BatchBinary:
         self,
         time: np.ndarray,
         inputs: np.ndarray,
+        experiment: np.ndarray,
         parameters: Sequence[int],
         values: np.ndarray,
         noise: np.ndarray | None,
@@ -68,7 +72,7 @@ class BatchBinary:
     ) -> tuple[np.ndarray, np.ndarray]:
         """(runs, samples, outputs), and per run whether its state stayed finite.
 
-        time     (samples,) [s];  inputs  (samples, inputs)
+        time     (samples,) [s];  inputs  (experiments, samples, inputs);  experiment  (runs,) of each run
         values   (runs, parameters) by the value references `parameters`
         noise    (runs, samples, joints) added to what the controller measures [rad or m]
         outputs  value references
@@ -80,6 +84,7 @@ class BatchBinary:
         lost = np.zeros(runs, dtype=np.intc)
         text = ctypes.create_string_buffer(_MESSAGE)
         kept = [np.ascontiguousarray(a, dtype=float) for a in (time, inputs, values)]
+        chosen = np.ascontiguousarray(experiment, dtype=np.longlong)
         sensed = None if noise is None else np.ascontiguousarray(noise, dtype=float)
         interrupted: list[BaseException] = []
 
@@ -99,6 +104,7 @@ class BatchBinary:
             outputs=len(outputs),
             time=_doubles(kept[0]),
             inputs=_doubles(kept[1]),
+            experiment=chosen.ctypes.data_as(_LONGS),
             parameter=(ctypes.c_uint * max(1, len(parameters)))(*parameters),
             value=_doubles(kept[2]),
             noise=None if sensed is None else _doubles(sensed),

@@ -1,7 +1,7 @@
-"""Many runs of one experiment: a parameter set and a noise seed each."""
+"""Many runs: an experiment, a parameter set and a noise seed each."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -11,6 +11,8 @@ import pandas as pd
 from flexfmu.batch import BatchBinary
 from flexfmu.fed import input_values, start_values
 from flexfmu.names import fmi_name
+from flexfmu.side_by_side import in_threads
+from flexmodels.cores import cores
 from flexmodels.inputs import Experiment, SimulationError
 
 T = TypeVar("T")
@@ -30,25 +32,68 @@ class Simulates(Protocol):
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float]) -> pd.DataFrame: ...
 
 
+@dataclass(frozen=True)
+class _Run:
+    """number: in the order asked;  added: coordinate -> (samples,) its sensor's noise"""
+
+    number: int
+    experiment: Experiment
+    parameters: dict[str, float]
+    added: dict[str, np.ndarray]
+
+    @property
+    def sensed(self) -> np.ndarray:
+        """(samples, joints): what the controller's sensors add."""
+        samples, joints = self.experiment.reference.shape
+        none = np.zeros(samples)
+        return np.column_stack([self.added.get(f"joint{k}.e", none) for k in range(1, joints + 1)])
+
+
 def run_replicas(
     fmu: Simulates,
-    experiment: Experiment,
+    experiment: Experiment | Sequence[Experiment],
     parameters: Sequence[Mapping[str, float]],
     noise: Mapping[str, float],
     seeds: Sequence[int | None],
     progress: Progress | None,
 ) -> list[pd.DataFrame]:
     """A frame per run; see LoadedFmu.simulate_batch."""
-    runs = max(len(parameters), len(seeds))
-    if {len(parameters), len(seeds)} - {1, runs}:
-        raise SimulationError(f"{len(parameters)} parameter sets and {len(seeds)} noise seeds do not match")
-    sets = [start_values(fmu.references, experiment) | dict(p) for p in _repeated(parameters, runs)]
-    drawn = [_drawn(noise, seed, len(experiment.time)) for seed in _repeated(seeds, runs)]
+    experiments = [experiment] if isinstance(experiment, Experiment) else list(experiment)
+    given = {"experiments": len(experiments), "parameter sets": len(parameters), "noise seeds": len(seeds)}
+    many = {what: number for what, number in given.items() if number != 1}
+    if len(set(many.values())) > 1:
+        listed = " and ".join(f"{number} {what}" for what, number in many.items())
+        raise SimulationError(f"{listed} do not match")
+    count = max(given.values()) if 0 not in given.values() else 0
+    runs = [
+        _Run(i, e, start_values(fmu.references, e) | dict(p), _drawn(noise, seed, len(e.time)))
+        for i, e, p, seed in zip(
+            range(count), *(_repeated(v, count) for v in (experiments, parameters, seeds)), strict=True
+        )
+    ]
     binary = _binary(fmu.library)
     if binary is None:
-        return [_alone(fmu, experiment, p, added) for p, added in zip(sets, drawn, strict=True)]
+        return [_alone(fmu, run) for run in runs]
+    frames: dict[int, pd.DataFrame] = {}
     with binary:
-        return _together(fmu, binary, experiment, sets, drawn, progress)
+        for group in _same_times(runs):
+            told = _part_of(progress, len(frames), len(group), count)
+            made = _together(fmu, binary, group, told)
+            frames |= {run.number: frame for run, frame in zip(group, made, strict=True)}
+    return [frames[i] for i in range(count)]
+
+
+def _same_times(runs: Sequence[_Run]) -> list[list[_Run]]:
+    """Those that can go side by side."""
+    groups: list[list[_Run]] = []
+    for run in runs:
+        for group in groups:
+            if np.array_equal(group[0].experiment.time, run.experiment.time):
+                group.append(run)
+                break
+        else:
+            groups.append([run])
+    return groups
 
 
 def _repeated(values: Sequence[T], runs: int) -> Sequence[T]:
@@ -70,78 +115,73 @@ def _binary(library: Path | None) -> BatchBinary | None:
         return None
 
 
-def _sensed(experiment: Experiment, added: Mapping[str, np.ndarray]) -> np.ndarray:
-    """(samples, joints): what the controller's sensors add."""
-    samples, joints = experiment.reference.shape
-    return np.column_stack([added.get(f"joint{k}.e", np.zeros(samples)) for k in range(1, joints + 1)])
-
-
-def _alone(
-    fmu: Simulates, experiment: Experiment, parameters: Mapping[str, float], added: Mapping[str, np.ndarray]
-) -> pd.DataFrame:
+def _alone(fmu: Simulates, run: _Run) -> pd.DataFrame:
     """By the references: a PID of r − (e + noise) is one of (r − noise) − e."""
-    seen = _sensed(experiment, added)
-    frame = fmu.simulate(replace(experiment, reference=experiment.reference - seen), parameters)
-    for k, r in enumerate(experiment.reference.T, start=1):
+    seen = run.experiment.reference - run.sensed
+    frame = fmu.simulate(replace(run.experiment, reference=seen), run.parameters)
+    for k, r in enumerate(run.experiment.reference.T, start=1):
         frame[f"joint{k}.r"] = r
-    for name, values in added.items():
+    for name, values in run.added.items():
         frame[name] = frame[name] + values
     return frame
 
 
 def _together(
-    fmu: Simulates,
-    binary: BatchBinary,
-    experiment: Experiment,
-    sets: list[dict[str, float]],
-    drawn: list[dict[str, np.ndarray]],
-    progress: Progress | None,
+    fmu: Simulates, binary: BatchBinary, runs: Sequence[_Run], progress: Progress
 ) -> list[pd.DataFrame]:
-    joints = experiment.reference.shape[1]
+    """Runs over the same times."""
+    time, joints = runs[0].experiment.time, runs[0].experiment.reference.shape[1]
     if joints != binary.joints:
         raise SimulationError(f"the FMU has {binary.joints} joints, the experiment {joints}")
-    inputs = input_values(fmu.references, experiment)
-    names = sorted({name for p in sets for name in p})
-    incomplete = [name for name in names if any(name not in p for p in sets)]
+    names = sorted({name for run in runs for name in run.parameters})
+    incomplete = [name for name in names if any(name not in run.parameters for run in runs)]
     if incomplete:
         raise SimulationError(f"every parameter set must give a value of {incomplete[0]}, or none")
     unknown = sorted({fmi_name(n) for n in names} - set(fmu.references))
     if unknown:
         raise SimulationError(f"the FMU has no variable {unknown[0]}")
-    columns = fmu.logged
-    share = max(binary.width, _LARGEST // (8 * len(columns) * len(experiment.time)))
-    frames: list[pd.DataFrame] = []
-    for first in range(0, len(sets), share):
-        part = slice(first, first + share)
-        values = np.array([[p[name] for name in names] for p in sets[part]]).reshape(len(sets[part]), -1)
-        sensed = np.stack([_sensed(experiment, added) for added in drawn[part]])
+    references = [fmu.references[fmi_name(name)] for name in names]
+    columns = [fmu.references[name] for name in fmu.logged]
+
+    def made(part: Sequence[_Run], told: Progress) -> list[pd.DataFrame]:
+        experiments = list({id(run.experiment): run.experiment for run in part}.values())
+        place = {id(e): i for i, e in enumerate(experiments)}
         rows, finite = binary.run(
-            experiment.time,
-            inputs,
-            [fmu.references[fmi_name(name)] for name in names],
-            values,
-            sensed if any(drawn[part]) else None,
-            [fmu.references[name] for name in columns],
-            _part_of(progress, first, len(values), len(sets)),
+            time,
+            np.stack([input_values(fmu.references, e) for e in experiments]),
+            np.array([place[id(run.experiment)] for run in part]),
+            references,
+            np.array([[run.parameters[name] for name in names] for run in part]).reshape(len(part), -1),
+            np.stack([run.sensed for run in part]) if any(run.added for run in part) else None,
+            columns,
+            told,
         )
         if not finite.all():
-            number = first + int(np.argmin(finite))
+            lost = part[int(np.argmin(finite))]
             raise SimulationError(
-                f"run {number}: the state left the finite numbers: reduce solver.step or check the parameters"
+                f"run {lost.number}: the state left the finite numbers: "
+                "reduce solver.step or check the parameters"
             )
-        frames += [_frame(experiment, columns, r, a) for r, a in zip(rows, drawn[part], strict=True)]
-    return frames
+        return [_frame(run, fmu.logged, r) for run, r in zip(part, rows, strict=True)]
+
+    parts = _parts(runs, binary.width, _LARGEST // (8 * len(columns) * len(time)))
+    return [frame for frames in in_threads(made, parts, progress) for frame in frames]
 
 
-def _part_of(progress: Progress | None, first: int, runs: int, total: int) -> Progress | None:
-    return (lambda done: progress((first + done * runs) / total)) if progress else None
+def _parts(runs: Sequence[_Run], width: int, most: int) -> list[Sequence[_Run]]:
+    """Runs of one call each: whole vectors, and as many calls as there are cores where there are enough."""
+    vectors = -(-len(runs) // width)
+    size = width * max(1, min(most // width, -(-vectors // cores())))
+    return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
-def _frame(
-    experiment: Experiment, columns: tuple[str, ...], rows: np.ndarray, added: Mapping[str, np.ndarray]
-) -> pd.DataFrame:
+def _part_of(progress: Progress | None, before: int, runs: int, total: int) -> Progress:
+    return (lambda done: progress((before + done * runs) / total)) if progress else (lambda _: None)
+
+
+def _frame(run: _Run, columns: tuple[str, ...], rows: np.ndarray) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=list(columns))
-    frame.insert(0, "time", experiment.time)
-    for name, values in added.items():
+    frame.insert(0, "time", run.experiment.time)
+    for name, values in run.added.items():
         frame[name] = frame[name] + values
     return frame

@@ -151,14 +151,15 @@ class LoadedFmu(FmuDescription):
 
     def simulate_batch(
         self,
-        experiment: Experiment,
+        experiment: Experiment | Sequence[Experiment],
         parameters: Sequence[Mapping[str, float]] = ({},),
         noise: Mapping[str, float] | None = None,
         noise_seeds: Sequence[int | None] = (None,),
         progress: Progress | None = None,
     ) -> list[pd.DataFrame]:
-        """Many runs of one experiment, several side by side in vector registers where the FMU is ours.
+        """Many runs, several side by side in vector registers where the FMU is ours.
 
+        experiment   one for all runs, or one per run; those with the same times go side by side
         parameters   a set per run, all of the same names, or one for all
         noise        coordinate -> standard deviation of its sensor's white noise [rad or m]. That of a motor
                      hinge passes through the loop: the controller measures it; all of it is in the frames

@@ -13,7 +13,7 @@ from flexmodels.robot import Robot
 from pyident.checks.encoder_delay import Skew, encoder_skews, without_skew
 from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import weighted
 from pyident.estimation.instrumental import STRONG, two_stage
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
@@ -166,8 +166,8 @@ def _balance(robot: Robot, log: Log, other: Log, k: int) -> Balance:
 
 def _of_all_equations(robot: Robot, log: Log) -> list[float]:
     """Stiffness of axes 1 to 3 that the regression of motors and links together finds."""
-    reduced, found = estimate(Problem(robot, (condition(log, robot),)))
-    return [float(found.p[reduced.columns.index(of_joint(k, "k[1]"))]) for k in (1, 2, 3)]
+    found = weighted(Problem(robot, (condition(log, robot),)))
+    return [float(found.solution.p[found.reduced.columns.index(of_joint(k, "k[1]"))]) for k in (1, 2, 3)]
 
 
 def _skew_rows(delays: list[Skew]) -> list[dict[str, str]]:

@@ -9,8 +9,8 @@ from flexmodels.robot import Robot
 from pyident.conditioning import weak_form as conditioning
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
-from pyident.estimation.least_squares import Solution, solve
+from pyident.estimation.estimator import Estimator, ordinary, weighted
+from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 
@@ -32,25 +32,21 @@ def compare(robot: Robot, log: Log) -> pd.DataFrame:
     at_once = replace(raw, target=_sampled_torque(raw, log, robot))
     filtered = _filtered(raw)
     schemes = {
-        "eighth-order central, torque of the same instant (plain)": (at_once, False, False),
-        "eighth-order central, mean torque": (raw, False, False),
-        "eighth-order central, mean torque, both sides filtered": (filtered, False, False),
-        "eighth-order central, mean torque, reversals left out": (raw, True, False),
-        "hat (weak form)": (held, False, False),
-        "hat (weak form), reversals left out": (held, True, False),
-        "hat (weak form), reversals left out, weighted: the default": (held, True, True),
+        "eighth-order central, torque of the same instant (plain)": (at_once, False, ordinary),
+        "eighth-order central, mean torque": (raw, False, ordinary),
+        "eighth-order central, mean torque, both sides filtered": (filtered, False, ordinary),
+        "eighth-order central, mean torque, reversals left out": (raw, True, ordinary),
+        "hat (weak form)": (held, False, ordinary),
+        "hat (weak form), reversals left out": (held, True, ordinary),
+        "hat (weak form), reversals left out, weighted: the default": (held, True, weighted),
     }
     return pd.DataFrame([_row(name, robot, *choice) for name, choice in schemes.items()])
 
 
-def _row(name: str, robot: Robot, part: Conditioned, leave_out: bool, weighted: bool) -> dict[str, str]:
+def _row(name: str, robot: Robot, part: Conditioned, leave_out: bool, estimator: Estimator) -> dict[str, str]:
     if not leave_out:
         part = replace(part, use=np.ones_like(part.use))
-    problem = Problem(robot, (part,))
-    if weighted:
-        _, solution = estimate(problem)
-    else:
-        solution = solve(problem.reduced())
+    solution = estimator(Problem(robot, (part,))).solution
     joints = slice(0, len(robot.joints))
     left = 100 * solution.residual[joints] / solution.signal[joints]
     worst = {f"{kind} [%]": f"{_worst(robot, solution, kind):.2g}" for kind in _KINDS}

@@ -11,7 +11,7 @@ from flexmodels.coordinate import of_joint
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import Identified, identified, identify
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
@@ -63,7 +63,8 @@ def _with_rests(robot: Robot, log: Log) -> Identified:
     """The same of all equations, those of axes at rest too, whose friction is not known."""
     part = condition(log, robot)
     every = replace(part, use=np.ones_like(part.use))
-    return identified(robot, *estimate(Problem(robot, (every,))))
+    found = weighted(Problem(robot, (every,))).with_long_memory()
+    return identified(robot, found.reduced, found.solution)
 
 
 def _table(found: Identified) -> pd.DataFrame:

@@ -55,7 +55,7 @@ def test_replicas_differ_in_noise_and_keep_the_steps_of_the_log(nothing):
     frame = nothing[0].frame.copy()
     frame["joint1.e"] = np.round(frame["joint1.e"] / 1e-3) * 1e-3
     again = along(setting.robot, replace(nothing[0], frame=frame), setting.noise)
-    first, second = (again.replica(setting.robot.parameters, setting.noise, s) for s in (1, 2))
+    first, second = again.replicas(setting.robot.parameters, setting.noise, (1, 2))
     steps = first.frame["joint1.e"].to_numpy() / 1e-3
     assert np.abs(steps - np.round(steps)).max() < 1e-6
     difference = first.frame["joint3.tau"] - second.frame["joint3.tau"]

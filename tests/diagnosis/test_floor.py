@@ -7,12 +7,17 @@ import pandas as pd
 import pytest
 from one_joint import PERIOD, one_joint
 
+from flexmodels.files.robot_file import load_robot
+from flexmodels.settings.processing import Processing
+from pyident.conditioning.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
-from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.base.residual_over_floor import Examination, examine
+from pyident.diagnosis.base.setting import set_up, workers_of
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.rules.rules import RULES
+from pyident.simulation.fmu_runs import runs_here
 
 TIME = np.arange(4000) * PERIOD
 
@@ -45,6 +50,36 @@ def test_friction_is_rounded_near_rest_alone_and_never_more_than_it_is():
     assert np.abs(change[np.abs(speed) > 0.1]).max() < 3e-3  # 7 % of the rms speed
 
 
+def _over_floor(width: float, fall: float) -> float:
+    """What an axis leaves of its floor where [processing] thins equations out, and a controller is not known.
+
+    width   of the friction's rounding in the machine, of standstill [rad/s]
+    fall    of its Coulomb friction over the log
+    """
+    thinned = Processing("central", cutoff=40.0, decimate=5)
+    robot = load_robot("emps").with_settings(processing=thinned)
+    rng, t = np.random.default_rng(0), np.arange(0, 20, 0.002)
+    w, a, phase = 2 * np.pi * np.array([0.11, 0.23, 0.41, 0.9]), [0.3, 0.2, 0.15, 0.05], rng.uniform(0, 6, 4)
+    S, C = np.sin(np.outer(t, w) + phase), np.cos(np.outer(t, w) + phase)
+    v = C @ (a * w)
+    dry = 35 * (1 - fall * t / t[-1]) * np.tanh(v / (width * STANDSTILL * np.sqrt(np.mean(v**2))))
+    tau = -60 * S @ (a * w**2) + 90 * v + dry
+    tau += 0.01 * np.std(tau) * rng.standard_normal(len(t))
+    frame = pd.DataFrame(
+        {"time": t, "joint1.e": S @ a + 1e-6 * rng.standard_normal(len(t)), "joint1.tau": tau}
+    )
+    setting = set_up(robot, [Log(frame, "log")])
+    with workers_of(setting, runs_here) as workers:
+        found = examine(setting, workers, lambda _: None, [])
+    return float(np.sqrt(found.base.energy / found.floor_energies.sum()))
+
+
+@pytest.mark.parametrize("width", [0.01, 0.2, 1.0])
+def test_reversals_neither_raise_the_floor_nor_stand_above_it_where_equations_are_thinned_out(width):
+    assert 0.8 < _over_floor(width, 0.0) < 1.2
+    assert _over_floor(width, 0.1) > 1.6
+
+
 SAMPLES = 100
 CALM, WILD = [1.0] * 20, [0.2] * 19 + [16.2]  # energy that each of 20 replicas leaves: on average 1
 
@@ -61,7 +96,8 @@ def standing_out(energy: float, replicas: list[float]) -> bool:
     floor: Any = None
     residual = np.full((1, SAMPLES), np.sqrt(energy))
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
-    examination = Examination(setting, floor, [], base, [], [], nothing, np.array([[energy]]), left, count)
+    examined: Any = ([], [], [], nothing, [], np.array([[energy]]), left, count)
+    examination = Examination(setting, floor, [], base, *examined)
     families: Any = None
     return bool(Search(examination, families, base).standing_out[0])
 

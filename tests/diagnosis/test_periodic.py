@@ -7,6 +7,7 @@ import pytest
 from analytic_joint import INERTIA, analytic_log, free_joint
 
 from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
 from pyident.logs.log import Log
@@ -72,3 +73,21 @@ def test_a_misread_angle_shows_in_the_torque_as_its_second_derivative():
     first = 5 * np.cos(5 * q) * v
     expected = parts[0].band.transform((INERTIA * second + 2.0 * first) * parts[0].part.use[:, 0]) / SIGMA
     assert columns[0][:, 1] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
+
+
+def _peaks(torque, seconds: float = 24.0):
+    robot = free_joint()
+    log = analytic_log(seconds=seconds, torque_noise=SIGMA)
+    frame = log.frame.copy()
+    frame["joint1.tau"] += torque(frame["joint1.e"])
+    parts = equations(robot, [condition(replace(log, frame=frame), robot)], [log.period])
+    return order_peaks(robot, parts, np.array(list(robot.linear_parameters.values())), RULES.periodic)[1]
+
+
+def test_the_orders_of_gears_stand_out_the_strongest_first():
+    found = _peaks(lambda q: 0.4 * np.cos(37 * q + 0.3) + 0.2 * np.sin(91 * q))
+    assert found[:2] == pytest.approx([37.0, 91.0], abs=0.3)
+
+
+def test_noise_has_no_order():
+    assert _peaks(lambda q: 0 * q) == []

@@ -7,7 +7,9 @@ import pytest
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.conclusion import _warnings
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
+from pyident.rules.rules import RULES
 
 
 def _finding(*tie):
@@ -59,3 +61,26 @@ def test_place_and_question_of_a_law():
     assert place_of(robot, hardening) == ("joint1", "transmission")
     assert asked_for(robot, [stribeck]) == ""
     assert asked_for(robot, [stribeck, hardening]).count("at joint") == 2
+
+
+@pytest.mark.parametrize(
+    ("floor", "ratio", "verdict", "said"),
+    [
+        (99.0, 1.0, "nothing_detectable", ["this says little: replicas leave 99 % of the torque of joint1"]),
+        (99.0, 1.0, "missing_effect", []),
+        (1.0, 0.1, "missing_effect", ["the residual lies below its floor at joint1, motor side (0.1 times)"]),
+        (1.0, 1.0, "nothing_detectable", []),
+    ],
+)
+def test_what_makes_a_verdict_worth_less_is_said(floor, ratio, verdict, said):
+    search = cast(Any, SimpleNamespace(rules=RULES.search))
+    place = SimpleNamespace(joint="joint1", balance="motor", floor_percent=floor, over_floor=(ratio, ratio))
+    warnings = list(_warnings(search, verdict, cast(Any, [place])))
+    assert len(warnings) == len(said)
+    assert all(warning.startswith(words) for warning, words in zip(warnings, said, strict=True))
+
+
+def test_a_share_without_held_out_logs_is_said_alone():
+    one = cast(Any, SimpleNamespace(**vars(ONE) | {"heldout_gain_percent": None}))
+    sentence = sentence_of("missing_effect", [one], _places("in_order"), ("joint2", "motor"))
+    assert sentence == "Missing: stribeck at joint2 (97 % of what exceeds the floor there)."

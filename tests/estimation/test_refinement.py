@@ -8,9 +8,8 @@ import pytest
 from flexmodels.experiment import identification
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import weakest_directions
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import reweighted, weighted
 from pyident.estimation.identify import identify
-from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.log import Log, LogError
 from pyident.refinement.output_error import output_error
 from pyident.refinement.remove_bias import correct_by_replicas
@@ -90,8 +89,8 @@ def test_robust_estimation_shrugs_off_outliers(four_link, identification_log):
     log = Log(frame, "outliers")
     true = four_link.parameters["joint2.coulomb"]
     errors = [
-        abs(identify(four_link, [log], robust=robust).robot.parameters["joint2.coulomb"] / true - 1)
-        for robust in (False, True)
+        abs(identify(four_link, [log], estimator).robot.parameters["joint2.coulomb"] / true - 1)
+        for estimator in (weighted, reweighted)
     ]
     assert errors[1] < errors[0] / 5
     assert errors[1] < 0.01
@@ -105,8 +104,8 @@ def test_covariance_knows_of_coloured_residuals(four_link, identification_log):
         for joint in four_link.joints
     )
     robot = replace(four_link, joints=joints)
-    reduced, coloured = estimate(Problem(robot, (condition(log, robot),)))
-    white = solve_weighted(reduced)
+    found = weighted(Problem(robot, (condition(log, robot),)))
+    white, coloured = found.solution, found.with_long_memory().solution
     ratio = coloured.std[~coloured.open] / white.std[~white.open]
     assert np.median(ratio) > 1.3
     names = [n for n, hidden in zip(robot.parameters, coloured.open, strict=True) if not hidden]

@@ -1,12 +1,17 @@
 """A robot file that is wrong is told beside the verdict, and measured on demand; torques are Pinocchio's."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 from six_axis_logs import arm, made, plain
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.search import wrong_description
+from pyident.diagnosis.search.gate import Admission
 from pyident.extension.add_effect import add_effect
 from pyident.simulation.fmu_runs import FmuRuns
 
@@ -43,3 +48,12 @@ def test_a_longer_link_is_measured_and_passes_the_gate(logs):
     assert done.correction is not None
     assert done.correction.amount == pytest.approx(LONGER, rel=0.05)
     assert done.robot.joints[2].origin == pytest.approx(longer(arm()).joints[2].origin, abs=0.05 * LONGER)
+
+
+def test_a_description_that_acts_on_no_equation_is_not_told(monkeypatch):
+    """As the tilt of an upright axis: there is no excess of which it could take a share."""
+    nothing = Admission(cast(Any, None), (), 0.01, float("nan"), None, "")
+    monkeypatch.setattr(wrong_description, "admission", lambda *_: nothing)
+    step = SimpleNamespace(best=SimpleNamespace(candidate=None))
+    view = SimpleNamespace(step=lambda: step, over_floor=np.ones(3))
+    assert not list(wrong_description._beside(cast(Any, view), cast(Any, None)))

@@ -13,6 +13,7 @@ from flexmodels.experiment import Experiment, identification
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
+from pyident.logs.log import LogError
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +93,30 @@ def test_wrong_names_are_refused(arm, tmp_path):
         pi.compare_fmu(tmp_path / "none.fmu", log)
     with pytest.raises(pi.LogError, match="no column is an output"):
         pi.compare_fmu(arm[2], log.frame.filter(["time", "joint1.r"]))
+
+
+def test_questions_that_no_fmu_answers_are_refused(arm):
+    log = logged(one_joint(), duration=0.4)
+    with pytest.raises(LogError, match="there is no log; give one or more"):
+        pi.compare_fmu(arm[2], [])
+    without = pi.Log(log.frame.drop(columns="joint1.tau"), "short")
+    with pytest.raises(LogError, match=r"short: its outputs are .*give logs with the same columns"):
+        pi.compare_fmu(arm[2], [log, without])
+    with pytest.raises(RobotError, match="the lower bound 2 is not below the upper one 1"):
+        pi.identify_fmu(arm[2], log, {"joint1.coulomb": (2.0, 1.0)})
+    with pytest.raises(RobotError, match=r"joint1\.r is not a continuous parameter"):
+        pi.identify_fmu(arm[2], log, ["joint1.r"])
+
+
+def test_a_diagnosis_fits_first_what_it_may(arm):
+    """Once the friction is fitted nothing is left but arithmetic; the progress reaches its end."""
+    told: list[float] = []
+    log = logged(one_joint(), {"joint1.coulomb": 1.6}, 1.0)
+    found = pi.diagnose_fmu(arm[2], log, parameters=["joint1.coulomb"], progress=told.append)
+    assert found.to_dict()["fitted"] == pytest.approx({"joint1.coulomb": 1.6}, rel=1e-3)
+    assert max(output.rms for output in found.outputs) < 0.01
+    assert told == sorted(told)
+    assert told[-1] == 1.0
 
 
 def test_the_commands_take_an_fmu(arm, tmp_path):

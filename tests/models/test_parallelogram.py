@@ -17,7 +17,7 @@ from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import identified
 from pyident.kinematics import loop, transfer
 from pyident.kinematics.elements.triads import cross, rotate
@@ -145,7 +145,8 @@ def test_the_controller_follows_both_experiments(fmu_file, log):
 
 @pytest.fixture(scope="module")
 def fitted(log):
-    return estimate(Problem(ROBOT, (condition(log, ROBOT),)))
+    found = weighted(Problem(ROBOT, (condition(log, ROBOT),))).with_long_memory()
+    return found.reduced, found.solution
 
 
 def assert_close_to_the_truth(values):

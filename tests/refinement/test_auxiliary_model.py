@@ -15,7 +15,7 @@ from pyident.estimation.identify import identify
 from pyident.estimation.instrumental_variables import Rows, fading, solve_instrumental, spectral
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
-from pyident.refinement.estimators import ESTIMATORS
+from pyident.refinement.identifications import IDENTIFICATIONS
 from pyident.refinement.noise_scatter import noise_scatter
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
@@ -148,7 +148,7 @@ def test_what_cannot_be_simulated_gets_no_intervals_and_says_so(logs):
 @pytest.mark.parametrize("name", ["ols", "wls", "irls", "tls"])
 def test_every_estimator_finds_a_quiet_log_and_says_its_name(name, logs, folder):
     robot = two_link()
-    result = ESTIMATORS[name](robot, [logs[0]], in_process)
+    result = IDENTIFICATIONS[name](robot, [logs[0]], in_process)
     assert errors(robot, result.solution.p, ("coulomb", "J_m")).max() < 0.02
     assert "least squares" in result.estimator
     assert result.json()["estimator"] == result.estimator

@@ -10,7 +10,7 @@ from flexmodels.files.robot_file import load_robot
 from pyident.checks.check_log import check_log
 from pyident.checks.encoder_delay import encoder_skews, without_skew
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import weighted
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log
@@ -38,8 +38,8 @@ def test_regression_of_all_equations_leaves_the_kuka_its_stiffness(data):
     run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
     late = [replace(skew, delay=0.003) for skew in encoder_skews(robot, run_a)]
     log, _ = without_skew(run_a, [replace(skew, std=1e-5) for skew in late])
-    reduced, found = estimate(Problem(robot, (condition(log, robot),)))
-    stiffness = found.p[[reduced.columns.index(f"joint{k}.k[1]") for k in (2, 3)]]
+    found = weighted(Problem(robot, (condition(log, robot),)))
+    stiffness = found.solution.p[[found.reduced.columns.index(f"joint{k}.k[1]") for k in (2, 3)]]
     assert (stiffness > 1e6).all()  # [N m/rad]
     assert (stiffness < 8e6).all()
 

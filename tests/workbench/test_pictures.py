@@ -1,10 +1,14 @@
 """What the page draws: thinned traces keep their peaks, the skeleton stands where the joints are."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from pyident.kinematics.skeleton import segments, skeleton
+from pyident.workbench import figures
 from pyident.workbench.thinned import thinned, thinned_band, window
 from pyident.workbench.view import View, view_of
 
@@ -64,3 +68,44 @@ def test_the_skeletons_tip_is_the_simulations(four_link, identification_log):
     tip = frame[["tip.x", "tip.y", "tip.z"]].to_numpy()
     np.testing.assert_allclose(points[:, -1], tip, atol=1e-6)
     assert len(segments(four_link)) == points.shape[1]
+
+
+def trace(deformation: bool) -> Any:
+    """Of a joint that turns back and forth under a ripple of seven waves a turn."""
+    time = np.arange(2000) * 0.01
+    angle = 8 * np.sin(0.3 * time)
+    ripple = 0.3 * np.cos(7 * angle)
+    return SimpleNamespace(
+        time=time,
+        position=angle,
+        speed=np.gradient(angle, time),
+        deformation=0.01 * angle if deformation else None,
+        measured=ripple if deformation else np.zeros(2000),
+        modelled=0 * time,
+        residual=ripple,
+        low=-np.ones(2000),
+        high=np.ones(2000),
+        used=np.ones(2000, bool),
+    )
+
+
+def test_the_orders_of_a_ripple_stand_at_their_number_and_height():
+    spectrum = figures.states(trace(True), None)["data"][-1]
+    assert spectrum["name"] == "orders of the angle"
+    top = int(np.argmax(spectrum["y"]))
+    assert spectrum["x"][top] == pytest.approx(7.0)
+    assert spectrum["y"][top] == pytest.approx(0.3, rel=0.05)
+    unused = trace(True)
+    unused.used[:] = False
+    assert figures.states(unused, None)["data"][-1]["x"] == []
+
+
+@pytest.mark.parametrize("deformation", [True, False])
+def test_what_a_joint_does_not_have_has_no_panel(deformation):
+    bump = SimpleNamespace(start=3.0, stop=5.0)
+    shown = figures.equation(trace(deformation), (2.0, 6.0), [bump, SimpleNamespace(start=9.0, stop=10.0)])
+    names = [curve["name"] for curve in shown["data"]]
+    assert ("deformation" in names) == deformation
+    assert [note["text"] for note in shown["layout"]["annotations"]] == ["1"]  # the other is not in sight
+    states = [curve["name"] for curve in figures.states(trace(deformation), (2.0, 6.0))["data"]]
+    assert ("deformation" in states) == ("motor torque" in states) == deformation

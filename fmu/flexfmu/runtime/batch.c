@@ -55,6 +55,11 @@ static Together together(const Batch *b) {
     return one;
 }
 
+/* What a run is fed at a sample: N_FED values, those of the next sample behind them. */
+static const double *fed(const Batch *b, long long run, long long i) {
+    return b->inputs + (b->experiment[run] * b->samples + i) * N_FED;
+}
+
 /* A run at its start. 0 when it may begin. */
 static int begin(const Batch *b, long long run, Memory *m) {
     double *value = m->model.value;
@@ -66,7 +71,7 @@ static int begin(const Batch *b, long long run, Memory *m) {
         if (memory_refuses(m, vr, wanted, b->text, (size_t)b->text_size)) return 1;
         value[vr] = wanted;
     }
-    memcpy(value + AT_FED, b->inputs, N_FED * sizeof *value);
+    memcpy(value + AT_FED, fed(b, run, 0), N_FED * sizeof *value);
     if (memory_initialise(m, b->text, (size_t)b->text_size)) return 1;
     m->phase = STEPPING;
     return 0;
@@ -74,7 +79,7 @@ static int begin(const Batch *b, long long run, Memory *m) {
 
 /* Inputs of a sample, their slopes to the next one, and the sample of the controller if it is due. */
 static void feed(const Batch *b, long long run, long long i, Plant *s) {
-    const double *u = b->inputs + i * N_FED;
+    const double *u = fed(b, run, i);
     memcpy(s->value + AT_FED, u, N_FED * sizeof *u);
 #ifdef MODEL_SAMPLED
     {
@@ -86,7 +91,6 @@ static void feed(const Batch *b, long long run, long long i, Plant *s) {
         if (plant_sample_due(s, s->time)) plant_command(s, 0);
     }
 #else
-    (void)run;
     s->unsettled = 1;
 #endif
 }
@@ -165,7 +169,7 @@ int flexident_batch(const Batch *b) {
 
 /* Numbers of inputs and joints, and how many runs go side by side here. */
 int flexident_batch_sizes(int sizes[3]) {
-    Batch two = {2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    Batch two = {2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     sizes[0] = N_FED;
     sizes[1] = N_JOINTS;
     sizes[2] = together(&two).lanes;

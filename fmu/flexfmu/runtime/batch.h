@@ -1,4 +1,4 @@
-/* Many runs of one experiment in one call: other parameters, other noise of the sensors. */
+/* Many runs over the same times in one call: other inputs, other parameters, other noise of the sensors. */
 #ifndef BATCH_H
 #define BATCH_H
 
@@ -17,7 +17,8 @@ enum { N_FED = N_JOINTS, AT_FED = AT_TORQUE };
 typedef struct {
     long long runs, samples, parameters, outputs;
     const double *time;        /* [samples] [s] */
-    const double *inputs;      /* [samples][N_FED] */
+    const double *inputs;      /* [experiments][samples][N_FED] */
+    const long long *experiment; /* [runs] which of these a run is fed */
     const unsigned *parameter; /* [parameters] value references */
     const double *value;       /* [runs][parameters] */
     const double *noise;       /* [runs][samples][N_JOINTS] of the controller's sensors, or NULL */

@@ -62,7 +62,7 @@ class State:
         """As it stands in an expression."""
         return Symbol(self.name, real=True)
 
-    @property
+    @cached_property
     def coefficients(self) -> tuple[Expr, Expr]:
         """a and b of rate = a * state + b."""
         slope = sympy.diff(self.rate, self.symbol)

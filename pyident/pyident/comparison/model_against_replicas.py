@@ -16,13 +16,14 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import Solution, solve_weighted
+from pyident.estimation.estimator import Estimator, weighted
+from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 from pyident.simulation import replica
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
@@ -59,6 +60,7 @@ class Trial:
     fitted      logs from which parameters are found;  judged: those on which errors are taken
     since       per judged log the time [s] from which on it counts
     noise       signal -> standard deviation of its sensor
+    estimator   finds values anew in logs and replicas
     """
 
     robot: Robot
@@ -67,6 +69,7 @@ class Trial:
     judged: tuple[Repeat, ...]
     since: tuple[float, ...]
     noise: dict[str, float]
+    estimator: Estimator = weighted
 
     @property
     def tracks(self) -> bool:
@@ -76,9 +79,8 @@ class Trial:
 
 def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     """A model with its own parameters against logs. Raises LogError."""
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = problem.reduced()
-    noise = sensor_noise(robot, logs, solve_weighted(reduced).p)
+    found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))
+    noise = sensor_noise(robot, logs, found.solution.p)
     simulated, made_again = repeats(robot, logs)
     return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
 
@@ -145,9 +147,8 @@ def _of_replica(fmu: Simulator, trial: Trial, refit: Refit, scatter: np.ndarray)
 
 
 def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
-    problem = Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted))
-    reduced = problem.reduced()
-    return Refit(judged, reduced, solve_weighted(reduced))
+    found = trial.estimator(Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted)))
+    return Refit(judged, found.reduced, found.solution)
 
 
 def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
@@ -186,5 +187,4 @@ def _judge(fmu: Simulator, trial: Trial, robot: Robot, refit: Refit) -> list[Par
 def residual(robot: Robot, part: Conditioned) -> np.ndarray:
     """(N, n): torque less Φ p, not thinned, 0 where an equation is not used."""
     p = np.array(list(robot.linear_parameters.values()))
-    left = np.concatenate([part.target[at] - Phi @ p for at, Phi in regressor_blocks(robot, part.motion)])
-    return left * part.use
+    return (part.target - generalised_forces(robot, part.motion, p)) * part.use

@@ -110,6 +110,22 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     return plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
 
 
+def condition_every_sample(log: Log, robot: Robot) -> Conditioned:
+    """The same with each sample an equation of its own where the robot's [processing] thins them out.
+
+    Equations that are thinned out keep reversals, for a low pass has carried these to their neighbours. A
+    Fourier coefficient is a sum over samples, in which those near rest can be left out as they are elsewhere.
+    Raises LogError.
+    """
+    part = condition(log, robot)
+    if part.thinning == 1:
+        return part
+    use, joints = part.use.copy(), len(robot.joints)
+    speed = part.motion.dq[:, :joints]
+    use[:, :joints] *= _moving(robot, speed, np.mean(speed**2, axis=0))
+    return replace(part, use=use, thinning=1)
+
+
 def central_differences(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """q, dq, ddq at the samples, of eighth order: the paper's scheme. q (N, n) -> three (N - 8, n)."""
     return q[REACH:-REACH], _odd(q, _FIRST) / period, _even(q, _SECOND) / period**2

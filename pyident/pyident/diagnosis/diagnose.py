@@ -19,7 +19,7 @@ from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import held_out
-from pyident.diagnosis.search.search import Search, search_among_laws
+from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
@@ -107,7 +107,7 @@ def searched(
         with workers_of(start, open_pool) as workers:
             found = adjust(start, workers)
             progress(0.2)
-            return search_among_laws(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
+            return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
     try:
         return examined(setting, unbiased)

@@ -10,7 +10,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.least_squares import Solution, residual_squares
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.disk import LogFile
@@ -84,17 +84,16 @@ class Identified:
         }
 
 
-def identify(robot: Robot, logs: Sequence[Log | LogFile], robust: bool = False) -> Identified:
+def identify(robot: Robot, logs: Sequence[Log | LogFile], estimator: Estimator = weighted) -> Identified:
     """Identify every dynamic parameter of `robot` from its logs; its own values are never used.
 
     Logs on disk are gone through a few times, window by window, and never are in memory as a whole.
 
-    robust   give single equations that stick out less weight (Huber)
     Raises LogError for logs that cannot be used.
     """
     problem = Problem(robot, tuple(prepared(log, robot) for log in logs))
-    reduced, solution = estimate(problem, robust)
-    return identified(robot, reduced, solution)
+    found = estimator(problem).with_long_memory()
+    return identified(robot, found.reduced, found.solution)
 
 
 def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified:

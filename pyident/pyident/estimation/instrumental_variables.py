@@ -13,6 +13,7 @@ let the noise of high frequencies, which differences raise as f squared, leak in
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from pyident.regression.reduced import Reduced, reduce
 
 FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
+_LINES = 2000  # of a spectrum at a time: they fit into memory
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,24 @@ class Rows:
     Z: np.ndarray
     y: np.ndarray
     share: np.ndarray
+
+    @cached_property
+    def columns(self) -> list[np.ndarray]:
+        """Per equation those of A and Z that are not zero."""
+        some = np.any(self.A, axis=0) | np.any(self.Z, axis=0)
+        return [np.flatnonzero(some[c]) for c in range(len(some))]
+
+    def residual(self, p: np.ndarray) -> np.ndarray:
+        """y - A p, (N, n)."""
+        left = self.y.copy()
+        for c, own in enumerate(self.columns):
+            left[:, c] -= self.A[:, c][:, own] @ p[own]
+        return left
+
+    def turned(self, c: int, turn: np.ndarray) -> np.ndarray:
+        """(N, r) instruments of equation c in directions turn (P, r)."""
+        own = self.columns[c]
+        return self.Z[:, c][:, own] @ turn[own]
 
 
 Logs = Callable[[], Iterable[Rows]]
@@ -48,47 +68,88 @@ def fading(use: np.ndarray, fade: int = FADE) -> np.ndarray:
     return (free @ window)[:n]
 
 
-def solve_instrumental(
-    logs: Logs,
-    reduced: Reduced,
-    weights: np.ndarray,
-    scatter: Scatter,
-    rank: int | None = None,
-) -> Solution:
-    """The solution, its covariance and the directions that the instruments span.
+@dataclass(frozen=True)
+class Instrumented:
+    """The moment equations B a = b of logs with instruments; a: coefficients of scaled directions.
 
-    reduced   of the same logs, for the names and the residuals
-    weights   (n,) of the coordinates' equations
-    scatter   covariance of the sums of instrument times residual, `spectral` or another
-    rank      none: directions whose standard deviation is above the largest coefficient are left out
+    reduced    of the same logs, for the names and the residuals
+    weights    (n,) of the coordinates' equations
+    s, Vt      (r,), (P, P) singular values and directions of the scaled instruments
+    scale      (P,) lengths of the instruments' columns
+    turn       (P, r) makes of instruments orthonormal columns
+    B          (r, r), near diag(s)
     """
+
+    logs: Logs
+    reduced: Reduced
+    weights: np.ndarray
+    s: np.ndarray
+    Vt: np.ndarray
+    scale: np.ndarray
+    turn: np.ndarray
+    B: np.ndarray
+
+    def moments(self, targets: Sequence[np.ndarray] | None = None) -> np.ndarray:
+        """(r,) sums of instrument times y; targets: per log (N, n) in place of its own y."""
+        b = np.zeros(len(self.B))
+        for number, rows in enumerate(self.logs()):
+            y = rows.y if targets is None else targets[number]
+            sums = np.zeros(len(self.turn))
+            for c, own in enumerate(rows.columns):
+                sums[own] += rows.Z[:, c][:, own].T @ (self.weights[c] ** 2 * rows.share[:, c] * y[:, c])
+            b += self.turn.T @ sums
+        return b
+
+    def solve(self, scatter: Scatter, rank: int | None = None) -> Solution:
+        """The solution and its covariance.
+
+        scatter   covariance of the sums of instrument times residual, `spectral` or another
+        rank      none: directions whose standard deviation is above the largest coefficient are left out
+        """
+        b, r = self.moments(), len(self.B)
+        if rank is None:
+            a, spread = _leading(self.B, b, r)
+            meat = scatter(self.turn, self._values(a))
+            while r > 1 and _deviation(spread, meat, r) > np.abs(a[: r - 1]).max():
+                r -= 1
+                a, spread = _leading(self.B, b, r)
+        else:
+            r = min(rank, r)
+            a, spread = _leading(self.B, b, r)
+            meat = scatter(self.turn, self._values(a))
+        root = (self.Vt[:r].T / self.scale[:, None]) @ spread
+        covariance = root @ meat[:r, :r] @ root.T
+        directions = Directions(self.s, self.Vt, self.scale, r)
+        return solution_of(self.reduced, self.weights, self._values(a), covariance, directions)
+
+    def change(self, targets: Sequence[np.ndarray], rank: int) -> np.ndarray:
+        """(P,) values that targets, per log (N, n) in place of y, ask for in the leading directions."""
+        return self._values(_leading(self.B, self.moments(targets), min(rank, len(self.B)))[0])
+
+    def _values(self, a: np.ndarray) -> np.ndarray:
+        return self.Vt[: len(a)].T @ a / self.scale
+
+
+def instrumented(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Instrumented:
+    """The directions that the instruments span, and the moment equations in them."""
     blocks = ((r.Z * r.share[:, :, None], 0 * r.y) for r in logs())
-    instruments = reduce(blocks, reduced.rows, reduced.columns)
-    S, _ = instruments.stacked(weights)
+    S, _ = reduce(blocks, reduced.rows, reduced.columns).stacked(weights)
     scale = np.linalg.norm(S, axis=0)
     absent = scale == 0
     scale[absent] = 1.0
     _, s, Vt = np.linalg.svd(S / scale, full_matrices=False)
     r = int((s > ROUNDING * s[0]).sum())
     Vt[:r, absent] = 0.0
-    turn = (Vt[:r].T / s[:r]) / scale[:, None]  # (P, r): Z turn has orthonormal columns
-    B, b = _moments(logs, weights, turn)
-    B = B @ (Vt[:r].T / scale[:, None])  # in scaled coordinates: near diag(s)
-    a, spread = _leading(B, b, r)
-    p = Vt[:r].T @ a / scale
-    if rank is None:
-        meat = scatter(turn, p)
-        while r > 1 and _deviation(spread, meat, r) > np.abs(a[: r - 1]).max():
-            r -= 1
-            a, spread = _leading(B, b, r)
-    else:
-        r = min(rank, r)
-        a, spread = _leading(B, b, r)
-        meat = scatter(turn, Vt[:r].T @ a / scale)
-    seen = Vt[:r].T
-    root = (seen / scale[:, None]) @ spread
-    covariance = root @ meat[:r, :r] @ root.T
-    return solution_of(reduced, weights, seen @ a / scale, covariance, Directions(s, Vt, scale, r))
+    turn = (Vt[:r].T / s[:r]) / scale[:, None]
+    B = turn.T @ _products(logs, weights) @ (Vt[:r].T / scale[:, None])
+    return Instrumented(logs, reduced, weights, s, Vt, scale, turn, B)
+
+
+def solve_instrumental(
+    logs: Logs, reduced: Reduced, weights: np.ndarray, scatter: Scatter, rank: int | None = None
+) -> Solution:
+    """The solution of `instrumented` equations; see there and `Instrumented.solve`."""
+    return instrumented(logs, reduced, weights).solve(scatter, rank)
 
 
 def _leading(B: np.ndarray, b: np.ndarray, r: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,24 +163,34 @@ def _deviation(spread: np.ndarray, meat: np.ndarray, r: int) -> float:
     return float(np.sqrt(max(spread[-1] @ meat[:r, :r] @ spread[-1], 0.0)))
 
 
-def _moments(logs: Logs, weights: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sums of instruments, in orthonormal directions, times A and times y."""
-    B, b = np.zeros((turn.shape[1], turn.shape[0])), np.zeros(turn.shape[1])
+def _products(logs: Logs, weights: np.ndarray) -> np.ndarray:
+    """(P, P) sums of instruments times A."""
+    total = 0.0
     for rows in logs():
-        for c, weight in enumerate(weights):
-            columns = np.flatnonzero(rows.A[:, c].any(axis=0))
-            U = (weight**2 * rows.share[:, c, None]) * (rows.Z[:, c][:, columns] @ turn[columns])
-            B[:, columns] += U.T @ rows.A[:, c][:, columns]
-            b += U.T @ rows.y[:, c]
-    return B, b
+        products = np.zeros((rows.A.shape[2],) * 2)
+        for c, own in enumerate(rows.columns):
+            U = rows.Z[:, c][:, own] * (weights[c] ** 2 * rows.share[:, c, None])
+            products[np.ix_(own, own)] += U.T @ rows.A[:, c][:, own]
+        total = total + products
+    return np.asarray(total)
 
 
 def spectral(logs: Logs, weights: np.ndarray, counted: Sequence[np.ndarray] | None = None) -> Scatter:
     """The covariance of the sums of instrument times residual, from the residual's spectrum.
 
-    counted   per log (N // 2 + 1, n): share of the residual's amplitude that counts; none: all of it
+    counted   per log (transform_length(N) // 2 + 1, n): share of the residual's amplitude that counts;
+              none: all of it
     """
     return lambda turn, p: _spectral(logs, weights, turn, p, counted)
+
+
+def transform_length(samples: int) -> int:
+    """To which signals are continued with zeros before they are transformed: it has small factors only."""
+    from scipy.fft import next_fast_len
+
+    length = next_fast_len(samples, real=True)
+    assert length is not None
+    return length
 
 
 def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:
@@ -138,25 +209,23 @@ def _spectral(
     window = 1 - np.abs(np.arange(-_BINS, _BINS + 1)) / (_BINS + 1)
     window /= window.sum()
     for number, rows in enumerate(logs()):
-        residual = (rows.y - rows.A @ p) * rows.share * weights
-        N = len(residual)
-        v = np.fft.fft(residual, axis=0)
+        residual = rows.residual(p) * rows.share * weights
+        N = transform_length(len(residual))
+        v = np.fft.fft(residual, N, axis=0)
         half = N // 2 + 1
         if counted is not None:
             v *= np.concatenate([counted[number], counted[number][1 : N - half + 1][::-1]])
-        X = np.array([_spectrum(rows.Z[:, c], turn, weight) for c, weight in enumerate(weights)])
+        X = np.empty((half, turn.shape[1], len(weights)), complex)
+        for c, weight in enumerate(weights):
+            X[:, :, c] = np.fft.rfft(weight * rows.turned(c, turn), N, axis=0).conj()
         twice = np.full(half, 2.0)
         twice[0] = 1.0
         if N % 2 == 0:
             twice[-1] = 1.0
-        for shift, share in zip(range(-_BINS, _BINS + 1), window, strict=True):
-            near = np.roll(v, -shift, axis=0)[:half]
-            score = np.einsum("cfr,fc->fr", X, near, optimize=True) * np.sqrt(twice * share)[:, None] / N
-            total += score.real.T @ score.real + score.imag.T @ score.imag
+        near = np.stack([np.roll(v, -shift, axis=0)[:half] for shift in range(-_BINS, _BINS + 1)], axis=2)
+        near *= np.sqrt(twice[:, None] * window)[:, None, :] / N
+        for at in range(0, half, _LINES):
+            lines = slice(at, at + _LINES)
+            scores = np.moveaxis(X[lines] @ near[lines], 1, 0).reshape(turn.shape[1], -1)
+            total += scores.real @ scores.real.T + scores.imag @ scores.imag.T
     return total
-
-
-def _spectrum(Z: np.ndarray, turn: np.ndarray, weight: float) -> np.ndarray:
-    """(F, r) conjugate transform of one equation's instruments."""
-    columns = np.flatnonzero(Z.any(axis=0))
-    return np.fft.rfft(weight * (Z[:, columns] @ turn[columns]), axis=0).conj()

@@ -4,7 +4,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 
 
 def followed(robot: Robot, time: np.ndarray, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Motion:
@@ -40,4 +40,4 @@ def torques(robot: Robot, motion: Motion) -> np.ndarray:
 
 def _forces(robot: Robot, motion: Motion) -> np.ndarray:
     """(N, n) Φ p."""
-    return regressor(robot, motion).matrix @ np.array(list(robot.linear_parameters.values()))
+    return generalised_forces(robot, motion, np.array(list(robot.linear_parameters.values())))

@@ -171,7 +171,15 @@ def _fitted(robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progr
         progress(0.3)
         judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
         fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
-        trial = Trial(setting.robot, setting.simulated, fitted, judged, parts.since, setting.noise)
+        trial = Trial(
+            setting.robot,
+            setting.simulated,
+            fitted,
+            judged,
+            parts.since,
+            setting.noise,
+            setting.estimator,
+        )
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
     return _Fit(setting, trial, data, replicas)
 

@@ -6,7 +6,7 @@ be coloured: the covariance follows from the long-run scatter of the scores (New
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -242,11 +242,6 @@ def _lags(residual: np.ndarray) -> int:
         below = np.flatnonzero(correlation / correlation[0] < 2 / np.sqrt(n))
         reach = max(reach, int(below[0]) if len(below) else n)
     return min(max(least, 2 * reach), n // 4)
-
-
-def narrowed(free: Free, low: float | None, high: float | None) -> Free:
-    """With bounds of the user's."""
-    return replace(free, low=free.low if low is None else low, high=free.high if high is None else high)
 
 
 def fixed(values: Mapping[str, float], simulate: Simulate) -> Simulate:

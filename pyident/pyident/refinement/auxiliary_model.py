@@ -17,10 +17,11 @@ from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import base_parameters
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import Estimate, weighted
 from pyident.estimation.identify import Identified, identified, without_intervals
 from pyident.estimation.instrumental_variables import (
     Rows,
+    instrumented,
     solve_instrumental,
     spectral,
     unknown,
@@ -48,7 +49,6 @@ from pyident.refinement.simulated_rows import (
 )
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
-from pyident.regression.reduced import Reduced
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
@@ -72,11 +72,12 @@ def identify_by_instruments(
     Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals.
     """
     parts = [condition(log, robot) for log in logs]
-    reduced, plain = estimate(Problem(robot, tuple(parts)))
+    plain = weighted(Problem(robot, tuple(parts)))
+    reduced = plain.reduced
     data = [in_memory(robot, part) for part in parts]
     lows = _LOW if carries(robot) else ()
-    starts = [identified(robot, reduced, _started(robot, data, reduced, plain, low)) for low in lows]
-    starts = starts or [identified(robot, reduced, plain)]
+    starts = [identified(robot, reduced, _started(robot, data, plain, low)) for low in lows]
+    starts = starts or [identified(robot, reduced, plain.solution)]
     best = starts[0]
     simulated, again = repeats(best.robot, logs)
     if not driven(robot):
@@ -121,20 +122,21 @@ def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers
     return starts[int(np.argmin(errors))]
 
 
-def _started(robot: Robot, data: list[Data], reduced: Reduced, plain: Solution, low: float) -> Solution:
+def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Solution:
     """Instruments from the log itself, of frequencies below `low`, where there is little noise."""
     from scipy.signal import butter
 
     sections = np.asarray(butter(4, low, output="sos"))
 
-    def rows() -> list[Rows]:
-        listed = []
-        for d in data:
-            share = faded(robot, d.use)
-            listed.append(Rows(d.A, without_phase(sections, d.A * share[:, :, None]), d.y, share))
-        return listed
-
-    return solve_instrumental(rows, reduced, plain.weights, spectral(rows, plain.weights))
+    rows = []
+    for d in data:
+        share = faded(robot, d.use)
+        Z = np.zeros_like(d.A)
+        for c, columns in enumerate(d.columns):
+            Z[:, c, columns] = without_phase(sections, d.A[:, c][:, columns] * share[:, c, None])
+        rows.append(Rows(d.A, Z, d.y, share))
+    weights = plain.solution.weights
+    return solve_instrumental(every(rows), plain.reduced, weights, spectral(every(rows), weights))
 
 
 def _rounds(
@@ -160,21 +162,20 @@ def _rounds(
         if not missed < _FOLLOWS:
             return solution, f"the simulated model misses {100 * missed:.0f} % of the motion"
         rows = [rows_of(robot, d, frame, quiet) for d, frame in zip(data, frames, strict=True)]
-        weights = _weights(data, rows, values)
-        listed = every(rows)
+        equations = instrumented(every(rows), reduced, _weights(data, rows, values))
         if number == 0:
-            solution = solve_instrumental(listed, reduced, weights, spectral(listed, weights))
+            solution = equations.solve(spectral(equations.logs, equations.weights))
             std = solution.std
         else:
-            solution = solve_instrumental(listed, reduced, weights, unknown, solution.rank)
+            solution = equations.solve(unknown, solution.rank)
         step = seen(solution, solution.p - values)
         values = values + step
         if progress:
             progress((number + 1) / _ROUNDS)
         if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
             break
-    known = with_covariance(logs, rows, solution)
-    return through_simulation(logs, rows, known, workers, put_in, held), None
+    known = with_covariance(logs, rows, equations, solution)
+    return through_simulation(logs, equations, known, workers, put_in, held), None
 
 
 def _missed(again: Repeat, frame: pd.DataFrame) -> float:

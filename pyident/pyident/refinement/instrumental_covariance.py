@@ -14,12 +14,17 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral, unknown
+from pyident.estimation.instrumental_variables import (
+    Instrumented,
+    Rows,
+    spectral,
+    transform_length,
+)
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
-from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, simulated
+from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, left_of, simulated
 from pyident.refinement.stand_in import driven
 from pyident.regression.equations import predicted
 from pyident.regression.natural_frequencies import natural_frequencies
@@ -29,15 +34,17 @@ from pyident.simulation.simulator import Simulator, Workers
 
 _EXCESS = 1.2  # times what the sensors' noise leaves of an equation at a frequency: more is not noise alone
 _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
+_LANES, _ROWS = 16, 2**21  # runs of one task, of short logs, and rows of all of its runs
 _SMOOTH = 51  # bins over which the two are averaged, so that they agree within a fifth where they are alike
 
 
-def with_covariance(logs: Repeated, rows: list[Rows], solution: Solution) -> Solution:
+def with_covariance(
+    logs: Repeated, rows: list[Rows], equations: Instrumented, solution: Solution
+) -> Solution:
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
-    robot, reduced = logs.robot, logs.reduced
+    robot = logs.robot
     if not carries(robot):
-        by_spectrum = spectral(every(rows), solution.weights)
-        return solve_instrumental(every(rows), reduced, solution.weights, by_spectrum, solution.rank)
+        return equations.solve(spectral(every(rows), solution.weights), solution.rank)
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -48,11 +55,11 @@ def with_covariance(logs: Repeated, rows: list[Rows], solution: Solution) -> Sol
         beyond = _beyond(logs, rows, p, noise)
         return np.sum(parts, axis=0) + spectral(every(rows), solution.weights, beyond)(turn, p)
 
-    return solve_instrumental(every(rows), reduced, solution.weights, scatter, solution.rank)
+    return equations.solve(scatter, solution.rank)
 
 
 def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, float]) -> list[np.ndarray]:
-    """Per log (N // 2 + 1, n): share of the residual's amplitude that is not the sensors' noise.
+    """Per log and frequency of the transform: share of the residual's amplitude that no sensor's noise is.
 
     A hinge that the controller shakes with the encoders' noise rings between the samples; near reversals
     friction changes its sign with the noise. Both are motion, which no noise of a sensor tells of.
@@ -64,22 +71,23 @@ def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, fl
             frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
         more = in_memory(logs.robot, condition(replace(a.log, frame=frame), logs.robot))
         change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
-        left, drawn = (_power(v * r.share) for v in (r.y - predicted(r.A, p), change))
+        left, drawn = (_power(v * r.share) for v in (r.residual(p), change))
         ratio = left / np.maximum(drawn, 1e-300)
         out.append(np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0))))
     return out
 
 
 def _power(values: np.ndarray) -> np.ndarray:
-    """(N // 2 + 1, n) periodograms, smoothed."""
+    """(transform_length(N) // 2 + 1, n) periodograms, smoothed."""
     from scipy.ndimage import uniform_filter1d
 
-    return uniform_filter1d(np.abs(np.fft.rfft(values, axis=0)) ** 2, _SMOOTH, axis=0, mode="nearest")
+    lines = np.abs(np.fft.rfft(values, transform_length(len(values)), axis=0)) ** 2
+    return uniform_filter1d(lines, _SMOOTH, axis=0, mode="nearest")
 
 
 def through_simulation(
     logs: Repeated,
-    rows: list[Rows],
+    equations: Instrumented,
     solution: Solution,
     workers: Workers,
     put_in: Mapping[str, float],
@@ -87,22 +95,26 @@ def through_simulation(
 ) -> Solution:
     """The covariance of the fixed point p̂ = g(p̂), where `solution` has that of g.
 
-    put_in   every parameter of the simulation that gave `rows`
+    put_in   every parameter of the simulation that gave the instruments
     held     (P,) which of them the simulation had otherwise than they were estimated
     Of what is simulated, the dampings of hinges change g: they say how much rings between the samples.
     """
     names, std = logs.reduced.columns, solution.std
-    if not driven(logs.robot):  # then nothing of the simulation's equations is in `rows`
+    if not driven(logs.robot):  # then nothing of the simulation's equations is in the targets
         return solution
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
-    jobs = [workers.submit(_shifts, logs.robot, logs.again, values) for values in changed]
+    together = max(1, min(_LANES, _ROWS // max(len(r.log.frame) for r in logs.again)) // len(logs.again))
+    jobs = [
+        workers.submit(_shifts, logs.robot, logs.again, changed[at : at + together])
+        for at in range(0, len(changed), together)
+    ]
     slope = np.zeros((len(names), len(names)))
-    for (j, step), job in zip(steps.items(), jobs, strict=True):
-        moved = [replace(r, y=d.y - shift) for d, r, shift in zip(logs.data, rows, job.result(), strict=True)]
-        there = solve_instrumental(every(moved), logs.reduced, solution.weights, unknown, solution.rank)
-        slope[:, j] = seen(solution, there.p - solution.p) / step
+    shifts = [shift for job in jobs for shift in job.result()]
+    for (j, step), shift in zip(steps.items(), shifts, strict=True):
+        there = equations.change([d.y - s for d, s in zip(logs.data, shift, strict=True)], solution.rank)
+        slope[:, j] = seen(solution, there - solution.p) / step
     growth = np.linalg.inv(np.eye(len(names)) - np.where(held, 0.0, slope))
     gap = np.array([put_in[name] for name in names]) - solution.p
     error = np.where(held, gap**2 + np.diag(solution.covariance), 0.0)
@@ -126,11 +138,12 @@ def without_intervals_of(solution: Solution, columns: Sequence[str], names: Sequ
 
 
 def _shifts(
-    fmu: Simulator, robot: Robot, again: Sequence[Repeat], put_in: dict[str, float]
-) -> list[np.ndarray]:
-    """Per log (N, n): what a simulation's samples and means leave of its own equations [N m]."""
+    fmu: Simulator, robot: Robot, again: Sequence[Repeat], sets: Sequence[Mapping[str, float]]
+) -> list[list[np.ndarray]]:
+    """Per set and log (N, n): what a simulation's samples and means leave of its own equations [N m]."""
+    names = list(robot.linear_parameters)
     out = []
-    for repeat in again:
-        made = in_memory(robot, condition(Log(simulated(fmu, repeat, put_in), "simulation"), robot))
-        out.append(made.y - predicted(made.A, np.array([put_in[n] for n in robot.linear_parameters])))
+    for put_in, frames in zip(sets, simulated(fmu, again, sets), strict=True):
+        p = np.array([put_in[name] for name in names])
+        out.append([left_of(robot, condition(Log(frame, "simulation"), robot), p) for frame in frames])
     return out

@@ -15,7 +15,7 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import REACH, derivatives_of
 from pyident.estimation.instrumental_variables import Rows
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 
 _STEP = 1e-6  # rad, rad/s: finite differences of Φ p
 
@@ -37,10 +37,10 @@ def noise_scatter(
 ) -> np.ndarray:
     """(r, r) covariance of the sums of instrument times residual in a log; noise: channel -> std."""
     U = np.array(
-        [w**2 * rows.share[:, c, None] * (rows.Z[:, c] @ turn) for c, w in enumerate(weights)]
+        [w**2 * rows.share[:, c, None] * rows.turned(c, turn) for c, w in enumerate(weights)]
     )  # (n, N, r)
     stencils, total = _stencils(robot, period), np.zeros((turn.shape[1], turn.shape[1]))
-    base = _forces(robot, part.motion, p)
+    base = generalised_forces(robot, part.motion, p)
     for j, name in enumerate(robot.coordinates):
         sigma = noise.get(name, 0.0)
         if sigma == 0.0:
@@ -74,9 +74,4 @@ def _slope(robot: Robot, motion: Motion, field: str, j: int, p: np.ndarray, base
     values = getattr(motion, field).copy()
     values[:, j] += _STEP if field != "ddq" else 1.0
     changed = Motion(**{**vars(motion), field: values})
-    return (_forces(robot, changed, p) - base) / (_STEP if field != "ddq" else 1.0)
-
-
-def _forces(robot: Robot, motion: Motion, p: np.ndarray) -> np.ndarray:
-    """(N, n) Φ p."""
-    return np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])
+    return (generalised_forces(robot, changed, p) - base) / (_STEP if field != "ddq" else 1.0)

@@ -16,9 +16,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimate import estimate
+from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import Identified, identified
-from pyident.estimation.least_squares import Solution, solve
+from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.simulation.replay import Progress, Replay, replay_of
@@ -33,14 +33,14 @@ def correct_by_replicas(
 ) -> Identified:
     """Identify `robot` and remove the regression's bias. Raises LogError."""
     parts = tuple(condition(log, robot) for log in logs)
-    problem = Problem(robot, parts)
-    reduced, in_log = estimate(problem)
+    found = weighted(Problem(robot, parts)).with_long_memory()
+    reduced, in_log = found.reduced, found.solution
     best = identified(robot, reduced, in_log)
     replays = [replay_of(best.robot, log) for log in logs]
     for number in range(_ROUNDS):
         put_in = best.robot.linear_parameters
-        in_replica = _found(_replica(robot, replays, [part.use for part in parts], put_in, simulate), in_log)
-        step = seen(in_log, in_log.p - in_replica.p)
+        problem = _replica(robot, replays, [part.use for part in parts], put_in, simulate)
+        step = seen(in_log, in_log.p - weighted(problem, in_log).solution.p)
         values = np.array(list(put_in.values())) + step
         change = np.abs(seen(in_log, values - best.solution.p))[~in_log.open]
         best = identified(robot, reduced, replace(in_log, p=values))
@@ -64,10 +64,6 @@ def _replica(
         frame = next(iter(replay.run(simulate, [parameters])))
         parts.append(replace(condition(Log(frame, "replica"), robot), use=use))
     return Problem(robot, tuple(parts))
-
-
-def _found(problem: Problem, like: Solution) -> Solution:
-    return solve(problem.reduced(), like.weights)
 
 
 def seen(solution: Solution, change: np.ndarray) -> np.ndarray:

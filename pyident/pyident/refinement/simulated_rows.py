@@ -1,7 +1,8 @@
 """A log's equations, and the same of a simulation of it: what the instrumental estimate is made of."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -32,6 +33,12 @@ class Data:
     y: np.ndarray
     use: np.ndarray
 
+    @cached_property
+    def columns(self) -> list[np.ndarray]:
+        """Per equation those of A that are not zero."""
+        some = np.any(self.A, axis=0)
+        return [np.flatnonzero(some[c]) for c in range(len(some))]
+
 
 @dataclass(frozen=True)
 class Repeated:
@@ -44,27 +51,48 @@ class Repeated:
 
 
 def in_memory(robot: Robot, part: Conditioned) -> Data:
-    """All equations of a log at once."""
+    """All equations of a log at once; in memory the samples of an entry are neighbours."""
     problem = Problem(robot, (replace(part, use=np.ones_like(part.use)),))
-    blocks = [(A.copy(), y.copy()) for A, y in problem.blocks()]
-    A, y = (np.concatenate(x) for x in zip(*blocks, strict=True))
     use = part.use[:: part.thinning]
+    N, n = use.shape
+    A, y = np.empty((n, len(problem.columns), N)).transpose(2, 0, 1), np.empty((N, n))
+    at = 0
+    for block, target in problem.blocks():
+        A[at : at + len(target)], y[at : at + len(target)] = block, target
+        at += len(target)
     return Data(part, A, y, use)
 
 
-def simulated(fmu: Simulator, again: Repeat, parameters: dict[str, float]) -> pd.DataFrame:
-    """A log's motion made by the model."""
-    try:
-        return again.simulated(fmu.simulate, parameters)
-    except SimulationError:  # what a poor start makes of a small inertia may vibrate fast
-        return again.simulated(fmu.simulate, parameters | {"solver.step": _SMALL_STEP})
+def left_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
+    """(N, n) what the equations of a log leave under p (P,), everything in use."""
+    return Problem(robot, (replace(part, use=np.ones_like(part.use)),)).residuals(p)[0]
 
 
 def simulations(
-    again: Sequence[Repeat], workers: Workers, parameters: dict[str, float]
+    again: Sequence[Repeat], workers: Workers, parameters: Mapping[str, float]
 ) -> list[pd.DataFrame]:
-    jobs = [workers.submit(simulated, r, parameters) for r in again]
-    return [job.result() for job in jobs]
+    """Each log's motion made by the model. Raises SimulationError."""
+    return workers.submit(simulated, again, [parameters]).result()[0]
+
+
+def simulated(
+    fmu: Simulator, again: Sequence[Repeat], sets: Sequence[Mapping[str, float]]
+) -> list[list[pd.DataFrame]]:
+    """Each log's motion made by the model, for every set of parameters. Raises SimulationError."""
+    try:
+        return _side_by_side(fmu, again, sets)
+    except SimulationError:  # what a poor start makes of a small inertia may vibrate fast
+        if len(sets) > 1:
+            return [simulated(fmu, again, [parameters])[0] for parameters in sets]
+        return _side_by_side(fmu, again, [{**sets[0], "solver.step": _SMALL_STEP}])
+
+
+def _side_by_side(
+    fmu: Simulator, again: Sequence[Repeat], sets: Sequence[Mapping[str, float]]
+) -> list[list[pd.DataFrame]]:
+    plans = [repeat.plan for _ in sets for repeat in again]
+    frames = iter(fmu.simulate_batch(plans, [parameters for parameters in sets for _ in again]))
+    return [[repeat.cut(next(frames)) for repeat in again] for _ in sets]
 
 
 def rows_of(robot: Robot, data: Data, frame: pd.DataFrame, p: np.ndarray) -> Rows:

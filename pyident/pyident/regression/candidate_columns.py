@@ -1,6 +1,6 @@
 """Columns that one more law would add to Φ, for a search over laws and over their nonlinear parameters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -12,9 +12,10 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.laws import Signals, body_columns, compiled, law_columns
 from pyident.regression.recent import Recent
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import regressor_blocks
 
 _signals_of: Recent[Signals] = Recent(8)
+_laws: Recent[tuple[Effect, dict[str, float]]] = Recent(256)
 
 
 def effect_columns(
@@ -31,9 +32,12 @@ def effect_columns(
     if law.body:
         return _of_body(robot, law, motion)
     columns: dict[str, dict[int, np.ndarray]] = {p.name: {} for p in law.linear}
+    known: dict[Callable[[slice], np.ndarray], np.ndarray] = {}
     for column in law_columns(robot, _signals(robot, motion), joint, law, fixed):
-        value = np.asarray(column.value(slice(None)), float)
-        columns[column.parameter][column.row] = np.array(np.broadcast_to(value, len(motion.q)))
+        if column.value not in known:  # a force between two coordinates acts on both
+            value = np.asarray(column.value(slice(None)), float)
+            known[column.value] = np.array(np.broadcast_to(value, len(motion.q)))
+        columns[column.parameter][column.row] = known[column.value]
     return columns
 
 
@@ -80,19 +84,26 @@ def _acting(
     robot: Robot, joint: int, effect_name: str, values: Mapping[str, float]
 ) -> tuple[Effect, dict[str, float]]:
     """The law as it acts at the joint, and the values of its nonlinear parameters."""
-    has = 1 <= joint <= len(robot.joints) and effect_name in robot.joints[joint - 1].values
-    extended = robot if has else robot.with_effect(joint, effect_name)
-    own = extended.joints[joint - 1].values[effect_name]
-    law = extended.joints[joint - 1].law(effect_name)
+    law, own = _laws.of((robot,), lambda: _law(robot, joint, effect_name), (joint, effect_name))
     unknown = set(values) - {p.name for p in law.nonlinear}
     if unknown:
         raise ValueError(f"effect {effect_name} has no nonlinear parameter {min(unknown)}")
     return law, {p.name: float(values.get(p.name, own[p.name])) for p in law.nonlinear}
 
 
+def _law(robot: Robot, joint: int, effect_name: str) -> tuple[Effect, dict[str, float]]:
+    """The law as it acts at the joint, and the values of its parameters there."""
+    has = 1 <= joint <= len(robot.joints) and effect_name in robot.joints[joint - 1].values
+    own = (robot if has else robot.with_effect(joint, effect_name)).joints[joint - 1]
+    return own.law(effect_name), dict(own.values[effect_name])
+
+
 def _of_body(robot: Robot, law: Effect, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
-    Phi = regressor(robot, motion)
-    first = Phi.columns.index(f"link{robot.last_link}.m")
-    body = Phi.matrix[:, :, first : first + len(LINK_PARAMETERS)]
-    forces = {name: body @ weights for name, weights in body_columns(robot, law).items()}
-    return {name: {row: force[:, row] for row in range(force.shape[1])} for name, force in forces.items()}
+    first = list(robot.linear_parameters).index(f"link{robot.last_link}.m")
+    weights = body_columns(robot, law)
+    W = np.column_stack(list(weights.values()))
+    pieces = [
+        Phi[:, :, first : first + len(LINK_PARAMETERS)] @ W for _, Phi in regressor_blocks(robot, motion)
+    ]
+    forces = np.concatenate(pieces).transpose(2, 1, 0)
+    return {name: dict(enumerate(force)) for name, force in zip(weights, forces, strict=True)}

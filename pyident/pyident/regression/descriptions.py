@@ -20,7 +20,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
 from pyident.regression.laws import body_columns
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 
 _STEP = 1e-4  # m, rad
 _PIECE = 1000  # samples at a time: they stay in a core's cache
@@ -172,8 +172,7 @@ def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> d
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
     if DESCRIPTIONS[name].correct is None:
         p = np.array(list(robot.linear_parameters.values()))
-        own = [(Phi @ p)[:, joint - 1] for _, Phi in regressor_blocks(robot, motion)]
-        return {joint - 1: -np.concatenate(own)}
+        return {joint - 1: -generalised_forces(robot, motion, p)[:, joint - 1]}
     ends = [_link_forces(corrected(robot, joint, name, side * _STEP), motion) for side in (1, -1)]
     return dict(enumerate((ends[0] - ends[1]) / (2 * _STEP)))
 

@@ -59,6 +59,7 @@ class Signals:
 
     def __init__(self, robot: Robot, motion: Motion):
         motion.check(robot)
+        self.rows = [coordinate.signal for coordinate in robot.q]
         self.size, self.held = len(motion.q), motion.tau_before is not None
         self.after = {} if motion.time is None else {"time": np.asarray(motion.time)}
         for j, coordinate in enumerate(robot.q):
@@ -89,11 +90,13 @@ class _Law:
             self.own[state.name] = self._filtered(state)
 
     def columns(self) -> Iterator[LawColumn]:
-        rows = [coordinate.signal for coordinate in self.robot.q]
+        made: dict[sympy.Expr, Callable[[slice], np.ndarray]] = {}
         for parameter, slopes in self.effect.columns.items():
             for coordinate, slope in slopes.items():
-                row = rows.index(signal_of(self.k, coordinate.name))
-                yield LawColumn(parameter, row, self._piecewise(slope))
+                row = self.known.rows.index(signal_of(self.k, coordinate.name))
+                if slope not in made:
+                    made[slope] = self._piecewise(slope)
+                yield LawColumn(parameter, row, made[slope])
 
     def _piecewise(self, law: sympy.Expr) -> Callable[[slice], np.ndarray]:
         """The law at some samples, the mean of both held torques' where it depends on them."""

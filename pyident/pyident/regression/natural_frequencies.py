@@ -6,7 +6,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 
 _POSES = 5  # of a motion, evenly spaced
 
@@ -45,5 +45,5 @@ def _mass_matrix(robot: Robot, motion: Motion, at: int) -> np.ndarray:
     still = replace(motion, q=pose, dq=rest, ddq=units, tau=held(motion.tau), time=held(motion.time))
     still = replace(still, tau_before=held(motion.tau_before))
     p = np.array(list(robot.linear_parameters.values()))
-    forces = regressor(robot, still).matrix @ p
+    forces = generalised_forces(robot, still, p)
     return (forces[1:] - forces[0]).T

@@ -39,6 +39,17 @@ def regressor(robot: Robot, motion: Motion) -> Regressor:
     return Regressor(matrix, rows, columns)
 
 
+def generalised_forces(robot: Robot, motion: Motion, p: np.ndarray) -> np.ndarray:
+    """(N, n) [N m, N]: Φ p of the whole motion, without Φ in memory; p (P,).
+
+    Raises ValueError as `regressor` does.
+    """
+    forces = np.empty((len(motion.q), len(robot.coordinates)))
+    for part, Phi in regressor_blocks(robot, motion):
+        np.einsum("bcp,p->bc", Phi, p, out=forces[part])
+    return forces
+
+
 def regressor_blocks(robot: Robot, motion: Motion, block: int = BLOCK) -> Iterator[tuple[slice, np.ndarray]]:
     """Φ piece by piece: (samples, Phi (B, n, P)). Phi is overwritten by the next piece: use or copy it.
 

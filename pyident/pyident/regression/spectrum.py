@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter1d
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import regressor_blocks
 
 _SMOOTH = 15  # bins over which a floor is averaged
 _TOP = 0.2  # of the Nyquist frequency: above, differences, noise and resonances are all there is
@@ -100,10 +100,11 @@ def _band(samples: int, robot: Robot, period: float) -> Band:
 
 def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
     band = _band(len(part.target), robot, period)
-    Phi = regressor(robot, part.motion).matrix
-    n, P = Phi.shape[1:]
+    ((_, whole),) = regressor_blocks(robot, part.motion, block=len(part.target))
+    Phi = whole.transpose(1, 2, 0)  # as it lies in memory
+    n, P = Phi.shape[:2]
     A = np.zeros((n, 2 * band.bins, P))
     for c in range(n):
-        used = np.flatnonzero(Phi[:, c].any(axis=0))
-        A[c][:, used] = band.transform(Phi[:, c, used] * part.use[:, c, None])
+        used = np.flatnonzero(Phi[c].any(axis=1))
+        A[c][:, used] = band.transform((Phi[c, used] * part.use[:, c]).T)
     return Equations(part, band, A, band.transform(part.target * part.use).T)

@@ -8,7 +8,7 @@ fit's covariance.
 The motion is what a low pass leaves whose corner is where the spectrum of a coordinate meets its noise.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,15 +39,24 @@ class AlongMotion:
     steps: Mapping[str, float]
     spread: np.ndarray
 
-    def replica(self, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int) -> Log:
-        """The log's motion with the torques of a model; noise: signal -> standard deviation."""
-        rng = np.random.default_rng(seed)
+    def replicas(
+        self, parameters: Mapping[str, float], noise: Mapping[str, float], seeds: Sequence[int]
+    ) -> list[Log]:
+        """The log's motion with the torques of a model, one per seed; noise: signal -> standard deviation."""
+        chance = [np.random.default_rng(seed) for seed in seeds]
         p = np.array([parameters[name] for name in self.robot.linear_parameters])
-        p = p + self.spread @ rng.standard_normal(self.spread.shape[1])
-        joints = len(self.robot.joints)
-        torque = np.concatenate(
-            [(Phi @ p)[:, :joints] for _, Phi in regressor_blocks(self.robot, self.motion)]
+        drawn = [p + self.spread @ rng.standard_normal(self.spread.shape[1]) for rng in chance]
+        joints, P = len(self.robot.joints), np.column_stack(drawn)
+        torques = np.concatenate(
+            [(Phi @ P)[:, :joints] for _, Phi in regressor_blocks(self.robot, self.motion)]
         )
+        return [
+            self._noisy(torque, noise, rng)
+            for torque, rng in zip(torques.transpose(2, 0, 1), chance, strict=True)
+        ]
+
+    def _noisy(self, torque: np.ndarray, noise: Mapping[str, float], rng: np.random.Generator) -> Log:
+        """The log with the smooth motion and `torque` (N, joints), noise on both."""
         frame = self.log.frame.copy()
         made = dict(zip(self.robot.coordinates, self.motion.q.T, strict=True))
         made |= dict(zip(self.robot.torques, torque.T, strict=True))

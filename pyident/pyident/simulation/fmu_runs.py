@@ -18,10 +18,11 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
 from pyident.simulation.growing_pool import growing_pool
-from pyident.simulation.workers import Make, Processes, inline
+from pyident.simulation.workers import Make, Processes, inline, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_LANES, _ROWS = 64, 2**21  # runs of one task, of short experiments, and rows of all of its runs
 OpenProcesses = Callable[[Make[LoadedFmu]], AbstractContextManager[Processes[LoadedFmu]]]
 
 
@@ -65,10 +66,18 @@ class FmuRuns:
     def __call__(
         self, experiment: Experiment, parameters: Sequence[Mapping[str, float]]
     ) -> Iterator[pd.DataFrame]:
-        """One frame per set of parameters, in their order. Raises SimulationError."""
-        jobs = [self._processes.submit(LoadedFmu.simulate, experiment, dict(p)) for p in parameters]
+        """One frame per set of parameters, in their order. Raises SimulationError.
+
+        Sets of the same names go side by side.
+        """
+        together = max(1, min(_LANES, _ROWS // len(experiment.time)))
+        listed = [dict(p) for p in parameters]
+        jobs = [
+            self._processes.submit(_side_by_side, experiment, listed[first : first + together])
+            for first in range(0, len(listed), together)
+        ]
         for job in jobs:
-            yield job.result()
+            yield from job.result()
 
     def submit(
         self, work: Callable[Concatenate[LoadedFmu, P], R], *arguments: P.args, **named: P.kwargs
@@ -80,6 +89,22 @@ class FmuRuns:
 def runs_here(robot: Robot) -> FmuRuns:
     """Runs in this very process: for short experiments, which are over before others have started."""
     return FmuRuns(robot, inline)
+
+
+def runs_in_threads(robot: Robot) -> FmuRuns:
+    """Runs on the Dask cluster that is configured; else in this process, side by side on its cores.
+
+    For work that asks for many runs at once and does little with each.
+    """
+    return FmuRuns(robot, partial(workers_with, on_this_machine=inline))
+
+
+def _side_by_side(
+    fmu: LoadedFmu, experiment: Experiment, parameters: list[dict[str, float]]
+) -> list[pd.DataFrame]:
+    if len(parameters) == 1 or len({frozenset(p) for p in parameters}) > 1:
+        return [fmu.simulate(experiment, p) for p in parameters]
+    return fmu.simulate_batch(experiment, parameters)
 
 
 @contextmanager

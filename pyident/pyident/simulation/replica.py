@@ -21,6 +21,7 @@ from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import Recorded, loop_of, recorded
+from pyident.simulation.simulator import Simulator
 
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
@@ -42,13 +43,13 @@ class Repeat:
     lead: int = 0
     note: str | None = None
 
-    @property
-    def _inputs(self) -> Recorded:
-        return Recorded(self.plan, self.lead)
-
     def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
         """The log's motion made by a model, without noise."""
-        return self._inputs.cut(run(self.plan, parameters))
+        return self.cut(run(self.plan, parameters))
+
+    def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """A simulation of the plan without what comes before the log."""
+        return Recorded(self.plan, self.lead).cut(frame)
 
     def replica(
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
@@ -57,8 +58,21 @@ class Repeat:
         rng = np.random.default_rng(seed)
         plan, n = self.plan, len(self.plan.time)
         added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
-        frame = with_noise(lambda made: run(made, parameters), plan, added)
-        return Log(self._inputs.cut(frame), f"replica of {self.log.source}")
+        return self._made(with_noise(lambda made: run(made, parameters), plan, added))
+
+    def replicas(
+        self,
+        simulator: Simulator,
+        parameters: Mapping[str, float],
+        noise: Mapping[str, float],
+        seeds: Sequence[int],
+    ) -> list[Log]:
+        """One per seed, simulated side by side; as `replica`, but that the noise is held between samples."""
+        frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
+        return [self._made(frame) for frame in frames]
+
+    def _made(self, frame: pd.DataFrame) -> Log:
+        return Log(self.cut(frame), f"replica of {self.log.source}")
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:

@@ -17,6 +17,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+_MEASURED = "this motion was measured and cannot be simulated"
 SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
 
 
@@ -25,6 +26,20 @@ class Simulator(Protocol):
 
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
         """The log of an experiment, with other values of some parameters. Raises SimulationError."""
+        ...
+
+    def simulate_batch(
+        self,
+        experiment: Experiment | Sequence[Experiment],
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+    ) -> list[pd.DataFrame]:
+        """A log per experiment, set of parameters and seed, or as many of one as of another.
+
+        noise   channel -> standard deviation; that of an encoder passes through the loop
+        Raises SimulationError.
+        """
         ...
 
 
@@ -52,7 +67,16 @@ class Unsimulated:
     """Stands where replicas go along a measured motion, and nothing is simulated."""
 
     def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
-        raise SimulationError("this motion was measured and cannot be simulated")
+        raise SimulationError(_MEASURED)
+
+    def simulate_batch(
+        self,
+        experiment: Experiment | Sequence[Experiment],
+        parameters: Sequence[Mapping[str, float]] = ({},),
+        noise: Mapping[str, float] | None = None,
+        noise_seeds: Sequence[int | None] = (None,),
+    ) -> list[pd.DataFrame]:
+        raise SimulationError(_MEASURED)
 
 
 OpenPool = Callable[[Robot], AbstractContextManager[Pool]]

@@ -1,11 +1,12 @@
 """Which law would take a stretch of a residual: asked of one bump, where `diagnose` judges all logs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyident.logs.log import LogError
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Compared
 from pyident.verbs.result import Result
@@ -94,7 +95,7 @@ def explain(
     coordinate   of the equation; none: the one that fails most
     span         from and to [s]; none: the whole log
     heldout      logs that may be asked about, but to which nothing is fitted
-    The others as in `compare`. Raises RobotError, LogError, SimulationError, ValueError.
+    The others as in `compare`. Raises RobotError, LogError, SimulationError.
     """
     from pyident.verbs.judge import compare
 
@@ -102,6 +103,7 @@ def explain(
     read = given(robot, logs, mapping, heldout, force)
     told = progress or (lambda _: None)
     every = [*read.logs, *read.heldout]
+    _require([one.source for one in every], log, read.robot.coordinates, coordinate)
     compared = compare(robot, every, force=force, progress=lambda share: told(0.8 * share))
     after = partial(_later, told)
     waves = waves_of(compared, robot, read.logs, heldout=read.heldout, force=force, progress=after)
@@ -145,15 +147,24 @@ def explained(
 ) -> Explained:
     """One stretch of a comparison. log: as given or its file's name; span [s], None: all of it.
 
-    Raises ValueError where there is no such log or equation.
+    Raises LogError where there is no such log or equation.
     """
     from pyident.diagnosis.stretches.ranking import ranking
 
-    listed = [t for t in compared.comparison.traces if log in (t.log, Path(t.log).name)]
-    if not listed:
-        raise ValueError(f"the comparison has no log {log}")
-    trace = next((t for t in listed if t.coordinate == coordinate), None)
-    if trace is None:
-        names = ", ".join(t.coordinate for t in listed)
-        raise ValueError(f"there is no equation {coordinate}; there are {names}")
-    return Explained(ranking(waves, trace, span), compared.notes)
+    traces = compared.comparison.traces
+    _require([t.log for t in traces], log, [t.coordinate for t in traces], coordinate)
+    named = (t for t in traces if log in (t.log, Path(t.log).name) and t.coordinate == coordinate)
+    return Explained(ranking(waves, next(named), span), compared.notes)
+
+
+def _require(
+    logs: Sequence[str], log: str | None, coordinates: Sequence[str], coordinate: str | None
+) -> None:
+    """Raises LogError for a log or an equation that is asked about and not there."""
+    for what, names, asked in (
+        ("log", [*logs, *(Path(name).name for name in logs)], log),
+        ("equation", coordinates, coordinate),
+    ):
+        if asked is not None and asked not in names:
+            there = ", ".join(dict.fromkeys(names))
+            raise LogError(f"there is no {what} {asked} to explain; there are {there}")

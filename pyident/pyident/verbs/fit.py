@@ -6,12 +6,13 @@ from dataclasses import replace
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot, RobotError
+from pyident.estimation.estimator import reweighted, weighted
 from pyident.estimation.identify import Identified, near, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
-from pyident.refinement.estimators import DEFAULT, ESTIMATORS, refined
-from pyident.simulation.fmu_runs import FmuRuns, batches_here
+from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
+from pyident.simulation.fmu_runs import batches_here, runs_in_threads
 from pyident.verbs.fitted import Fit, ServoFit
 from pyident.verbs.inputs import (
     Columns,
@@ -78,7 +79,7 @@ def refine(
     SimulationError.
     """
     read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
-    found = refined(read.robot, list(read.logs), FmuRuns, progress)
+    found = refined(read.robot, list(read.logs), runs_in_threads, progress)
     return Fit(found, (*read.notes, *found.notes))
 
 
@@ -134,11 +135,11 @@ def _with_settings(
 
 
 def _identified(read: Opened, name: str, progress: Progress | None) -> Identified:
-    if name not in ESTIMATORS:
-        raise RobotError(f"there is no estimator {name}; there are {', '.join(ESTIMATORS)}")
+    if name not in IDENTIFICATIONS:
+        raise RobotError(f"there is no estimator {name}; there are {', '.join(IDENTIFICATIONS)}")
     logs = [log for log in read.logs if isinstance(log, Log)]
     if len(logs) == len(read.logs):
-        return ESTIMATORS[name](read.robot, logs, FmuRuns, progress)
-    found = without_intervals(regress(read.robot, read.logs, robust=name == "irls"))
+        return IDENTIFICATIONS[name](read.robot, logs, runs_in_threads, progress)
+    found = without_intervals(regress(read.robot, read.logs, reweighted if name == "irls" else weighted))
     note = "a log this long is gone through on disk, by weighted least squares and without intervals"
     return replace(found, notes=(note,))

@@ -11,7 +11,7 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.payload import Carried, carried, last_link
 from pyident.logs.log import LogError
-from pyident.refinement.estimators import DEFAULT
+from pyident.refinement.identifications import DEFAULT
 from pyident.verbs.fit import identify
 from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result

@@ -89,6 +89,7 @@ class Bench:
                     self._take_version(job.result)
                 elif what == "identify":
                     self._take(self._pending)
+                    self.results[what, self.inputs] = job.result  # the page looks at what was made
                 elif what == "import":
                     self.change(self.project.starting_from(self._pending.model).after(self._pending.command))
                     self.message = " ".join(job.result)

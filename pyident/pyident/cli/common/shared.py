@@ -29,13 +29,14 @@ from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
 from pyident.simulation.workers import WorkersError, scheduler_configured
 from pyident.sweep.store import StudyError
+from pyident.workbench.project import ProjectError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 console = Console(markup=False, emoji=False, highlight=False)
 _STOPPED = 130
 _OUR_FAULT = 70  # as sysexits.h has it
-_BAD_INPUT = (BuildError, EffectError, ExperimentError, LogError, OutputError, RobotError)
+_BAD_INPUT = (BuildError, EffectError, ExperimentError, LogError, OutputError, ProjectError, RobotError)
 _BAD_INPUT += (SimulationError, StudyError, WorkersError)
 
 

@@ -1,7 +1,8 @@
 """What a diagnosis may name: every effect of the catalogue at every joint; and errors of the description."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -15,11 +16,12 @@ from pyident.conditioning.samples import Conditioned
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.recent import Recent
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
 
 _descriptions: Recent[dict[int, np.ndarray]] = Recent(512)
 _with_torques: Recent[Motion] = Recent(16)
+_TOGETHER = 16  # candidates whose columns are transformed at once
 
 
 @dataclass(frozen=True)
@@ -149,6 +151,24 @@ def columns(
     return out
 
 
+def columns_of(
+    robot: Robot, listed: Sequence[Candidate], logs: Sequence[Equations], levels: Sequence[np.ndarray]
+) -> list[list[dict[int, np.ndarray]]]:
+    """`columns` of each of many candidates, which are transformed together."""
+    found = [columns(robot, c, logs, levels) if c.describes else [] for c in listed]
+    laws = [i for i, c in enumerate(listed) if not c.describes]
+    for number, (log, level) in enumerate(zip(logs, levels, strict=True)):
+        acting = [i for i in laws if listed[i].log in (None, number)]
+        for i in laws:
+            found[i].append({})
+            if i not in acting:
+                found[i][-1][0] = np.zeros((log.y.shape[1], len(bounds(robot, listed[i])[0])))
+        raw = (_raw(robot, listed[i], log.part) for i in acting)
+        for i, by_row in zip(acting, _transformed_together(raw, log), strict=True):
+            found[i][-1].update({row: X / level[row][:, None] for row, X in by_row.items()})
+    return found
+
+
 def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     """The log's motion as a law is evaluated along it.
 
@@ -173,8 +193,7 @@ def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
 
     def made() -> Motion:
         p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
-        torques = np.concatenate([Phi @ p for _, Phi in regressor_blocks(robot, motion)])
-        tau = torques[:, : len(robot.joints)]
+        tau = generalised_forces(robot, motion, p)[:, : len(robot.joints)]
         return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
 
     return _with_torques.of((robot, motion), made, part)
@@ -206,11 +225,30 @@ def _transformed(
     robot: Robot, candidate: Candidate, part: Conditioned, band: Band, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
     """Row -> (E, K)."""
+    raw = _raw(robot, candidate, part)
+    return {row: band.transform((X * (factor * part.use[:, row])).T) for row, X in raw.items()}
+
+
+def _raw(robot: Robot, candidate: Candidate, part: Conditioned) -> dict[int, np.ndarray]:
+    """Row -> (K, N), the torques per unit of the linear parameters."""
     of = slopes(robot, candidate, motion_for(robot, candidate, part.motion))
     rows = sorted({row for by_row in of.values() for row in by_row})
     nothing = np.zeros(len(part.target))
-    out = {}
-    for row in rows:
-        X = np.column_stack([by_row.get(row, nothing) for by_row in of.values()])
-        out[row] = band.transform(X * (factor * part.use[:, row])[:, None])
-    return out
+    return {row: np.array([by_row.get(row, nothing) for by_row in of.values()]) for row in rows}
+
+
+def _transformed_together(
+    raw: Iterable[dict[int, np.ndarray]], log: Equations
+) -> Iterator[dict[int, np.ndarray]]:
+    """Of each candidate's torques row -> (E, K); as many at a time as stay in a core's cache."""
+    every = iter(raw)
+    while group := list(islice(every, _TOGETHER)):
+        out: list[dict[int, np.ndarray]] = [{} for _ in group]
+        for row in sorted({row for by_row in group for row in by_row}):
+            acting = [i for i, by_row in enumerate(group) if row in by_row]
+            X = np.concatenate([group[i][row] for i in acting]) * log.part.use[:, row]
+            ends = np.cumsum([len(group[i][row]) for i in acting])[:-1]
+            parts = np.split(log.band.transform(X.T), ends, axis=1)
+            for i, part in zip(acting, parts, strict=True):
+                out[i][row] = part
+        yield from out

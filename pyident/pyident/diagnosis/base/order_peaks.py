@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from flexmodels.robot import Robot
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Equations
 from pyident.rules.periodic import PeriodicRules
 
@@ -39,10 +39,7 @@ def order_peaks(
 def _residual(robot: Robot, log: Equations, p: np.ndarray) -> np.ndarray:
     """(N, n) of the equations that are used, 0 elsewhere."""
     part = log.part
-    return (
-        np.concatenate([part.target[at] - Phi @ p for at, Phi in regressor_blocks(robot, part.motion)])
-        * part.use
-    )
+    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
 
 
 def _orders(

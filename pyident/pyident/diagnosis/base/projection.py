@@ -10,6 +10,7 @@ where only coefficients within their physical bounds count (Frisch and Waugh 193
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -20,6 +21,7 @@ _IMITATED = 1e-6  # share of a column's energy that the base must leave for it t
 _ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
 
 Columns = Sequence[Mapping[int, np.ndarray]]  # per log: row -> (E, K) whitened columns
+Limits = tuple[np.ndarray, np.ndarray]  # lower and upper (K,) of their coefficients
 
 
 @dataclass(frozen=True)
@@ -60,34 +62,71 @@ class Gain:
 
 def solve_base(whitened: Sequence[Equations]) -> Base:
     """Least squares over all logs."""
-    P = whitened[0].A.shape[2]
-    A = [e.A.reshape(-1, P) for e in whitened]
-    y = [e.y.ravel() for e in whitened]
-    scale = np.sqrt(sum(np.square(a).sum(axis=0) for a in A))
+    p, directions = _solved(whitened)
+    return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
+
+
+def residuals_of(whitened: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E), what the base's least squares leaves."""
+    p, _ = _solved(whitened)
+    return [e.y - e.A @ p for e in whitened]
+
+
+def _solved(whitened: Sequence[Equations]) -> tuple[np.ndarray, np.ndarray]:
+    """`p` and `directions` of a base."""
+    scale = np.sqrt(sum(np.einsum("cep,cep->p", e.A, e.A) for e in whitened))
     scale[scale == 0] = 1.0
-    each = [np.linalg.qr(np.column_stack([a / scale, b]), mode="r") for a, b in zip(A, y, strict=True)]
+    each = [_triangle(A, y, scale) for e in whitened for A, y in zip(e.A, e.y, strict=True)]
     R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
     U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]
-    p = directions @ (U.T @ R[:, -1])[kept]
-    return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
+    return directions @ (U.T @ R[:, -1])[kept], directions
+
+
+def _triangle(A: np.ndarray, y: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """(U + 1, P + 1) that has the Gram matrix of one coordinate's A / scale and y; U parameters act there."""
+    used = np.flatnonzero(A.any(axis=0))
+    R = np.linalg.qr(np.column_stack([A[:, used] / scale[used], y]), mode="r")
+    out = np.zeros((len(R), len(scale) + 1))
+    out[:, [*used, len(scale)]] = R
+    return out
 
 
 def gain(
     base: Base, columns: Columns, lower: np.ndarray | None = None, upper: np.ndarray | None = None
 ) -> Gain:
     """Of K columns, with bounds (K,) on their coefficients; none: any coefficient."""
-    K = next(X.shape[1] for rows in columns for X in rows.values())
+    K = _width(columns)
     lower = np.full(K, -np.inf) if lower is None else lower
     upper = np.full(K, np.inf) if upper is None else upper
-    G, g, b = np.zeros((K, K)), np.zeros(K), np.zeros((base.basis[0].shape[2], K))
-    for rows, basis, residual in zip(columns, base.basis, base.residual, strict=True):
-        for c, X in rows.items():
-            G += X.T @ X
-            g += X.T @ residual[c]
-            b += basis[c].T @ X
-    return _System.of(G, G - b.T @ b).solved(g, lower, upper)
+    return gains(base, [columns], [(lower, upper)])[0]
+
+
+def gains(base: Base, listed: Sequence[Columns], limits: Sequence[Limits]) -> list[Gain]:
+    """Of each set of columns by itself, with lower and upper bounds on its coefficients."""
+    ends = np.cumsum([0, *(_width(columns) for columns in listed)])
+    parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
+    b, g = np.zeros((base.basis[0].shape[2], ends[-1])), np.zeros(ends[-1])
+    G = [np.zeros((part.stop - part.start,) * 2) for part in parts]
+    for log, (basis, residual) in enumerate(zip(base.basis, base.residual, strict=True)):
+        for c in sorted({c for columns in listed for c in columns[log]}):
+            acting = [i for i, columns in enumerate(listed) if c in columns[log]]
+            own = [listed[i][log][c] for i in acting]
+            place = np.concatenate([np.arange(ends[-1])[parts[i]] for i in acting])
+            X = np.hstack(own)
+            b[:, place] += basis[c].T @ X
+            g[place] += X.T @ residual[c]
+            for i, x in zip(acting, own, strict=True):
+                G[i] += x.T @ x
+    return [
+        _System.of(full, full - b[:, part].T @ b[:, part]).solved(g[part], *bounds)
+        for full, part, bounds in zip(G, parts, limits, strict=True)
+    ]
+
+
+def _width(columns: Columns) -> int:
+    return next(X.shape[1] for rows in columns for X in rows.values())
 
 
 @dataclass(frozen=True)
@@ -222,7 +261,9 @@ class _System:
         half = V * root  # G = half halfᵀ, in scaled columns
         target = V.T @ (g / size) / root
         x = V @ (target / root) / size
-        if (x < lower).any() or (x > upper).any():
+        if len(x) == 1:
+            x = np.clip(x, lower, upper)
+        elif (x < lower).any() or (x > upper).any():
             lo, hi = lower * size, upper * size
             x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
         z = half.T @ (x * size)

@@ -6,12 +6,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns, described
+from pyident.conditioning.weak_form import condition_every_sample
+from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
-from pyident.diagnosis.base.projection import Base, Gain, gain, gains_over, others_of, solve_base
-from pyident.diagnosis.base.setting import Setting, replica_of
+from pyident.diagnosis.base.projection import (
+    Base,
+    Columns,
+    Gain,
+    Limits,
+    gains,
+    gains_over,
+    others_of,
+    residuals_of,
+    solve_base,
+)
+from pyident.diagnosis.base.setting import Setting, replicas_of, together
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 from pyident.simulation.simulator import Simulator, Workers
@@ -26,8 +36,9 @@ Progress = Callable[[float], None]
 class Examination:
     """Data and B replicas, analysed alike.
 
-    candidates, gains   what could be added and what each would explain of the data's residual
+    candidates, columns, gains   what could be added, and what each would explain of the data's residual
     replica_gains       (B, C) the same of the replicas' residuals: the method's own trace
+    replica_residuals   (B) per log (n, E)
     energy              (n, bands) mean square of the data's residual over the floor
     replica_energy      (B, n, bands) the same of the replicas' residuals
     """
@@ -37,20 +48,21 @@ class Examination:
     logs: list[Equations]
     base: Base
     candidates: list[Candidate]
+    columns: list[Columns]
     gains: list[Gain]
     replica_gains: np.ndarray
+    replica_residuals: list[list[np.ndarray]]
     energy: np.ndarray
     replica_energy: np.ndarray
     count: np.ndarray
 
-    def among(self, wanted: Callable[[Candidate], bool]) -> "Examination":
-        """The same with some of the candidates only."""
-        at = [i for i, c in enumerate(self.candidates) if wanted(c)]
+    def of_others(self, listed: Sequence[Candidate]) -> "Examination":
+        """The same data and replicas with other candidates, all of them along the data's motion."""
+        columns, limits = _columns_and_bounds(self.setting.robot, listed, self.logs, self.levels)
+        explained = gains(self.base, columns, limits)
+        pretended = _along_same_motion(self.base, columns, limits, self.replica_residuals)
         return replace(
-            self,
-            candidates=[self.candidates[i] for i in at],
-            gains=[self.gains[i] for i in at],
-            replica_gains=self.replica_gains[:, at],
+            self, candidates=list(listed), columns=columns, gains=explained, replica_gains=pretended
         )
 
     @property
@@ -75,48 +87,41 @@ def examine(
     """Run the replicas and hold the data against them.
 
     workers   processes with the fitted robot's FMU
-    listed    the candidates to look at; None: all
+    listed    the candidates to look at; None: every law
     """
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
-    jobs = [workers.submit(replicated, setting, seed) for seed in range(count)]
+    jobs = [workers.submit(replicated, setting, group) for group in together(range(count))]
     replicas, bands, residuals = [], [], []
     for i, job in enumerate(jobs):
-        made, found, left = job.result()
-        replicas.append(made)
-        bands += found
-        residuals += left
-        progress(0.5 * (i + 1) / count)
+        for made, found, left in job.result():
+            replicas.append(made)
+            bands += found
+            residuals += left
+        progress(0.5 * (i + 1) / len(jobs))
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
     if listed is None:
         orders = order_peaks(robot, data, base.p, setting.rules.periodic)
-        listed = [*candidates(robot, data, orders), *described(robot)]
-    gains = gains_of(robot, data, base, level, listed)
-    noisy = [setting.simulates and not c.describes for c in listed]
+        listed = candidates(robot, data, orders)
+    noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]
+    columns, limits = _columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data])
+    explained = gains(base, columns, limits)
     judged = []
     for i, job in enumerate(jobs):
         judged.append(job.result())
         progress(0.5 + 0.5 * (i + 1) / count)
-    shared = [c for c, is_noisy in zip(listed, noisy, strict=True) if not is_noisy]
-    of_shared = _along_same_motion(robot, data, base, level, shared, [left for _, left, _ in judged])
+    left = [r for _, r, _ in judged]
+    shared = np.flatnonzero(~noisy)
+    of_shared = _along_same_motion(base, [columns[i] for i in shared], [limits[i] for i in shared], left)
     replica_gains = np.empty((count, len(listed)))
     replica_gains[:, noisy] = [g for g, _, _ in judged]
-    replica_gains[:, np.logical_not(noisy)] = of_shared
+    replica_gains[:, shared] = of_shared
     mean_square, number = energy(data, base)
-    return Examination(
-        setting,
-        level,
-        data,
-        base,
-        list(listed),
-        gains,
-        replica_gains,
-        mean_square,
-        np.array([e for _, _, e in judged]),
-        number,
-    )
+    replica_energy = np.array([e for _, _, e in judged])
+    found = explained, replica_gains, left, mean_square, replica_energy, number
+    return Examination(setting, level, data, base, list(listed), columns, *found)
 
 
 def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equations], Base]:
@@ -137,20 +142,25 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
     return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
 
 
-def replicated(fmu: Simulator, setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
-    """Logs of one replica, their bands and the residuals that the regression leaves."""
-    made = judged_replica(fmu, setting, seed)
-    logs = _equations(setting.robot, made)
-    level = 1 / np.maximum(setting.solution.weights, 1e-300)
-    base = solve_base([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
-    return made, [e.band for e in logs], [r * level[:, None] for r in base.residual]
+def replicated(
+    fmu: Simulator, setting: Setting, seeds: Sequence[int]
+) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
+    """Per replica its logs, their bands and the residuals that the regression leaves."""
+    level, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
+    for made in judged_replicas(fmu, setting, seeds):
+        logs = _equations(setting.robot, made)
+        left = residuals_of([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
+        found.append((made, [e.band for e in logs], [r * level[:, None] for r in left]))
+    return found
 
 
-def judged_replica(fmu: Simulator, setting: Setting, seed: int) -> list[Log]:
-    """Logs as the setting's robot would have made them, with what no model is exact to."""
-    share = setting.rules.replicas.inexact
-    made = replica_of(fmu, setting, setting.repeats, seed)
-    return [inexact(setting.robot, log, share, len(made) * seed + i) for i, log in enumerate(made)]
+def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[list[Log]]:
+    """Logs as the setting's robot would have made them, per seed, with what no model is exact to."""
+    share, count = setting.rules.replicas.inexact, len(setting.repeats)
+    return [
+        [inexact(setting.robot, log, share, count * seed + i) for i, log in enumerate(made)]
+        for seed, made in zip(seeds, replicas_of(fmu, setting, setting.repeats, seeds), strict=True)
+    ]
 
 
 def _judged(
@@ -159,26 +169,34 @@ def _judged(
     """Gains, residual and its energy in a replica."""
     data = whitened(robot, logs, level)
     base = solve_base(data)
-    gains = [g.energy for g in gains_of(robot, data, base, level, listed)]
-    return gains, base.residual, energy(data, base)[0]
+    explained = [g.energy for g in gains_of(robot, data, base, level, listed)]
+    return explained, base.residual, energy(data, base)[0]
 
 
 def _along_same_motion(
-    robot: Robot,
-    data: Sequence[Equations],
     base: Base,
-    level: Floor,
-    listed: Sequence[Candidate],
+    listed: Sequence[Columns],
+    limits: Sequence[Limits],
     residuals: Sequence[Sequence[np.ndarray]],
 ) -> np.ndarray:
     """(B, C) gains in replicas that share the data's motion but for little, and so its columns."""
-    levels, others = [level.at(e.band) for e in data], others_of(base, residuals)
-    found = [gains_over(base, columns(robot, c, data, levels), others, *bounds(robot, c)) for c in listed]
-    return np.array(found).reshape(len(listed), len(residuals)).T
+    if not listed:
+        return np.zeros((len(residuals), 0))
+    others = others_of(base, residuals)
+    found = [gains_over(base, X, others, *ends) for X, ends in zip(listed, limits, strict=True)]
+    return np.array(found).T
+
+
+def _columns_and_bounds(
+    robot: Robot, listed: Sequence[Candidate], data: Sequence[Equations], levels: Sequence[np.ndarray]
+) -> tuple[list[Columns], list[Limits]]:
+    """Of every candidate."""
+    return list(columns_of(robot, listed, data, levels)), [bounds(robot, c) for c in listed]
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    return equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
+    parts = [condition_every_sample(log, robot) for log in logs]
+    return equations(robot, parts, [log.period for log in logs])
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
@@ -190,8 +208,7 @@ def gains_of(
     robot: Robot, data: Sequence[Equations], base: Base, level: Floor, listed: Sequence[Candidate]
 ) -> list[Gain]:
     """What each candidate would explain of the base's residual."""
-    levels = [level.at(e.band) for e in data]
-    return [gain(base, columns(robot, c, data, levels), *bounds(robot, c)) for c in listed]
+    return gains(base, *_columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data]))
 
 
 def energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:

@@ -8,8 +8,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import Solution, solve, solve_weighted
+from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
@@ -22,6 +23,8 @@ from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 from pyident.simulation.workers import inline
 
+_TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -30,6 +33,7 @@ class Setting:
     solver   the FMU's own parameters for the replicas
     rules    every threshold
     own_noise   log -> noise of its own, where it tells it
+    estimator   by which logs and replicas are fitted alike
     """
 
     robot: Robot
@@ -41,6 +45,7 @@ class Setting:
     solver: Mapping[str, float] = field(default_factory=dict)
     own_noise: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     rules: Rules = RULES
+    estimator: Estimator = weighted
 
     @property
     def logs(self) -> list[Log]:
@@ -52,15 +57,16 @@ class Setting:
         return all(isinstance(r, Repeat) for r in self.repeats)
 
 
-def set_up(robot: Robot, logs: Sequence[Log], rules: Rules = RULES) -> Setting:
+def set_up(
+    robot: Robot, logs: Sequence[Log], rules: Rules = RULES, estimator: Estimator = weighted
+) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = problem.reduced()
-    solution = solve_weighted(reduced)
+    found = estimator(Problem(robot, tuple(condition(log, robot) for log in logs)))
+    reduced, solution = found.reduced, found.solution
     fitted = identified(robot, reduced, solution).robot
     noise = sensor_noise(fitted, logs, solution.p)
     own = {log.source: torque_noise(fitted, [log]) for log in logs}
-    setting = Setting(fitted, fitted, (), noise, reduced, solution, rules=rules, own_noise=own)
+    setting = Setting(fitted, fitted, (), noise, reduced, solution, {}, own, rules, estimator)
     loop_is_known = all(loop_of(fitted, log) is None for log in logs)
     if loop_is_known or any(joint.flexible for joint in fitted.joints):
         return in_closed_loop(setting, logs)
@@ -96,9 +102,10 @@ def unbiased(
     probes = rules.probes if probes is None else probes
     for number in range(rules.rounds if rounds is None else rounds):
         seeds = range(-1 - number * probes, -1 - (number + 1) * probes, -1)
-        jobs = [workers.submit(_refitted, setting, seed) for seed in seeds]
+        jobs = [workers.submit(_refitted, setting, group) for group in together(seeds)]
         put_in = np.array(list(setting.robot.linear_parameters.values()))
-        change = seen(setting.solution, found - np.mean([job.result() for job in jobs], axis=0))
+        refits = [p for job in jobs for p in job.result()]
+        change = seen(setting.solution, found - np.mean(refits, axis=0))
         solution = replace(setting.solution, p=put_in + change)
         robot = identified(setting.robot, setting.reduced, solution).robot
         simulated = setting.simulated.with_parameters(robot.parameters)
@@ -124,27 +131,32 @@ def steadied(setting: Setting) -> Setting:
     )
 
 
-def replica_of(
-    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seed: int
-) -> list[Log]:
-    """Logs as the setting's robot would have made them."""
-    rng = np.random.default_rng(np.abs([seed, int(seed < 0)]))
-    seeds = rng.integers(2**31, size=len(repeats))
+def together(seeds: Sequence[int]) -> list[Sequence[int]]:
+    """Seeds of the replicas that one process makes side by side."""
+    return [seeds[at : at + _TOGETHER] for at in range(0, len(seeds), _TOGETHER)]
+
+
+def replicas_of(
+    fmu: Simulator, setting: Setting, repeats: Sequence[Repeat | AlongMotion], seeds: Sequence[int]
+) -> list[tuple[Log, ...]]:
+    """Logs as the setting's robot would have made them, all of them once per seed."""
+    chance = [np.random.default_rng(np.abs([seed, int(seed < 0)])) for seed in seeds]
+    drawn = np.array([rng.integers(2**31, size=len(repeats)) for rng in chance])
     parameters = setting.robot.parameters | dict(setting.solver)
     made = []
-    for r, s in zip(repeats, seeds.tolist(), strict=True):
+    for r, own in zip(repeats, drawn.T.tolist(), strict=True):
         noise = {**setting.noise, **setting.own_noise.get(r.log.source, {})}
         if isinstance(r, AlongMotion):
-            made.append(r.replica(parameters, noise, s))
+            made.append(r.replicas(parameters, noise, own))
         else:
-            made.append(r.replica(fmu.simulate, parameters, noise, s))
-    return made
+            made.append(r.replicas(fmu, parameters, noise, own))
+    return list(zip(*made, strict=True)) or [()] * len(seeds)
 
 
-def _refitted(fmu: Simulator, setting: Setting, seed: int) -> np.ndarray:
-    """What the regression finds in a replica."""
-    robot = setting.robot
-    problem = Problem(
-        robot, tuple(condition(log, robot) for log in replica_of(fmu, setting, setting.repeats, seed))
-    )
-    return solve(problem.reduced(), setting.solution.weights).p
+def _refitted(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[np.ndarray]:
+    """What the regression finds in replicas."""
+    robot, found = setting.robot, []
+    for logs in replicas_of(fmu, setting, setting.repeats, seeds):
+        problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+        found.append(setting.estimator(problem, setting.solution).solution.p)
+    return found

@@ -66,7 +66,7 @@ def _along(
     robot = setting.robot
     varied = replace(setting, repeats=(Repeat(setting.logs[0], plan),))
     try:
-        made = [replicated(fmu, varied, seed) for seed in range(setting.rules.replicas.revealing)]
+        made = replicated(fmu, varied, range(setting.rules.replicas.revealing))
     except SimulationError:
         return []
     level = floor([b for _, bands, _ in made for b in bands], [r for *_, left in made for r in left])

@@ -20,7 +20,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.projection import solve_base
 from pyident.logs.log import Log
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, equations
 from pyident.simulation.replay import replay_of
 from pyident.simulation.simulator import SimulateRivals
@@ -131,7 +131,7 @@ def distance(true: Robot, rival: Robot, log: Log, noise: Mapping[str, float]) ->
 def _forces(robot: Robot, log: Log) -> np.ndarray:
     """(N, n) what the model's laws and bodies take along the log's motion."""
     motion = condition(log, robot).motion
-    return regressor(robot, motion).matrix @ np.array(list(robot.linear_parameters.values()))
+    return generalised_forces(robot, motion, np.array(list(robot.linear_parameters.values())))
 
 
 def _noise_level(

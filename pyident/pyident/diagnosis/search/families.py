@@ -1,11 +1,11 @@
 """The families of candidates (an effect at a joint) and what replicas pretend of each."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import bounds, columns
+from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Columns
 from pyident.diagnosis.base.residual_over_floor import Examination
 
@@ -23,7 +23,7 @@ class Families:
     """
 
     members: Mapping[Family, list[int]]
-    columns: list[Columns]
+    columns: Sequence[Columns]
     bounds: list[tuple[np.ndarray, np.ndarray]]
     mean: np.ndarray
     spread: np.ndarray
@@ -39,7 +39,7 @@ def families_of(examination: Examination) -> Families:
     best = np.array([examination.replica_gains[:, at].max(axis=1) for at in members.values()]).T
     return Families(
         members,
-        [columns(robot, c, examination.logs, examination.levels) for c in listed],
+        examination.columns,
         [bounds(robot, c) for c in listed],
         best.mean(axis=0),
         _spread(best, own_trace),

@@ -62,16 +62,12 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The candidates of an examination against its base with those `chosen` joined to it.
-
-    descriptions   the same data and replicas with errors of the description as candidates
-    """
+    """The candidates of an examination against its base with those `chosen` joined to it."""
 
     examination: Examination
     families: Families
     base: Base
     chosen: tuple[Candidate, ...] = ()
-    descriptions: Examination | None = None
 
     @property
     def robot(self) -> Robot:
@@ -283,9 +279,3 @@ class Search:
 def search_of(examination: Examination) -> Search:
     """A search among all candidates that rests on the model alone."""
     return Search(examination, families_of(examination), examination.base)
-
-
-def search_among_laws(examination: Examination) -> Search:
-    """The same among the laws, errors of the description apart."""
-    laws = search_of(examination.among(lambda c: not c.describes))
-    return replace(laws, descriptions=examination.among(lambda c: c.describes))

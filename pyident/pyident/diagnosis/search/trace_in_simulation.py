@@ -21,7 +21,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of, with_law
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import energy, whitened
-from pyident.diagnosis.base.setting import Setting, replica_of, set_up, unbiased
+from pyident.diagnosis.base.setting import Setting, replicas_of, set_up, unbiased
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
@@ -108,8 +108,8 @@ class _Judge:
             with self.open_pool(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)
                 arguments = setting, self.setting.robot, self.level, others
-                jobs = [workers.submit(_signature, *arguments, seed) for seed in range(_REPLICAS)]
-                own, other, energies = zip(*(job.result() for job in jobs), strict=True)
+                job = workers.submit(_signatures, *arguments, range(_REPLICAS))
+                own, other, energies = zip(*job.result(), strict=True)
         except SimulationError:
             return None
         heldout = 1 - _distance(self.other, other) / _distance(self.other) if others else None
@@ -142,14 +142,23 @@ class _Judge:
         return 1 - float(missed.sum() / excess.sum())
 
 
-def _signature(
-    fmu: Simulator, setting: Setting, plain: Robot, level: Floor, others: Sequence[Repeat], seed: int
-) -> tuple[Residuals, Residuals, np.ndarray]:
-    """Residuals of the model without the law in a replica of the one with it: fitted, elsewhere; energy."""
-    data = whitened(plain, replica_of(fmu, setting, setting.repeats, seed), level)
-    base = solve_base(data)
-    elsewhere = replica_of(fmu, setting, others, seed + _REPLICAS)
-    return base.residual, _elsewhere(plain, elsewhere, level, base.p), energy(data, base)[0]
+def _signatures(
+    fmu: Simulator,
+    setting: Setting,
+    plain: Robot,
+    level: Floor,
+    others: Sequence[Repeat],
+    seeds: Sequence[int],
+) -> list[tuple[Residuals, Residuals, np.ndarray]]:
+    """Residuals of the model without the law in replicas of the one with it: fitted, elsewhere; energy."""
+    own = replicas_of(fmu, setting, setting.repeats, seeds)
+    other = replicas_of(fmu, setting, others, [seed + _REPLICAS for seed in seeds])
+    found = []
+    for fitted, unseen in zip(own, other, strict=True):
+        data = whitened(plain, fitted, level)
+        base = solve_base(data)
+        found.append((base.residual, _elsewhere(plain, unseen, level, base.p), energy(data, base)[0]))
+    return found
 
 
 def _distance(data: Residuals, signatures: Sequence[Residuals] = ()) -> float:

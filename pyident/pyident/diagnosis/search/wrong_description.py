@@ -9,7 +9,7 @@ and 2.6 mm), so that none is printed.
 
 from collections.abc import Iterator, Sequence
 
-from pyident.diagnosis.base.candidates import units_of
+from pyident.diagnosis.base.candidates import described, units_of
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.gate import admission, counts
 from pyident.diagnosis.search.held_out import HeldOut
@@ -20,9 +20,12 @@ from pyident.regression.descriptions import place_name
 
 def wrong_descriptions(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:
     """Sentences about errors of the robot's description."""
-    if search.descriptions is None or not search.descriptions.candidates:
+    if not selection.steps and search.over_floor.max() < 1 + search.rules.unseen_excess:
+        return  # nothing is left for them to explain, and their columns cost more than all laws'
+    listed = described(search.robot)
+    if not listed:
         return
-    among = search_of(search.descriptions)
+    among = search_of(search.examination.of_others(listed))
     yield from _beside(among.resting_on(selection.candidates), held)
     for step in selection.steps:
         others = [c for s in selection.steps if s is not step for c in s.candidates]
@@ -34,11 +37,12 @@ def _beside(view: Search, held: HeldOut) -> Iterator[str]:
     step = view.step()
     lead = step.best
     entry = admission(view, lead, [lead.candidate], held)
-    least = view.rules.unseen_excess
+    if entry.reason or not entry.rows:
+        return
     excess = view.over_floor[list(entry.rows)].mean() - 1
     if entry.unseen is not None:
         excess = min(excess, entry.unseen.excess)
-    if entry.reason or excess < least:
+    if excess < view.rules.unseen_excess:
         return
     share = f"{100 * entry.share:.0f} %"
     if entry.unseen is not None:

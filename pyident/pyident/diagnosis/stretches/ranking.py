@@ -14,6 +14,7 @@ import numpy as np
 
 from pyident.comparison.traces import Trace, low_passed
 from pyident.diagnosis.stretches.waves import LawWave, Waves
+from pyident.logs.log import LogError
 
 _HALF_RIBBON = 1.645  # standard deviations from the middle to the 5 and 95 % of a normal distribution
 
@@ -51,13 +52,11 @@ class Ranking:
 
 
 def ranking(waves: Waves, trace: Trace, span: tuple[float, float] | None = None) -> Ranking:
-    """Of a trace's residual within a span of time [s]; None: all of it. Raises ValueError."""
+    """Of a trace's residual within a span of time [s]; None: all of it. Raises LogError."""
     span = span or (float(trace.time[0]), float(trace.time[-1]))
     at = (trace.time >= span[0]) & (trace.time <= span[1]) & trace.used
     if not at.any():
-        raise ValueError(
-            f"{trace.coordinate} of {trace.log} has no samples from {span[0]:g} to {span[1]:g} s"
-        )
+        raise LogError(f"{trace.coordinate} of {trace.log} has no samples from {span[0]:g} to {span[1]:g} s")
     key = trace.log, trace.coordinate
     period = float(trace.time[1] - trace.time[0])
 

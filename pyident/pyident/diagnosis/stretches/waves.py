@@ -29,8 +29,8 @@ from pyident.diagnosis.base.candidates import (
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
 from pyident.diagnosis.base.residual_over_floor import whitened
+from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import identified
-from pyident.estimation.least_squares import solve_weighted
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor_blocks
@@ -86,10 +86,8 @@ def waves(
     unseen   logs along which the laws are followed, too, but to which nothing is fitted
     Raises LogError.
     """
-    problem = Problem(robot, tuple(condition(log, robot) for log in logs))
-    reduced = problem.reduced()
-    solution = solve_weighted(reduced)
-    fitted = identified(robot, reduced, solution).robot
+    found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))
+    fitted = identified(robot, found.reduced, found.solution).robot
     data = whitened(fitted, logs, level)
     base = solve_base(data)
     laws = _fitted_laws(fitted, data, base, level, progress)

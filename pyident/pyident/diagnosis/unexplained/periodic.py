@@ -18,15 +18,16 @@ from scipy.special import chdtrc, chdtri
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.diagnosis.base.projection import Base, Columns, gain
+from pyident.diagnosis.base.projection import Base, Columns, gains
 from pyident.diagnosis.unexplained.smooth import whitened_columns
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Equations
 from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _STEP = 1e-6  # rad, of the differences
 _PER_BIN = 2  # frequencies tried per resolved one
+_TOGETHER = 32  # frequencies or orders at once
 
 Kind = Literal["frequency", "order", "misread"]
 
@@ -72,7 +73,9 @@ def spectrum(
     at = _grid(logs, over, rules)
     if not len(at):  # an axis at rest passes no period
         return Spectrum(over, at, at, at, at)
-    energy, amplitude = np.array([_held(base, logs, levels, over, x, rules) for x in at]).T
+    groups = [at[i : i + _TOGETHER].tolist() for i in range(0, len(at), _TOGETHER)]
+    found = [pair for group in groups for pair in _held(base, logs, levels, over, group, rules)]
+    energy, amplitude = np.array(found).T
     quiet = percentile_filter(energy, rules.quiet, rules.neighbours, mode="reflect")
     typical = quiet / chdtri(_freedom(logs, over), 1 - rules.quiet / 100)
     return Spectrum(over, at, amplitude, energy, np.maximum(typical, 1.0))
@@ -93,10 +96,10 @@ def highest(
     middle = float(found.at[best])
 
     def missed(x: float) -> float:
-        return -_held(base, logs, levels, found.over, x, rules)[0]
+        return -_held(base, logs, levels, found.over, [x], rules)[0][0]
 
     finer: Any = minimize_scalar(missed, bounds=(middle - step, middle + step), method="bounded")
-    energy, amplitude = _held(base, logs, levels, found.over, float(finer.x), rules)
+    ((energy, amplitude),) = _held(base, logs, levels, found.over, [float(finer.x)], rules)
     p = float(chdtrc(_freedom(logs, found.over), energy / found.background[best])) * len(found.at)
     return Peak(found.over, float(finer.x), amplitude, energy, min(p, 1.0))
 
@@ -105,15 +108,24 @@ def periodic_columns(
     logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
 ) -> Columns:
     """Per log: row -> (E, K) whitened cosine and sine."""
-    raw = []
+    return _columns_at(logs, levels, over, [at])[0]
+
+
+def _columns_at(
+    logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, listed: Sequence[float]
+) -> list[Columns]:
+    """`periodic_columns` at several frequencies or orders, transformed together."""
+    several: list[list[dict[int, np.ndarray]]] = [[] for _ in listed]
     for i, log in enumerate(logs):
-        waves = _waves(log, over, at)
-        if over.kind == "frequency":
-            wide = np.zeros((len(waves), 2 * len(logs)))
-            wide[:, 2 * i : 2 * i + 2] = waves
-            waves = wide
-        raw.append(waves)
-    return whitened_columns(raw, logs, levels, over.row)
+        waves = np.hstack([_waves(log, over, at) for at in listed])
+        whole = whitened_columns([waves], [log], [levels[i]], over.row)[0][over.row]
+        for columns, X in zip(several, np.split(whole, len(listed), axis=1), strict=True):
+            if over.kind == "frequency":
+                wide = np.zeros((len(X), 2 * len(logs)))
+                wide[:, 2 * i : 2 * i + 2] = X
+                X = wide
+            columns.append({over.row: X})
+    return list(several)
 
 
 def misread_columns(
@@ -154,7 +166,7 @@ def _torques(
     for rate, difference in zip(moved, change, strict=True):
         rate[:, column] += difference
     q, dq, ddq = moved
-    return regressor(robot, replace(motion, q=q, dq=dq, ddq=ddq)).matrix @ p
+    return generalised_forces(robot, replace(motion, q=q, dq=dq, ddq=ddq), p)
 
 
 def _waves(log: Equations, over: Over, at: float) -> np.ndarray:
@@ -175,14 +187,19 @@ def _held(
     logs: Sequence[Equations],
     levels: Sequence[np.ndarray],
     over: Over,
-    at: float,
+    at: Sequence[float],
     rules: PeriodicRules,
-) -> tuple[float, float]:
-    """Energy and amplitude at one frequency or order."""
-    found = gain(base, periodic_columns(logs, levels, over, at))
-    if found.left < rules.left:
-        return 0.0, 0.0
-    return found.energy, float(np.linalg.norm(found.coefficients) / np.sqrt(_freedom(logs, over) / 2))
+) -> list[tuple[float, float]]:
+    """Energy and amplitude at each frequency or order."""
+    freedom = _freedom(logs, over)
+    free = np.full(freedom, -np.inf), np.full(freedom, np.inf)
+    found = gains(base, _columns_at(logs, levels, over, at), [free] * len(at))
+    return [
+        (g.energy, float(np.linalg.norm(g.coefficients) / np.sqrt(freedom / 2)))
+        if g.left >= rules.left
+        else (0.0, 0.0)
+        for g in found
+    ]
 
 
 def _freedom(logs: Sequence[Equations], over: Over) -> int:

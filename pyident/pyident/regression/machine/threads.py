@@ -1,10 +1,11 @@
 """Samples shared out among the cores; threads, for what works outside of Python (C, NumPy, LAPACK)."""
 
-import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TypeVar
+
+from flexmodels.cores import cores
 
 T = TypeVar("T")
 
@@ -25,13 +26,6 @@ def each(work: Callable[[T], None], items: Iterable[T]) -> None:
             work(item)
     else:
         list(_threads().map(work, items))
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @cache

@@ -35,7 +35,12 @@ def show(page: "Page") -> None:
         words = "Compare model and logs in place 3; then every law can be asked what it would take."
         ui.label(words).props('data-testid="no-ranking"')
         return
-    _Stretch(page, compared, waves, diagnosis).show()
+    try:
+        stretch = _Stretch(page, compared, waves, diagnosis)
+    except ValueError as error:  # a span from the URL in which there is nothing
+        ui.label(str(error)).props('data-testid="no-ranking"')
+        return
+    stretch.show()
     for sentence in diagnosis.depends_on if diagnosis else ():
         ui.label(sentence).classes("text-sm")
 

@@ -1,5 +1,7 @@
 """Many runs in one call are the runs one by one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,6 +58,20 @@ def test_the_controller_sees_the_noise(loaded, plan):
     np.testing.assert_allclose(noisy["joint2.tau"], by_hand["joint2.tau"], atol=1e-3)
 
 
+def test_runs_of_different_experiments_and_lengths_are_each_their_own(loaded, plan, four_link):
+    """Two that share their times go side by side, the third cannot; the answers come in the order asked."""
+    short = identification(four_link, duration=0.2)
+    slower = replace(plan, reference=0.5 * plan.reference, feedforward=0.7 * plan.feedforward)
+    sets = [{"joint1.coulomb": 3.0}, {"joint1.coulomb": 5.0}, {"joint1.coulomb": 7.0}]
+    told: list[float] = []
+    frames = loaded.simulate_batch([plan, short, slower], sets, progress=told.append)
+    for frame, experiment, values in zip(frames, (plan, short, slower), sets, strict=True):
+        alone = loaded.simulate(experiment, values)
+        assert len(frame) == len(alone)
+        assert np.abs(frame - alone).filter(regex=r"tip|\.e|\.r").max().max() < 1e-9
+    assert told == sorted(told)
+
+
 def test_samples_between_rows_are_taken(loaded, plan):
     """Rows of 20 ms, samples of 4 ms: the inputs between rows are linear, as through FMPy."""
     coarse = Experiment(plan.time[::5], plan.reference[::5], plan.feedforward[::5])
@@ -72,6 +88,8 @@ def test_bad_questions_are_answered_with_a_sentence(loaded, plan):
         loaded.simulate_batch(plan, [{"solver.step": 4e-3}])
     with pytest.raises(SimulationError, match="do not match"):
         loaded.simulate_batch(plan, [{}, {}], NOISE, [1, 2, 3])
+    with pytest.raises(SimulationError, match="2 experiments and 3 noise seeds do not match"):
+        loaded.simulate_batch([plan, plan], noise=NOISE, noise_seeds=[1, 2, 3])
 
 
 def test_the_binary_tells_what_it_is(loaded):

@@ -1,0 +1,85 @@
+"""Ways from logs to an identified robot, side by side: each takes and gives the same, and says its name."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.estimator import Estimator, ordinary, reweighted, total, weighted
+from pyident.estimation.identify import Identified, identified, without_intervals
+from pyident.logs.log import Log, LogError
+from pyident.refinement.auxiliary_model import identify_by_instruments
+from pyident.refinement.output_error import output_error
+from pyident.regression.equations import Problem
+from pyident.simulation.recorded import loop_of
+from pyident.simulation.simulator import OpenPool
+
+Progress = Callable[[float], None]
+
+
+class Identification(Protocol):
+    """Identifies a robot from logs in memory; its own parameters are never used. Raises LogError.
+
+    open_pool   robot -> context manager of processes that hold its FMU
+    """
+
+    def __call__(
+        self,
+        robot: Robot,
+        logs: Sequence[Log],
+        open_pool: OpenPool,
+        progress: Progress | None = None,
+    ) -> Identified: ...
+
+
+@dataclass(frozen=True)
+class ByEquations:
+    """The values that the equations of the logs ask for; nothing is simulated.
+
+    memory   whether the covariance knows residuals that are correlated in time
+    """
+
+    estimator: Estimator
+    name: str
+    memory: bool = True
+
+    def __call__(
+        self, robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+    ) -> Identified:
+        found = self.estimator(Problem(robot, tuple(condition(log, robot) for log in logs)))
+        found = found.with_long_memory() if self.memory else found
+        return replace(identified(robot, found.reduced, found.solution), estimator=self.name)
+
+
+def by_total_least_squares(
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+) -> Identified:
+    """By total least squares, without intervals."""
+    by_equations = ByEquations(total, "total least squares", memory=False)
+    return without_intervals(by_equations(robot, logs, open_pool, progress))
+
+
+def refined(
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+) -> Identified:
+    """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
+    for log in logs:
+        obstacle = loop_of(robot, log)
+        if obstacle:
+            raise LogError(f"{log.source}: {obstacle}")
+    told = progress or (lambda _: None)
+    start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
+    with open_pool(robot) as simulate:
+        return output_error(robot, list(logs), start, simulate, progress=lambda s: told(0.3 + 0.7 * s))[0]
+
+
+IDENTIFICATIONS: dict[str, Identification] = {
+    "ols": ByEquations(ordinary, "least squares", memory=False),
+    "wls": ByEquations(weighted, "weighted least squares"),
+    "irls": ByEquations(reweighted, "iteratively reweighted least squares"),
+    "tls": by_total_least_squares,
+    "iv": identify_by_instruments,
+    "oe": refined,
+}
+DEFAULT = "iv"

@@ -1,0 +1,128 @@
+"""Channels whose step, noise or fault was put in, and so is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from one_joint import one_joint
+
+from flexmodels.joint import Limits
+from pyident.checks.channels import channels
+from pyident.checks.check_log import check_log
+from pyident.checks.jumps import jumps, spikes
+from pyident.checks.quantisation import coarse, noise_of, runs, step_of
+from pyident.checks.whole_log import whole_log
+from pyident.logs.log import Log, LogError
+
+LIMITS = Limits((-1.0, 1.0), None, None)
+TIME = np.arange(2000) * 0.004
+ANGLE = np.sin(2 * TIME) + 0.2 * np.sin(11 * TIME)
+
+
+def logged(**columns) -> Log:
+    return Log(
+        pd.DataFrame({"time": TIME, "joint1.e": ANGLE, "joint1.tau": np.cos(2 * TIME)} | columns), "a log"
+    )
+
+
+@pytest.mark.parametrize("step", [1e-3, 2 * np.pi / 4096, 0.01])
+def test_the_step_of_an_encoder_is_measured(step):
+    assert step_of(step * np.round(ANGLE / step)) == pytest.approx(step, rel=1e-6)
+
+
+def test_what_has_no_step_has_none():
+    assert step_of(ANGLE) == 0.0
+    assert step_of(np.full(100, 2.0)) == 0.0
+    assert step_of(np.array([0.0, 1.0] * 50)) == 0.0  # two values are a switch
+
+
+def test_the_noise_of_a_smooth_channel_is_measured():
+    """The sixth difference of white noise has the variance 924 (the sum of squared binomials)."""
+    noise = np.random.default_rng(0).normal(0, 1e-4, len(TIME))
+    assert noise_of(ANGLE + noise) == pytest.approx(1e-4, rel=0.1)
+    assert noise_of(ANGLE) < 1e-6
+
+
+def test_runs_of_equal_values_are_counted():
+    found = runs(np.array([1.0, 1.0, 1.0, 2.0, 3.0, 3.0]))
+    assert found.start.tolist() == [0, 3, 4]
+    assert found.length.tolist() == [3, 1, 2]
+
+
+def test_a_coarse_encoder_is_said_and_one_with_noise_is_not():
+    step = 0.02
+    rounded = step * np.round(ANGLE / step)
+    (defect,) = coarse(one_joint(), logged(), "joint1.e", rounded)
+    assert (defect.kind, defect.severity) == ("coarse", "doubtful")
+    assert "comes in steps of 0.02" in defect.sentence
+    assert not list(coarse(one_joint(), logged(), "joint1.e", ANGLE))
+
+
+@pytest.mark.parametrize(("size", "severity"), [(0.02, "doubtful"), (1.0, "gross")])
+def test_a_jump_is_told_with_its_size_and_time(size, severity):
+    jumped = ANGLE + size * (TIME[1200] <= TIME)
+    (defect,) = jumps(one_joint(), logged(), "joint1.e", jumped)
+    assert (defect.kind, defect.severity) == ("jump", severity)
+    assert f"jumps by {size:.2g} at 4.8 s; a count was lost" in defect.sentence
+
+
+def test_a_wrapped_angle_is_told():
+    wrapped = np.mod(6 * ANGLE, 2 * np.pi)
+    (defect,) = jumps(one_joint(), logged(), "joint1.e", wrapped)
+    assert (defect.kind, defect.severity) == ("wrapped", "gross")
+    assert "jumps by a turn" in defect.sentence
+
+
+def test_a_smooth_channel_has_neither_jumps_nor_spikes():
+    assert not list(jumps(one_joint(), logged(), "joint1.e", ANGLE))
+    assert not list(spikes(logged(), "joint1.tau", 5 + np.cos(2 * TIME)))
+
+
+def test_values_that_were_lost_and_values_that_stick_out_are_told_apart():
+    torque = 5 + np.cos(2 * TIME)
+    lost = torque.copy()
+    lost[[300, 700, 1100, 1500]] = 0.0
+    (dropped,) = spikes(logged(), "joint1.tau", lost)
+    assert "drops to zero for single samples, 4 times, first at 1.2 s" in dropped.sentence
+    wild = torque.copy()
+    wild[[300, 700, 1100, 1500]] += 40.0
+    (spiked,) = spikes(logged(), "joint1.tau", wild)
+    assert spiked.severity == "gross"
+    assert "sticks out by 40 for single samples, 4 times, first at 1.2 s" in spiked.sentence
+
+
+def kinds(defects, kind: str) -> list[str]:
+    return [d.sentence for d in defects if d.kind == kind]
+
+
+def test_a_position_that_runs_into_its_range_at_full_speed_is_clipped():
+    clipped = np.clip(ANGLE, -0.6, 0.6)
+    assert any(
+        "the channel is clipped" in s
+        for s in kinds(channels(one_joint(), logged(**{"joint1.e": clipped})), "limit")
+    )
+    assert not kinds(channels(one_joint(), logged()), "limit")
+
+
+@pytest.mark.parametrize(("scale", "severity"), [(1.0, None), (4.0, "doubtful"), (60.0, "gross")])
+def test_a_position_far_beyond_the_robot_files_limits_has_another_unit(scale, severity):
+    robot = one_joint()
+    limited = replace(robot, joints=(replace(robot.joints[0], limits=LIMITS),))
+    found = [d for d in whole_log(limited, logged(**{"joint1.e": scale * ANGLE})) if d.kind == "unit"]
+    assert [d.severity for d in found] == ([severity] if severity else [])
+
+
+def test_a_reference_that_stands_for_the_position_is_told():
+    told = kinds(whole_log(one_joint(), logged(**{"joint1.r": ANGLE})), "same")
+    assert told == [
+        "a log: joint1.e and joint1.r are the same numbers; "
+        "the reference stands where the measured position should"
+    ]
+
+
+def test_without_positions_there_is_nothing_to_check():
+    with pytest.raises(LogError, match=r"a log: column joint1\.e is missing, which robot one_joint needs"):
+        check_log(one_joint(), Log(pd.DataFrame({"time": TIME, "joint1.tau": TIME}), "a log"))
+    short = logged().frame.head(5)
+    assert check_log(one_joint(), Log(short, "a log")) == ()

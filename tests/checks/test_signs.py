@@ -1,0 +1,43 @@
+"""A torque against its motion, on a log of the equation of motion."""
+
+from dataclasses import replace
+
+import pytest
+from analytic_joint import analytic_log, free_joint
+
+from pyident.checks.balances import balances, samples
+from pyident.checks.signs import signs
+
+
+@pytest.mark.parametrize("column", ["joint1.tau", "joint1.e"])
+def test_a_wrong_sign_feeds_energy_in(column):
+    sound = analytic_log(torque_noise=0.02)
+    turned = replace(sound, frame=sound.frame.assign(**{column: -sound.frame[column]}))
+    for log, count in ((sound, 0), (turned, 1)):
+        signals = samples(free_joint(), log)
+        assert signals is not None
+        found = list(signs(balances(signals), log.source))
+        assert len(found) == count
+    (defect,) = found
+    assert (defect.severity, defect.kind, defect.channel) == ("gross", "sign", "joint1.tau")
+    assert "joint1.tau has the wrong sign against joint1.e: friction would feed energy in" in defect.sentence
+
+
+def test_without_friction_the_inertia_tells():
+    robot = free_joint()
+    (joint,) = robot.joints
+    smooth = replace(robot, joints=(replace(joint, values={"motor_inertia": {"J_m": 0.5}}),))
+    log = analytic_log()
+    e = log.frame["joint1.e"].to_numpy()
+    wrong = replace(log, frame=log.frame.assign(**{"joint1.tau": _inertial(e, log.period)}))
+    signals = samples(smooth, wrong)
+    assert signals is not None
+    (defect,) = signs(balances(signals), "a log")
+    assert "its inertia would be negative" in defect.sentence
+
+
+def _inertial(e, period):
+    """-1.1 kg m² times the acceleration."""
+    from numpy import gradient
+
+    return -1.1 * gradient(gradient(e, period), period)

@@ -1,0 +1,72 @@
+"""Output error against linear least squares in closed form, on models that are a line of Python."""
+
+import numpy as np
+import pytest
+
+from pyident.greybox.output_error import Free, output_error
+from pyident.greybox.recording import Recording
+
+TIME = np.arange(2000) * 0.01
+INPUT = np.sin(2 * TIME) + 0.5 * np.sin(9 * TIME)
+NOISE = 0.05
+
+
+def recorded(output: np.ndarray) -> Recording:
+    return Recording("a log", TIME, {"u": INPUT}, ("y",), ("rad",), output[:, None])
+
+
+def noisy(output: np.ndarray) -> Recording:
+    return recorded(output + NOISE * np.random.default_rng(3).standard_normal(len(TIME)))
+
+
+def line(recording, sets, names, progress=None):
+    """y = gain u + offset; what `other` is does not matter."""
+    u = recording.inputs["u"]
+    return np.array([(v.get("gain", 1.0) * u + v.get("offset", 0.0))[:, None] for v in sets])
+
+
+def test_a_line_and_its_intervals_are_those_of_least_squares():
+    log = noisy(2.5 * INPUT - 0.3)
+    found = output_error([log], line, [Free("gain", "1", 1.0), Free("offset", "rad", 0.0)])
+    X = np.column_stack([INPUT, np.ones(len(TIME))])
+    p, *_ = np.linalg.lstsq(X, log.measured[:, 0], rcond=None)
+    covariance = NOISE**2 * np.linalg.inv(X.T @ X)
+    assert list(found.values.values()) == pytest.approx(p, rel=1e-5)
+    assert [e.std for e in found.estimates] == pytest.approx(np.sqrt(np.diag(covariance)), rel=0.25)
+    np.testing.assert_allclose(found.residuals[0][:, 0], log.measured[:, 0] - X @ p, atol=1e-5)
+
+
+def test_what_does_not_act_is_not_told():
+    found = output_error([noisy(2.5 * INPUT)], line, [Free("gain", "1", 1.0), Free("other", "1", 1.0)])
+    gain, other = found.estimates
+    assert gain.determined
+    assert not other.determined
+    assert np.isnan(other.std)
+
+
+def test_a_value_at_its_bound_has_no_interval_and_is_said():
+    found = output_error([noisy(2.5 * INPUT)], line, [Free("gain", "1", 1.0, 0.0, 2.0)])
+    (gain,) = found.estimates
+    assert gain.at_bound
+    assert gain.value == pytest.approx(2.0, rel=1e-6)
+    assert np.isnan(gain.std)
+    assert found.notes[-1] == "gain ends at its bound 2"
+    assert "starts within the bounds were tried" in found.notes[0]
+
+
+def test_outputs_that_jump_with_a_parameter_get_no_interval():
+    """A stair has no slope: what differences of two widths say of it disagrees."""
+
+    def stair(recording, sets, names, progress=None):
+        return np.round(200 * line(recording, sets, names)) / 200
+
+    found = output_error([noisy(2.5 * INPUT)], stair, [Free("gain", "1", 2.4)])
+    assert "the outputs jump with the parameters" in found.notes[-1]
+    assert np.isnan(found.estimates[0].std)
+    assert found.values["gain"] == pytest.approx(2.5, abs=0.2)
+
+
+def test_two_recordings_count_together():
+    found = output_error([noisy(2.5 * INPUT), recorded(2.5 * INPUT)], line, [Free("gain", "1", 1.0)])
+    assert found.values["gain"] == pytest.approx(2.5, abs=0.01)
+    assert len(found.residuals) == 2

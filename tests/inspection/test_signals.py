@@ -1,0 +1,181 @@
+"""Units and kinds of columns by how they move, each against a motion whose derivative is known."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from one_joint import one_joint
+
+from pyident.inspection.channel import Channel
+from pyident.inspection.inspect_log import inspect_log
+from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
+from pyident.inspection.proposal import Proposal
+from pyident.logs.log import LogError
+
+RATE = 100.0
+TIME = np.arange(1000) / RATE
+ANGLE = np.sin(0.7 * TIME)  # rad
+SPEED = 0.7 * np.cos(0.7 * TIME)
+
+
+def column(
+    name: str, values: np.ndarray, signal: str, unit: str | None = None, joint: int | None = 1
+) -> Channel:
+    return Channel(name, values, RATE, signal, joint, "joint", unit)  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("rad", 1.0), ("deg", 180 / np.pi), ("rev", 0.5 / np.pi)])
+def test_the_unit_of_a_position_follows_from_its_velocity(unit, factor):
+    """A range of 0.5 deg to 57 would say nothing: the derivative does."""
+    channels = [column("a", factor * ANGLE, "position"), column("b", SPEED, "velocity", "rad/s")]
+    found = with_motion_units(channels, None, 1 / RATE)[0]
+    assert (found.unit, found.sure) == (unit, True)
+    assert "the derivative that its velocity is" in found.why
+
+
+def test_a_position_against_its_velocity_is_asked():
+    channels = [column("a", -ANGLE, "position"), column("b", SPEED, "velocity", "rad/s")]
+    found = with_motion_units(channels, None, 1 / RATE)[0]
+    assert not found.sure
+    assert found.doubt == "a has the sign opposite to b: which of them is right?"
+
+
+def test_a_velocity_that_belongs_to_something_else_says_nothing():
+    other = np.cos(5 * TIME)
+    channels = [column("a", ANGLE, "position"), column("b", other, "velocity", "rad/s")]
+    found = with_motion_units(channels, None, 1 / RATE)[0]
+    assert found.why == ("its range up to 1",)
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "question"),
+    [
+        (np.round(4000 * ANGLE), None, "how many counts make a turn"),
+        (10.0 * ANGLE, "deg", "is a in radians or degrees? it reaches 10"),
+        (3.0 * ANGLE, "rad", ""),
+        (90.0 * ANGLE, "deg", ""),
+    ],
+)
+def test_a_range_tells_a_unit_or_is_asked(values, unit, question):
+    found = with_motion_units([column("a", values, "position")], None, 1 / RATE)[0]
+    assert found.unit == unit
+    assert question in found.doubt
+    assert found.sure == (not question)
+
+
+@pytest.mark.parametrize(
+    ("reach", "unit", "sure"), [(0.4, "m", True), (400.0, "mm", True), (8.0, "mm", False)]
+)
+def test_a_slider_is_in_metres_or_millimetres(reach, unit, sure):
+    robot = one_joint()
+    slider = replace(robot, joints=(replace(robot.joints[0], kind="prismatic"),))
+    found = with_motion_units([column("a", reach * ANGLE, "position")], slider, 1 / RATE)[0]
+    assert (found.unit, found.sure) == (unit, sure)
+
+
+def test_one_sure_position_tells_the_unit_of_the_others():
+    doubtful = column("b", 10.0 * ANGLE, "position", joint=2)
+    found = with_motion_units([column("a", 90.0 * ANGLE, "position"), doubtful], None, 1 / RATE)
+    assert (found[1].unit, found[1].sure) == ("deg", True)
+    assert found[1].why[-1] == "the unit of the other positions"
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("rad/s", 1.0), ("deg/s", 180 / np.pi), ("rpm", 30 / np.pi), ("rev/s", -0.5 / np.pi)]
+)
+def test_the_unit_and_sign_of_a_velocity_follow_from_its_position(unit, factor):
+    channels = [column("a", ANGLE, "position", "rad"), column("b", factor * SPEED, "velocity")]
+    found = with_velocities_found(channels, 1 / RATE)[1]
+    assert (found.unit, found.sign) == (unit, int(np.sign(factor)))
+
+
+def test_a_velocity_of_no_known_unit_stays_open():
+    channels = [column("a", ANGLE, "position", "rad"), column("b", 3.0 * SPEED, "velocity")]
+    assert with_velocities_found(channels, 1 / RATE)[1].unit is None
+
+
+def test_columns_without_names_are_told_by_how_they_move():
+    """A joint's position, its speed, the reference that it follows, and a rough torque.
+
+    Of a single sine, the reference would be its acceleration as well.
+    """
+    place = ANGLE + 0.3 * np.sin(2.9 * TIME)
+    speed = SPEED + 0.3 * 2.9 * np.cos(2.9 * TIME)
+    rough = np.random.default_rng(0).standard_normal(len(TIME))
+    wanted = place + 1e-3 * np.sin(9 * TIME)
+    columns = (place, speed, wanted, rough, np.full(len(TIME), 2.0))
+    channels = [column(str(i), v, "unknown", joint=None) for i, v in enumerate(columns)]
+    for robot in (one_joint(), None):
+        found = nameless(channels, robot, 1 / RATE)
+        assert [c.signal for c in found] == ["position", "velocity", "reference", "torque", "unknown"]
+        assert [c.joint for c in found] == [1, 1, 1, 1, None]
+    assert nameless(channels, None, None) == channels
+
+
+def test_what_moves_like_a_named_position_is_its_reference():
+    """Of another length over the same time, too; like two joints, it is neither's."""
+    positions = [column("q1", ANGLE, "position", "rad"), column("q2", np.cos(3 * TIME), "position", "rad", 2)]
+    free = column("x", ANGLE[::2] + 1e-3, "unknown", joint=None)
+    found = nameless([*positions, free], None, 1 / RATE)[-1]
+    assert (found.signal, found.joint) == ("reference", 1)
+    both = [positions[0], replace(positions[1], values=2 * ANGLE), free]
+    assert nameless(both, None, 1 / RATE)[-1].signal == "unknown"
+
+
+def test_a_proposal_says_every_correction():
+    """What stands in the file is what the channels say: sign, offset, delay, clock, drive, rate, header."""
+    current = Channel("i1", TIME, 100.0, "current", 1, "motor", "A", -1, 0.25, 0.004, "t2", doubt="how much?")
+    place = column("q1", ANGLE, "position", "rad")
+    proposal = Proposal(("a.csv",), (current, place), 100.0, False, 1, (), ("how much?",))
+    text = proposal.toml()
+    assert "header = false\nrate = 100.0\n" in text
+    assert re.search(
+        r'# \? how much\?\n\[signals\."motor1\.current"\]\nsource = "i1"\nunit = "A"\nsign = -1\n'
+        r'offset = 0\.25\ndelay = 0\.004\ntime = "t2"\ndrive = 1\.0',
+        text,
+    )
+    assert "rate = 1.0  # ? samples per second" in replace(proposal, rate=None).toml()
+    timed = replace(proposal, channels=(column("t", TIME, "time", "s", None), place))
+    assert 'time = { source = "t", unit = "s" }' in timed.toml()
+
+
+def test_no_file_is_one_sentence():
+    with pytest.raises(LogError, match="there is no file; give one or more of one recording"):
+        inspect_log([])
+
+
+def test_columns_without_a_number_are_left_out_and_said(tmp_path):
+    frame = pd.DataFrame({"t": TIME, "q1": ANGLE, "tau1": np.cos(9 * TIME), "void": np.nan, "wild": 1e200})
+    frame.to_parquet(tmp_path / "a.parquet")
+    found = inspect_log([tmp_path / "a.parquet"])
+    assert "void is left out: it holds no number" in found.notes
+    assert any(note.startswith("wild is left out: no sensor measures values beyond") for note in found.notes)
+
+
+def test_two_columns_for_one_signal_and_a_joint_too_many_are_asked(tmp_path):
+    frame = pd.DataFrame(
+        {"t": TIME, "q_1": ANGLE, "joint1.position": 1.1 * ANGLE, "q_2": ANGLE**3, "tau_1": np.cos(9 * TIME)}
+    )
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    found = inspect_log([tmp_path / "a.csv"], one_joint())
+    assert any("both look like joint1.e" in question for question in found.questions)
+    second = next(c for c in found.channels if c.column == "q_2")
+    assert second.name is None
+
+
+def test_joints_without_a_torque_are_asked(tmp_path):
+    frame = pd.DataFrame({"t": TIME, "q_1": ANGLE})
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    asked = inspect_log([tmp_path / "a.csv"], one_joint()).questions
+    assert any(question.startswith("no column looks like a torque") for question in asked)
+
+
+def test_files_of_one_recording_are_read_together(tmp_path):
+    """Columns of several files carry their file's name where they would be mistaken for each other."""
+    for name, values in (("left", ANGLE), ("right", ANGLE**3)):
+        pd.DataFrame({"t": TIME, "q_1": values}).to_csv(tmp_path / f"{name}.csv", index=False)
+    found = inspect_log([tmp_path / "left.csv", tmp_path / "right.csv"])
+    columns = [c.column for c in found.channels]
+    assert len(columns) == len(set(columns)) == 4

@@ -1,0 +1,61 @@
+"""The commands that a diagnosis leads to run as they stand."""
+
+from dataclasses import replace
+
+from pyident.diagnosis.result import Diagnosis, Finding, Named
+from pyident.report.next_steps import commands
+
+
+def law(effect: str, joint: int, log: str | None = None) -> Named:
+    return Named(effect, f"joint{joint}", {}, {}, {}, 50.0, log)
+
+
+def finding(*tie: Named) -> Finding:
+    return Finding(tie, 0.05, 50.0, 50.0, None)
+
+
+MISSING = Diagnosis(
+    robot="arm",
+    logs=("a log.csv", "b.csv"),
+    heldout=("c.csv",),
+    verdict="missing_effect",
+    sentence="",
+    findings=(finding(law("stribeck", 2)), finding(law("payload", 3, "b.csv")), finding(law("stribeck", 2))),
+    localised=None,
+    limits=(),
+    rows=(),
+    excess=2.0,
+    remaining=1.0,
+    ranking=(),
+    notes=(),
+    noise={},
+    stages=(),
+)
+
+
+def test_laws_are_added_one_after_the_other_each_once():
+    ((heading, lines),) = commands(MISSING, "my/arm.toml")
+    assert heading.startswith("Add it and fit again")
+    assert lines == [
+        "pyident add my/arm.toml stribeck --joint 2 'a log.csv' b.csv -o arm_stribeck.toml",
+        "pyident add arm_stribeck.toml payload --joint 3 b.csv -o arm_stribeck_payload.toml",
+        "pyident diagnose arm_stribeck_payload.toml 'a log.csv' b.csv --holdout c.csv",
+    ]
+
+
+def test_a_tie_leads_to_a_way_for_each_of_its_laws():
+    tie = replace(
+        MISSING,
+        verdict="cannot_tell",
+        findings=(finding(law("stribeck", 1), law("presliding", 1)), finding(law("payload", 3))),
+    )
+    ways = commands(tie, "arm.toml")
+    assert [heading for heading, _ in ways] == [
+        "If it is stribeck at joint1",
+        "If it is presliding at joint1",
+    ]
+    assert all(len(lines) == 3 and "payload" in lines[1] for _, lines in ways)
+
+
+def test_nothing_to_add_leads_nowhere():
+    assert commands(replace(MISSING, verdict="unexplained", findings=()), "arm.toml") == []
