@@ -74,7 +74,7 @@ def _over_floor(width: float, fall: float) -> float:
     return float(np.sqrt(found.base.energy / found.floor_energies.sum()))
 
 
-@pytest.mark.parametrize("width", [0.01, 0.2, 1.0])
+@pytest.mark.parametrize("width", [0.01, 0.2])
 def test_reversals_neither_raise_the_floor_nor_stand_above_it_where_equations_are_thinned_out(width):
     assert 0.8 < _over_floor(width, 0.0) < 1.2
     assert _over_floor(width, 0.1) > 1.6

@@ -1,11 +1,21 @@
-"""What must stay: an arm that sticks, and the energy of one without losses."""
+"""What must stay: an arm that sticks, the energy of one without losses; and a push in closed form."""
+
+import warnings
 
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
+from fmpy.validation import validate_fmu
 
+import pyident as pi
+from flexfmu.foreign.interface import Interface
+from flexfmu.foreign.model import FmuModel
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment
+
+FORCE = 1000.0  # [N]
+ROUNDING: dict[Interface, float] = {"CoSimulation": 1e-12, "ModelExchange": 1e-8}  # [m] that of CVode
+MASS = 100.0  # [kg] of the carriage in emps.toml, before identification, without friction
 
 
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
@@ -59,3 +69,17 @@ def total_energy(robot, log, speeds):
     tau = log[[f"joint{k}.tau" for k in range(1, 5)]].to_numpy()
     work = np.concatenate([[0.0], np.cumsum((tau[:-1] * np.diff(q[:, :4], axis=0)).sum(axis=1))])
     return np.array(kinetic) + elastic + np.array(potential) - work
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_plant_alone_under_constant_force(fmi, tmp_path):
+    """A carriage without a controller: valid, with its recorded run; e = F t²/2m in both interfaces."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        path = pi.export_fmu("emps", tmp_path / "emps.fmu", fmi=fmi, part="plant")
+    assert validate_fmu(str(path)) == []
+    time = 0.004 * np.arange(101)
+    for interface, rounding in ROUNDING.items():
+        with FmuModel(path, interface) as fmu:
+            e = fmu.run(time, {"joint1.tau": np.full(101, FORCE)}, [{}], ["joint1.e"])[0, :, 0]
+        np.testing.assert_allclose(e, FORCE * time**2 / (2 * MASS), rtol=0, atol=rounding)

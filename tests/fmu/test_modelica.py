@@ -58,17 +58,19 @@ def test_one_flexible_joint_moves_alike_for_two_seconds(four_link, tmp_path):
     assert np.abs(text - fmu).max() < 1e-6
 
 
-def test_two_joints_move_alike(four_link, tmp_path):
-    """Coupling, gravity, and a hinge on a turned link."""
-    text, fmu = run(first_joints(four_link, 2), tmp_path, 0.2)
-    assert np.ptp(fmu, axis=0).max() > 1e-3
+def test_the_whole_arm_moves_alike(four_link, tmp_path):
+    """Four flexible joints, 16 coordinates; the first stretch of the motion."""
+    text, fmu = run(four_link, tmp_path, 0.2)
+    assert np.ptp(fmu, axis=0).max() > 0.01
     assert np.abs(text - fmu).max() < 1e-8
 
 
-def test_the_whole_arm_compiles(four_link, tmp_path):
-    """As many equations as unknowns."""
-    _, model = compiled(four_link, tmp_path)
-    assert len(model.states) == 16  # e and eps; their speeds are the compiler's own
+@pytest.mark.slow
+def test_the_whole_arm_moves_alike_for_two_seconds(four_link, tmp_path):
+    """Out and back, with the friction's turns."""
+    text, fmu = run(four_link, tmp_path, 2.0)
+    assert np.ptp(fmu, axis=0).max() > 0.1
+    assert np.abs(text - fmu).max() < 1e-6
 
 
 def test_a_second_parser_reads_every_robot_that_can_be_written(four_link):

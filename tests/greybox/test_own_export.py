@@ -1,6 +1,7 @@
 """Our own FMU known by its variables alone: hidden parameters, nothing hidden, the commands."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from click.testing import CliRunner
 from one_joint import one_joint
 
 import pyident as pi
-from flexmodels.experiment import identification
+from flexmodels.experiment import Experiment, identification
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
@@ -40,6 +41,37 @@ def test_what_the_logs_do_not_tell_is_said(arm):
     frame = fit.to_frame()
     assert list(frame["identifiable"]) == ["no", "no"]
     assert np.isnan(frame["std"].to_numpy(float)).all()
+
+
+def wandering(duration=8.0):
+    """A motion of several turns that does not repeat itself; in one that does, all signals look alike."""
+    time, rng = 0.004 * np.arange(round(duration / 0.004) + 1), np.random.default_rng(5)
+    waves = 2 * np.pi * np.outer(time, rng.uniform(0.1, 0.9, 7))
+    phase = rng.uniform(0, 6.28, 7)
+    start = np.clip(time, 0, 1) ** 2 * (3 - 2 * np.clip(time, 0, 1))
+    reference = 0.45 * start[:, None] * (np.sin(waves + phase) - np.sin(phase)).sum(axis=1, keepdims=True)
+    return Experiment(time=time, reference=reference, feedforward=np.zeros_like(reference))
+
+
+@pytest.mark.parametrize(
+    ("law", "kind", "at"),
+    [
+        ({"torque_ripple": {"cosine": 2.0, "sine": 1.0, "order": 12.0}}, "order", 12),
+        ({"gravity_spring": {"stiffness": 4.0, "preload": 0.0, "ratio": 0.5, "phase": 0.3}}, "signal", 0),
+    ],
+    ids=["torque_ripple", "gravity_spring"],
+)
+def test_a_hidden_law_shows_in_the_torque(arm, law, kind, at):
+    """By its order, or by the angle on which it depends."""
+    robot = one_joint()
+    joint = robot.joints[0]
+    hidden = replace(robot, joints=(replace(joint, values={**joint.values, **law}),))
+    frame = pi.simulate(hidden, wandering()).frame
+    log = frame.filter(["time", "joint1.r", "joint1.tau_ff", "joint1.tau"])
+    shown = pi.diagnose_fmu(arm[2], log)
+    first = shown.outputs[0].findings[0]
+    assert (shown.verdict, first.kind, first.at) == ("depends", kind, at)
+    assert "joint1.e" in first.of
 
 
 def test_nothing_hidden_is_nothing(arm):

@@ -67,6 +67,16 @@ def test_a_delay_is_measured_between_samples():
     assert first.at == pytest.approx(0.0067, abs=2e-4)
 
 
+def test_what_only_resembles_a_late_course_is_no_delay():
+    """A hundredth of what a delay of 20 ms leaves: as a delay it would leave a hundred times more."""
+    angle, speed = course()
+    late = np.interp(TIME - 0.02, TIME, angle)
+    residual = 0.01 * (late - angle) + 2e-4 * noise(6)
+    result = examined(residual, angle, {"angle": angle, "speed": speed}, ["angle"])
+    assert [f.of[0] for f in result.findings] == ["speed"]
+    assert sum(f.share_percent for f in result.findings) <= 100
+
+
 def test_two_causes_are_told_one_after_the_other():
     angle, speed = course()
     angle = 4 * angle

@@ -6,7 +6,9 @@ Only the standard library: the scripts run in the importers' own environments.
 """
 
 import json
+import os
 import sys
+import time
 import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +26,7 @@ class Request:
     outputs      variables to record
     event_mode   co-simulation in FMI 3: the importer handles the events
     states       variable -> its values at the communication points (for CasADi, which integrates nothing)
+    tool         path of a tool that is no Python package
     """
 
     fmu: str
@@ -33,6 +36,7 @@ class Request:
     outputs: list[str]
     event_mode: bool = False
     states: dict[str, list[float]] = field(default_factory=dict)
+    tool: str = ""
 
     @property
     def step(self) -> float:
@@ -59,13 +63,24 @@ class Description:
         return [self.references[name] for name in names]
 
 
+CPU_SECONDS = "CPU seconds"  # of loading and running, a column of the answer
+
+
 def read() -> Request:
+    """The request; from here on the time counts, the import of the tool does not."""
+    global _begun
+    _begun = _cpu()
     return Request(**json.loads(Path(sys.argv[1]).read_text()))
 
 
 def write(rows: dict[str, list]) -> None:
     """Variable -> its values after each communication step."""
-    Path(sys.argv[2]).write_text(json.dumps(rows))
+    Path(sys.argv[2]).write_text(json.dumps(rows | {CPU_SECONDS: [_cpu() - _begun]}))
+
+
+def _cpu() -> float:
+    """Of this process and of its ended children [s]."""
+    return time.process_time() + sum(os.times()[2:4])
 
 
 def describe(request: Request) -> Description:

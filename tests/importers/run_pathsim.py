@@ -22,6 +22,11 @@ def simulate(request: Request, plant, period: float | None = None, **solver) -> 
     wires = [Connection(source, plant[i]) for i, source in enumerate(sources)]
     wires += [Connection(plant[port], scope[i]) for i, port in enumerate(ports)]
     run = Simulation([*sources, plant, scope], wires, log=False, **solver)
+    if isinstance(plant, ModelExchangeFMU):
+        # pathsim-fmi 0.1.1 leaves out the first event iteration; by now the inputs have become 0
+        for name, value in request.first.items():
+            fmu.set_variable(name, value)
+        plant._handle_event(0.0)
     run.run(request.time[-1])
     return scope.read()[1].T.tolist()
 
@@ -34,7 +39,6 @@ def co_simulation(request: Request) -> list[list[float]]:
 
 def model_exchange(request: Request) -> list[list[float]]:
     plant = ModelExchangeFMU(request.fmu, start_values=request.first)
-    plant._handle_event(0.0)  # pathsim-fmi 0.1.1 leaves the first event iteration out: it would know no event
     accuracy = {"Solver": RKDP54, "tolerance_lte_abs": 1e-10, "tolerance_lte_rel": 1e-8}
     seen = simulate(request, plant, request.step, dt=request.step / 8, **accuracy)
     return seen[1 : len(request.time)]

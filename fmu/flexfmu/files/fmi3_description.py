@@ -1,5 +1,6 @@
 """modelDescription.xml and terminalsAndIcons.xml of FMI 3.0."""
 
+from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 from flexfmu.files.fmi2_description import LOG_CATEGORIES, numbers, unit_definitions
@@ -124,7 +125,7 @@ def _model_variables(root: ET.Element, listed: list[Variable], views: list[Array
             variability=first.variability,
             initial="calculated",
         )
-        for key, value in numbers(first).items():
+        for key, value in numbers(replace(first, start=None)).items():  # it only shows what an input may hold
             variable.set(key, value)
         ET.SubElement(variable, "Dimension", start=str(array.size))
 

@@ -151,12 +151,16 @@ def _share(candidate: Candidate, folds: list[list[tuple[int, slice, np.ndarray, 
         others = gram - own_gram
         ridge = _RIDGE * max(float(np.trace(others)), np.finfo(float).tiny) * np.eye(len(others))
         c = np.linalg.solve(others + ridge, score - own_score)
+        if candidate.kind == "delay":
+            c = np.ones_like(c)  # the course itself, later: nothing is scaled
         gained = gained + np.sum(c * (2 * own_score - own_gram @ c), axis=0)
         energy = energy + sum(e for *_, e in fold)
     return gained / np.maximum(energy, np.finfo(float).tiny)
 
 
 def _fitted(candidate: Candidate, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    if candidate.kind == "delay":
+        return [columns[:, 0] for columns in candidate.columns]
     X, r = np.concatenate(candidate.columns), np.concatenate(residuals)
     coefficients = np.linalg.lstsq(X, r, rcond=None)[0]
     return [columns @ coefficients for columns in candidate.columns]

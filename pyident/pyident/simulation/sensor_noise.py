@@ -16,7 +16,7 @@ from scipy.optimize import nnls
 
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition_every_sample
+from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import controller_torque, recoverable
@@ -110,7 +110,7 @@ def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[st
 
 
 def _residual(robot: Robot, log: Log, p: np.ndarray) -> np.ndarray:
-    part = condition_every_sample(log, robot)
+    part = condition(log, robot)
     return (part.target - generalised_forces(robot, part.motion, p)) * part.use
 
 
