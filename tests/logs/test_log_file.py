@@ -14,6 +14,7 @@ from pyident.conditioning import windows as conditioned_file
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.conditioning.windows import ConditionedFile, prepared
+from pyident.estimation.estimator import reweighted, weighted
 from pyident.estimation.identify import identify
 from pyident.estimation.newey_west import LongRun
 from pyident.logs import disk as log_file
@@ -93,12 +94,12 @@ def test_long_logs_of_motors_are_referred_to_the_joints(tmp_path, monkeypatch):
     pd.testing.assert_frame_equal(found.frame, robot_log(tmp_path / "motor.csv", geared).frame)
 
 
-@pytest.mark.parametrize("robust", [False, True])
-def test_identify_gives_the_same_from_disk(four_link, identification_log, tmp_path, robust):
+@pytest.mark.parametrize("estimator", [weighted, reweighted])
+def test_identify_gives_the_same_from_disk(four_link, identification_log, tmp_path, estimator):
     log = Log(identification_log.frame.head(2500), "short")
     write_log(log, tmp_path / "log.parquet")
     file = log_file.log_file(tmp_path / "log.parquet")
-    want, found = (identify(four_link, [of], robust=robust) for of in (log, file))
+    want, found = (identify(four_link, [of], estimator) for of in (log, file))
     assert found.reduced.samples == want.reduced.samples
     assert found.solution.rank == want.solution.rank
     normal = [np.einsum("cip,ciq->pq", x.reduced.triangles, x.reduced.triangles) for x in (found, want)]

@@ -8,6 +8,7 @@ al. 1993). At the fixed point log and simulation agree in every sum that the ins
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -49,6 +50,7 @@ from pyident.refinement.simulated_rows import (
 )
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
+from pyident.regression.machine.threads import gathered
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
@@ -74,9 +76,10 @@ def identify_by_instruments(
     parts = [condition(log, robot) for log in logs]
     plain = weighted(Problem(robot, tuple(parts)))
     reduced = plain.reduced
-    data = [in_memory(robot, part) for part in parts]
+    data = gathered(lambda part: in_memory(robot, part), parts)
     lows = _LOW if carries(robot) else ()
-    starts = [identified(robot, reduced, _started(robot, data, plain, low)) for low in lows]
+    solutions = gathered(lambda low: _started(robot, data, plain, low), lows)
+    starts = [identified(robot, reduced, solution) for solution in solutions]
     starts = starts or [identified(robot, reduced, plain.solution)]
     best = starts[0]
     simulated, again = repeats(best.robot, logs)
@@ -161,7 +164,7 @@ def _rounds(
         missed = max(_missed(r, frame) for r, frame in zip(again, frames, strict=True))
         if not missed < _FOLLOWS:
             return solution, f"the simulated model misses {100 * missed:.0f} % of the motion"
-        rows = [rows_of(robot, d, frame, quiet) for d, frame in zip(data, frames, strict=True)]
+        rows = gathered(partial(_rows_of, robot, quiet), list(zip(data, frames, strict=True)))
         equations = instrumented(every(rows), reduced, _weights(data, rows, values))
         if number == 0:
             solution = equations.solve(spectral(equations.logs, equations.weights))
@@ -176,6 +179,10 @@ def _rounds(
             break
     known = with_covariance(logs, rows, equations, solution)
     return through_simulation(logs, equations, known, workers, put_in, held), None
+
+
+def _rows_of(robot: Robot, p: np.ndarray, log: tuple[Data, pd.DataFrame]) -> Rows:
+    return rows_of(robot, *log, p)
 
 
 def _missed(again: Repeat, frame: pd.DataFrame) -> float:

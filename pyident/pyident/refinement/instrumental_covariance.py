@@ -27,6 +27,7 @@ from pyident.refinement.remove_bias import seen
 from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, left_of, simulated
 from pyident.refinement.stand_in import driven
 from pyident.regression.equations import predicted
+from pyident.regression.machine.threads import gathered
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
@@ -48,10 +49,12 @@ def with_covariance(
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
-        parts = [
-            noise_scatter(robot, d.part, r, p, solution.weights, turn, noise, a.log.period)
-            for d, r, a in zip(logs.data, rows, logs.again, strict=True)
-        ]
+        parts = gathered(
+            lambda log: noise_scatter(
+                robot, log[0].part, log[1], p, solution.weights, turn, noise, log[2].log.period
+            ),
+            list(zip(logs.data, rows, logs.again, strict=True)),
+        )
         beyond = _beyond(logs, rows, p, noise)
         return np.sum(parts, axis=0) + spectral(every(rows), solution.weights, beyond)(turn, p)
 
@@ -142,8 +145,13 @@ def _shifts(
 ) -> list[list[np.ndarray]]:
     """Per set and log (N, n): what a simulation's samples and means leave of its own equations [N m]."""
     names = list(robot.linear_parameters)
-    out = []
-    for put_in, frames in zip(sets, simulated(fmu, again, sets), strict=True):
-        p = np.array([put_in[name] for name in names])
-        out.append([left_of(robot, condition(Log(frame, "simulation"), robot), p) for frame in frames])
-    return out
+    made = simulated(fmu, again, sets)
+
+    def left(run: tuple[int, int]) -> np.ndarray:
+        number, log = run
+        p = np.array([sets[number][name] for name in names])
+        return left_of(robot, condition(Log(made[number][log], "simulation"), robot), p)
+
+    logs = range(len(again))
+    shifts = gathered(left, [(number, log) for number in range(len(sets)) for log in logs])
+    return [shifts[at : at + len(again)] for at in range(0, len(shifts), len(again))]

@@ -18,6 +18,7 @@ from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
+from pyident.regression.machine.threads import gathered
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import controller_torque, recoverable
 from pyident.simulation.recorded import loop_of
@@ -54,11 +55,17 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     for log in logs:
         residual = _residual(robot, log, p)
         total.append(_power(residual, robot, log))
-        for channel in channels:
+        noise = {channel: probes[channel] * rng.standard_normal(len(log.frame)) for channel in channels}
+
+        def pattern(
+            channel: str, log: Log = log, residual: np.ndarray = residual, noise: dict = noise
+        ) -> np.ndarray:
             frame = log.frame.copy()
-            frame[channel] = frame[channel] + probes[channel] * rng.standard_normal(len(frame))
+            frame[channel] = frame[channel] + noise[channel]
             change = _residual(robot, replace(log, frame=frame), p) - residual
-            patterns.append(_power(change, robot, log) / max(probes[channel], 1e-300) ** 2)
+            return _power(change, robot, log) / max(probes[channel], 1e-300) ** 2
+
+        patterns += gathered(pattern, channels)
     power = np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T
     of_torques = np.square([known[name] for name in channels[len(unknown) :]])
     rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
