@@ -1,13 +1,47 @@
-"""Work shared out among cores: order, errors, and work that shares out work itself."""
+"""Shared-out samples are each worked on once; what fails in a thread is heard of."""
 
 import threading
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from flexmodels.cores import cores
 from pyident.regression.machine import threads
+from pyident.regression.machine.threads import each, spread
 
 
-@pytest.fixture(autouse=True)
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 300), st.integers(1, 50))
+def test_every_sample_once(samples, most):
+    touched = np.zeros(samples, int)
+
+    def work(part: slice) -> None:
+        assert part.stop - part.start <= most
+        touched[part] += 1
+
+    spread(work, samples, most)
+    assert (touched == 1).all()
+
+
+@pytest.mark.parametrize("available", [1, 2])
+def test_errors_come_back(monkeypatch, available):
+    monkeypatch.setattr("pyident.regression.machine.threads.cores", lambda: available)
+
+    def work(item: int) -> None:
+        if item == 3:
+            raise ValueError("third")
+
+    with pytest.raises(ValueError, match="third"):
+        each(work, range(5))
+
+
+def test_cores_are_those_of_this_process():
+    assert cores() >= 1
+
+
+@pytest.fixture
 def two_cores(monkeypatch):
     monkeypatch.setattr(threads, "cores", lambda: 2)
     threads._threads.cache_clear()
@@ -17,7 +51,7 @@ def two_cores(monkeypatch):
     threads._callers.cache_clear()
 
 
-def test_results_come_in_the_order_of_the_items_whoever_is_first():
+def test_results_come_in_the_order_of_the_items_whoever_is_first(two_cores):
     late = threading.Event()
 
     def work(item):
@@ -30,7 +64,7 @@ def test_results_come_in_the_order_of_the_items_whoever_is_first():
     assert threads.gathered(work, range(20)) == [i**2 for i in range(20)]
 
 
-def test_work_may_share_out_work_itself():
+def test_work_may_share_out_work_itself(two_cores):
     def work(item):
         parts: list[slice] = []
         threads.spread(parts.append, samples=1000, most=10)
@@ -39,7 +73,7 @@ def test_work_may_share_out_work_itself():
     assert threads.gathered(work, range(8)) == [(i, 1000) for i in range(8)]
 
 
-def test_what_has_not_begun_when_one_fails_does_not_begin():
+def test_what_has_not_begun_when_one_fails_does_not_begin(two_cores):
     begun: list[int] = []
     release = threading.Event()
 
