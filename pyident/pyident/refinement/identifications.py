@@ -16,6 +16,10 @@ from pyident.simulation.recorded import loop_of
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
+_NO_INTERVALS = (
+    "output error is given without intervals: on noisy logs its own held the truth in 65 to 73 % "
+    "instead of 95 %; those of the default estimator hold"
+)
 
 
 class Identification(Protocol):
@@ -63,7 +67,11 @@ def by_total_least_squares(
 def refined(
     robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
-    """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
+    """Output error in closed loop, from the instrumental estimate, without intervals.
+
+    Those that `output_error` gives are too narrow on noisy logs, as `studies.coverage` shows. Raises LogError
+    without a known loop.
+    """
     for log in logs:
         obstacle = loop_of(robot, log)
         if obstacle:
@@ -71,7 +79,8 @@ def refined(
     told = progress or (lambda _: None)
     start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
     with open_pool(robot) as simulate:
-        return output_error(robot, list(logs), start, simulate, progress=lambda s: told(0.3 + 0.7 * s))[0]
+        found, _ = output_error(robot, list(logs), start, simulate, progress=lambda s: told(0.3 + 0.7 * s))
+    return replace(without_intervals(found), notes=(*found.notes, _NO_INTERVALS))
 
 
 IDENTIFICATIONS: dict[str, Identification] = {
