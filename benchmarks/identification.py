@@ -6,7 +6,7 @@ lstsq       the regressor stored, columns scaled, numpy.linalg.lstsq: what a scr
 others      `pyident identify --estimator ...` and `pyident diagnose`, from logs in memory
 
 Wall time is what a user waits for; CPU time is that of all processes. What a first call keeps for later ones
-(compiled columns, objects of the FMU) is there: everything runs once before.
+(compiled columns, objects of the FMU) is there: `wls` and `iv` run once before.
 """
 
 import os

@@ -18,7 +18,7 @@ from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
 from pyident.report.page import Picture, Section, write_page
 from pyident.rules.confidence import CONFIDENCE
-from pyident.simulation.fmu_runs import batches_here
+from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.simulator import Simulate
 from pyident.sweep.studies import StudyResult, row
 
@@ -66,7 +66,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     recordings = {file.stem: ServoLog(robot_log(file, start, mapping), {}) for file in files}
     structures, told = chosen(start, recordings, lambda share: progress(0.6 * share))
     best = structures[-1]
-    with batches_here(best.fit.robot) as simulate:
+    with runs_here(best.fit.robot) as simulate:
         errors = replayed(best.fit.robot, recordings, _coarse(simulate))
         progress(0.8)
         whole = fitted(best.fit.robot, recordings, best.kinds, tuple(recordings), simulate)
@@ -185,7 +185,7 @@ def _of_the_written_model(fit: ClosedLoopFit) -> dict[str, str]:
 def _structure(
     name: str, robot: Robot, recordings: Recordings, kinds: tuple[str, ...], rounds: int = _MORE
 ) -> Structure:
-    with batches_here(robot) as simulate:
+    with runs_here(robot) as simulate:
         fit = fitted(robot, recordings, kinds, FITTED, simulate, rounds)
         errors = replayed(fit.robot, {name: recordings[name] for name in CHOOSING}, _coarse(simulate))
     return Structure(name, kinds, fit, float(np.mean([error for _, error in errors.values()])))

@@ -14,7 +14,7 @@ import pandas as pd
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot
 from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop, replay_errors
-from pyident.simulation.fmu_runs import batches_here
+from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.simulator import Simulate
 
 Recordings = Mapping[str, ServoLog]
@@ -67,7 +67,7 @@ class Fits:
     def _runs(self, robot: Robot) -> Simulate:
         laws = frozenset(robot.joints[0].values)
         if laws not in self._compiled:
-            self._compiled[laws] = self._stack.enter_context(batches_here(robot))
+            self._compiled[laws] = self._stack.enter_context(runs_here(robot))
         simulate = self._compiled[laws]
         own = settable(robot)  # the compiled robot may have other values
         return lambda plan, sets: simulate(plan, [{**own, **values} for values in sets])

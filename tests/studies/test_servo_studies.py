@@ -11,7 +11,7 @@ from pyident.cli.main import main
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.refinement.closed_loop import ServoLog, replay_errors
-from pyident.simulation.fmu_runs import batches_here
+from pyident.simulation.fmu_runs import runs_here
 
 pytestmark = pytest.mark.data
 STUDIES = Path(__file__).parents[2] / "studies"
@@ -27,7 +27,7 @@ def test_a_replay_by_command_has_the_studys_error(data, tmp_path, name):
     model, mapping = STUDIES / name / "start.toml", STUDIES / name / "mapping.toml"
     robot = pi.load_robot(model)
     recording = ServoLog(robot_log(log, robot, read_mapping(mapping)), settings)
-    with batches_here(robot) as simulate:
+    with runs_here(robot) as simulate:
         ((_, error),) = replay_errors(robot, [recording], simulate)
     output = tmp_path / "sim.parquet"
     command = ["simulate", str(model), "--experiment", str(log), "--mapping", str(mapping), "-o", str(output)]

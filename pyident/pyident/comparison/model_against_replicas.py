@@ -23,7 +23,7 @@ from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
-from pyident.regression.regressor import generalised_forces
+from pyident.regression.regressor import residual_of
 from pyident.simulation import replica
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise
@@ -187,4 +187,4 @@ def _judge(fmu: Simulator, trial: Trial, robot: Robot, refit: Refit) -> list[Par
 def residual(robot: Robot, part: Conditioned) -> np.ndarray:
     """(N, n): torque less Φ p, not thinned, 0 where an equation is not used."""
     p = np.array(list(robot.linear_parameters.values()))
-    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
+    return residual_of(robot, part, p)

@@ -37,8 +37,7 @@ class Rows:
     @cached_property
     def columns(self) -> list[np.ndarray]:
         """Per equation those of A and Z that are not zero."""
-        some = np.any(self.A, axis=0) | np.any(self.Z, axis=0)
-        return [np.flatnonzero(some[c]) for c in range(len(some))]
+        return acting(self.A, self.Z)
 
     def residual(self, p: np.ndarray) -> np.ndarray:
         """y - A p, (N, n)."""
@@ -51,6 +50,12 @@ class Rows:
         """(N, r) instruments of equation c in directions turn (P, r)."""
         own = self.columns[c]
         return self.Z[:, c][:, own] @ turn[own]
+
+
+def acting(*matrices: np.ndarray) -> list[np.ndarray]:
+    """Per equation the columns that are not zero in every one of the matrices (N, n, P)."""
+    some = np.any([matrix.any(axis=0) for matrix in matrices], axis=0)
+    return [np.flatnonzero(some[c]) for c in range(len(some))]
 
 
 Logs = Callable[[], Iterable[Rows]]
@@ -69,7 +74,7 @@ def fading(use: np.ndarray, fade: int = FADE) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Instrumented:
+class MomentEquations:
     """The moment equations B a = b of logs with instruments; a: coefficients of scaled directions.
 
     reduced    of the same logs, for the names and the residuals
@@ -130,7 +135,7 @@ class Instrumented:
         return self.Vt[: len(a)].T @ a / self.scale
 
 
-def instrumented(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Instrumented:
+def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> MomentEquations:
     """The directions that the instruments span, and the moment equations in them."""
     blocks = ((r.Z * r.share[:, :, None], 0 * r.y) for r in logs())
     S, _ = reduce(blocks, reduced.rows, reduced.columns).stacked(weights)
@@ -142,14 +147,14 @@ def instrumented(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Instrumen
     Vt[:r, absent] = 0.0
     turn = (Vt[:r].T / s[:r]) / scale[:, None]
     B = turn.T @ _products(logs, weights) @ (Vt[:r].T / scale[:, None])
-    return Instrumented(logs, reduced, weights, s, Vt, scale, turn, B)
+    return MomentEquations(logs, reduced, weights, s, Vt, scale, turn, B)
 
 
 def solve_instrumental(
     logs: Logs, reduced: Reduced, weights: np.ndarray, scatter: Scatter, rank: int | None = None
 ) -> Solution:
-    """The solution of `instrumented` equations; see there and `Instrumented.solve`."""
-    return instrumented(logs, reduced, weights).solve(scatter, rank)
+    """The solution of `moment_equations`; see there and `MomentEquations.solve`."""
+    return moment_equations(logs, reduced, weights).solve(scatter, rank)
 
 
 def _leading(B: np.ndarray, b: np.ndarray, r: int) -> tuple[np.ndarray, np.ndarray]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
 _TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
 _EXTENT = 0.01  # m: least radius of gyration of a prior's body
-_EXACT, _ROUNDED = 1e-9, 1e-6  # of the parameters' length: what the solver tells apart from nothing
+_EXACT = 1e-9  # of the parameters' length: the least standard deviation
 _NONE = "no physically consistent parameters were found"
 _CURE = "`pyident check` shows channels whose sign or unit is wrong"
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
@@ -41,10 +41,9 @@ def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot 
     import cvxpy as cp
 
     bounds = lower_bounds(robot)
-    balanced = _balanced(solution)
-    for scale, least in ((solution.scale, _EXACT), (balanced, _EXACT), (balanced, _ROUNDED)):
+    for scale in (solution.scale, _balanced(solution)):
         try:
-            found = _nearest(robot, reduced, solution, prior, bounds, scale, least)
+            found = _nearest(robot, reduced, solution, prior, bounds, scale)
         except cp.SolverError:  # numbers too far apart for the solver
             continue
         return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
@@ -65,19 +64,15 @@ def _nearest(
     prior: Robot | None,
     bounds: Mapping[str, float],
     scale: np.ndarray,
-    least: float,
 ) -> np.ndarray:
-    """(P,) Raises LogError where there are none, and cvxpy's SolverError.
-
-    scale   (P,) of the parameters;  least: standard deviation, of the length of all parameters
-    """
+    """(P,) Raises LogError where there are none, and cvxpy's SolverError; scale: (P,) of the parameters."""
     import cvxpy as cp
 
     length = max(float(np.linalg.norm(solution.p * scale)), 1e-300)
     scale = scale / length  # so that values and what data leave open are of one size to the solver
     names, near = list(reduced.columns), solution.p * scale
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
-    sigma = max(_sigma(reduced, solution) / length, least)
+    sigma = max(_sigma(reduced, solution) / length, _EXACT)
     deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
     z = near + deviations @ u + solution.null @ t
     p = cp.multiply(z, 1 / scale)

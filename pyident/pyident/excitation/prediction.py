@@ -1,7 +1,7 @@
 """How well a log will determine the parameters, from its noise-free simulation and the sensors' noise."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import reduce
-from pyident.regression.regressor import generalised_forces, regressor
+from pyident.regression.regressor import regressor, residual_of
 
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
 _DRAWS = 4  # of the noise
@@ -76,14 +76,14 @@ def row_noise(robot: Robot, log: Log, part: Conditioned, noise: Mapping[str, flo
     """(n,) rms that the sensors' noise leaves on a sample of each equation."""
     p = np.array([robot.parameters[name] for name in robot.linear_parameters])
     rng = np.random.default_rng(0)
-    clean = (part.target - generalised_forces(robot, part.motion, p)) * part.use
+    clean = residual_of(robot, part, p)
     squares = np.zeros(part.target.shape[1])
     for _ in range(_DRAWS):
         frame = log.frame.copy()
         for name, sigma in noise.items():
             frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
         noisy = condition(Log(frame, log.source), robot)
-        left = (noisy.target - generalised_forces(robot, noisy.motion, p)) * part.use - clean
+        left = residual_of(robot, replace(noisy, use=part.use), p) - clean
         squares += (left**2).sum(axis=0) / np.maximum(part.use.sum(axis=0), 1)
     rms = np.sqrt(squares / _DRAWS)
     return np.maximum(rms, 1e-9 * rms.max())

@@ -22,7 +22,7 @@ from pyident.estimation.estimator import Estimate, weighted
 from pyident.estimation.identify import Identified, identified, without_intervals
 from pyident.estimation.instrumental_variables import (
     Rows,
-    instrumented,
+    moment_equations,
     solve_instrumental,
     spectral,
     unknown,
@@ -165,7 +165,7 @@ def _rounds(
         if not missed < _FOLLOWS:
             return solution, f"the simulated model misses {100 * missed:.0f} % of the motion"
         rows = gathered(partial(_rows_of, robot, quiet), list(zip(data, frames, strict=True)))
-        equations = instrumented(every(rows), reduced, _weights(data, rows, values))
+        equations = moment_equations(every(rows), reduced, _weights(data, rows, values))
         if number == 0:
             solution = equations.solve(spectral(equations.logs, equations.weights))
             std = solution.std

@@ -15,7 +15,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import (
-    Instrumented,
+    MomentEquations,
     Rows,
     spectral,
     transform_length,
@@ -31,16 +31,16 @@ from pyident.regression.machine.threads import gathered
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
-from pyident.simulation.simulator import Simulator, Workers
+from pyident.simulation.simulator import Simulator, Workers, runs_at_once
 
 _EXCESS = 1.2  # times what the sensors' noise leaves of an equation at a frequency: more is not noise alone
 _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
-_LANES, _ROWS = 16, 2**21  # runs of one task, of short logs, and rows of all of its runs
+_LANES = 16  # runs of one task, of short logs
 _SMOOTH = 51  # bins over which the two are averaged, so that they agree within a fifth where they are alike
 
 
 def with_covariance(
-    logs: Repeated, rows: list[Rows], equations: Instrumented, solution: Solution
+    logs: Repeated, rows: list[Rows], equations: MomentEquations, solution: Solution
 ) -> Solution:
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
     robot = logs.robot
@@ -90,7 +90,7 @@ def _power(values: np.ndarray) -> np.ndarray:
 
 def through_simulation(
     logs: Repeated,
-    equations: Instrumented,
+    equations: MomentEquations,
     solution: Solution,
     workers: Workers,
     put_in: Mapping[str, float],
@@ -108,7 +108,7 @@ def through_simulation(
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
-    together = max(1, min(_LANES, _ROWS // max(len(r.log.frame) for r in logs.again)) // len(logs.again))
+    together = max(1, runs_at_once(max(len(r.log.frame) for r in logs.again), _LANES) // len(logs.again))
     jobs = [
         workers.submit(_shifts, logs.robot, logs.again, changed[at : at + together])
         for at in range(0, len(changed), together)

@@ -11,7 +11,7 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.instrumental_variables import Logs, Rows, fading
+from pyident.estimation.instrumental_variables import Logs, Rows, acting, fading
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.stand_in import driven
@@ -36,8 +36,7 @@ class Data:
     @cached_property
     def columns(self) -> list[np.ndarray]:
         """Per equation those of A that are not zero."""
-        some = np.any(self.A, axis=0)
-        return [np.flatnonzero(some[c]) for c in range(len(some))]
+        return acting(self.A)
 
 
 @dataclass(frozen=True)

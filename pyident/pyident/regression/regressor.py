@@ -9,6 +9,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.samples import Conditioned
 from pyident.regression.laws import LawColumn, Signals, body_columns, law_columns
 from pyident.regression.links import LinkColumns
 from pyident.regression.machine.threads import spread
@@ -48,6 +49,11 @@ def generalised_forces(robot: Robot, motion: Motion, p: np.ndarray) -> np.ndarra
     for part, Phi in regressor_blocks(robot, motion):
         np.einsum("bcp,p->bc", Phi, p, out=forces[part])
     return forces
+
+
+def residual_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
+    """(N, n) torque less Φ p of a conditioned log, not thinned, 0 where an equation is not used; p (P,)."""
+    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
 
 
 def regressor_blocks(robot: Robot, motion: Motion, block: int = BLOCK) -> Iterator[tuple[slice, np.ndarray]]:

@@ -18,11 +18,12 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
 from pyident.simulation.growing_pool import growing_pool
+from pyident.simulation.simulator import runs_at_once
 from pyident.simulation.workers import Make, Processes, inline, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")
-_LANES, _ROWS = 64, 2**21  # runs of one task, of short experiments, and rows of all of its runs
+_LANES = 64  # runs of one task, of short experiments
 OpenProcesses = Callable[[Make[LoadedFmu]], AbstractContextManager[Processes[LoadedFmu]]]
 
 
@@ -70,7 +71,7 @@ class FmuRuns:
 
         Sets of the same names go side by side.
         """
-        together = max(1, min(_LANES, _ROWS // len(experiment.time)))
+        together = runs_at_once(len(experiment.time), _LANES)
         listed = [dict(p) for p in parameters]
         jobs = [
             self._processes.submit(_side_by_side, experiment, listed[first : first + together])
@@ -87,7 +88,8 @@ class FmuRuns:
 
 
 def runs_here(robot: Robot) -> FmuRuns:
-    """Runs in this very process: for short experiments, which are over before others have started."""
+    """Runs in this very process, side by side on its cores: for short experiments, which are over before
+    other processes have started."""
     return FmuRuns(robot, inline)
 
 
@@ -114,16 +116,3 @@ def fmu_here(robot: Robot) -> Iterator[LoadedFmu]:
         path = export_fmu(equations(robot), folder / "plant.fmu", light=True)
         with LoadedFmu(path) as fmu:
             yield fmu
-
-
-@contextmanager
-def batches_here(
-    robot: Robot,
-) -> Iterator[Callable[[Experiment, Sequence[Mapping[str, float]]], Iterator[pd.DataFrame]]]:
-    """Runs in this very process, those of one call side by side; their sets name the same parameters."""
-    with fmu_here(robot) as fmu:
-        yield lambda experiment, parameters: iter(
-            [fmu.simulate(experiment, parameters[0])]
-            if len(parameters) == 1
-            else fmu.simulate_batch(experiment, parameters)
-        )

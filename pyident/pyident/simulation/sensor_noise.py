@@ -7,7 +7,7 @@ each there is. Sensors whose patterns agree cannot be told apart by that; sensor
 equally good.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -19,7 +19,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.machine.threads import gathered
-from pyident.regression.regressor import generalised_forces
+from pyident.regression.regressor import residual_of
 from pyident.simulation.feedforward import controller_torque, recoverable
 from pyident.simulation.recorded import loop_of
 
@@ -53,19 +53,9 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}
     total, patterns = [], []
     for log in logs:
-        residual = _residual(robot, log, p)
-        total.append(_power(residual, robot, log))
-        noise = {channel: probes[channel] * rng.standard_normal(len(log.frame)) for channel in channels}
-
-        def pattern(
-            channel: str, log: Log = log, residual: np.ndarray = residual, noise: dict = noise
-        ) -> np.ndarray:
-            frame = log.frame.copy()
-            frame[channel] = frame[channel] + noise[channel]
-            change = _residual(robot, replace(log, frame=frame), p) - residual
-            return _power(change, robot, log) / max(probes[channel], 1e-300) ** 2
-
-        patterns += gathered(pattern, channels)
+        left, changes = _patterns(robot, log, p, probes, rng)
+        total.append(left)
+        patterns += changes
     power = np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T
     of_torques = np.square([known[name] for name in channels[len(unknown) :]])
     rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
@@ -116,9 +106,20 @@ def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[st
     return found * typical
 
 
-def _residual(robot: Robot, log: Log, p: np.ndarray) -> np.ndarray:
-    part = condition(log, robot)
-    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
+def _patterns(
+    robot: Robot, log: Log, p: np.ndarray, probes: Mapping[str, float], rng: np.random.Generator
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The power of a log's residual, and per channel that of unit noise in it; probes: channel -> std."""
+    noise = {channel: size * rng.standard_normal(len(log.frame)) for channel, size in probes.items()}
+    residual = residual_of(robot, condition(log, robot), p)
+
+    def pattern(channel: str) -> np.ndarray:
+        frame = log.frame.copy()
+        frame[channel] = frame[channel] + noise[channel]
+        noisy = residual_of(robot, condition(replace(log, frame=frame), robot), p)
+        return _power(noisy - residual, robot, log) / max(probes[channel], 1e-300) ** 2
+
+    return _power(residual, robot, log), gathered(pattern, probes)
 
 
 def _power(residual: np.ndarray, robot: Robot, log: Log) -> np.ndarray:

@@ -6,7 +6,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from typing import Concatenate, ParamSpec, Protocol, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 import pandas as pd
 
@@ -17,8 +17,14 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
+_ROWS = 2**21  # of all runs of one task
 _MEASURED = "this motion was measured and cannot be simulated"
 SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
+
+
+def runs_at_once(samples: int, most: int) -> int:
+    """Of experiments of so many samples: how many one task may hold in memory, at most `most`."""
+    return max(1, min(most, _ROWS // samples))
 
 
 class Simulator(Protocol):
@@ -66,16 +72,10 @@ class Pool(Workers, Protocol):
 class Unsimulated:
     """Stands where replicas go along a measured motion, and nothing is simulated."""
 
-    def simulate(self, experiment: Experiment, parameters: Mapping[str, float] | None = None) -> pd.DataFrame:
+    def simulate(self, *_: Any, **__: Any) -> pd.DataFrame:
         raise SimulationError(_MEASURED)
 
-    def simulate_batch(
-        self,
-        experiment: Experiment | Sequence[Experiment],
-        parameters: Sequence[Mapping[str, float]] = ({},),
-        noise: Mapping[str, float] | None = None,
-        noise_seeds: Sequence[int | None] = (None,),
-    ) -> list[pd.DataFrame]:
+    def simulate_batch(self, *_: Any, **__: Any) -> list[pd.DataFrame]:
         raise SimulationError(_MEASURED)
 
 

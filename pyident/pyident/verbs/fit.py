@@ -12,7 +12,7 @@ from pyident.estimation.identify import identify as regress
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
-from pyident.simulation.fmu_runs import batches_here, runs_in_threads
+from pyident.simulation.fmu_runs import runs_here, runs_in_threads
 from pyident.verbs.fitted import Fit, ServoFit
 from pyident.verbs.inputs import (
     Columns,
@@ -115,7 +115,7 @@ def identify_servo(
     unknown = [name for name in names if name not in settable(robot)]
     if unknown:
         raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that can be identified")
-    with batches_here(robot) as simulate:
+    with runs_here(robot) as simulate:
         found = fit_closed_loop(robot, recordings, names, simulate)
     if progress:
         progress(1.0)

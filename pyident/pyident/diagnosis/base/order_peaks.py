@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from flexmodels.robot import Robot
-from pyident.regression.regressor import generalised_forces
+from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
 from pyident.rules.periodic import PeriodicRules
 
@@ -25,7 +25,7 @@ def order_peaks(
     robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
 ) -> dict[int, list[float]]:
     """Joint (from 1) -> orders per turn, the strongest first. p (P,): parameters that leave the residual."""
-    left = [_residual(robot, log, p) for log in logs]
+    left = [residual_of(robot, log.part, p) for log in logs]
     found = {}
     for k, joint in robot.numbered:
         if joint.kind == "revolute":
@@ -34,12 +34,6 @@ def order_peaks(
             orders = _orders(angles, speeds, logs[0].band.period, rules)
             found[k] = _peaks([r[:, k - 1] for r in left], angles, orders, rules)
     return found
-
-
-def _residual(robot: Robot, log: Equations, p: np.ndarray) -> np.ndarray:
-    """(N, n) of the equations that are used, 0 elsewhere."""
-    part = log.part
-    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
 
 
 def _orders(
