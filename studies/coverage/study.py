@@ -32,11 +32,10 @@ def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> St
         opened = _shared(robot, simulate)
         for i, level in enumerate(LEVELS):
             results: dict[str, list[Identified]] = {}
-            slopes = None
             for seed in range(runs):
                 log = noisy(robot, simulate, level, seed)
                 found = identify_by_instruments(robot, [log], opened)
-                refined, slopes = output_error(robot, [log], found, simulate, slopes)
+                refined = output_error(robot, [log], found, simulate)
                 for result in (found, refined):
                     results.setdefault(result.estimator, []).append(result)
                 progress((i * runs + seed + 1) / (len(LEVELS) * runs))

@@ -69,7 +69,7 @@ def test_output_error_finds_the_noise_level_and_covers_the_truth(four_link, iden
             frame[name] += 0.002 * frame[name].abs().max() * rng.standard_normal(len(frame))
     log = Log(frame, "noisy")
     start = correct_by_replicas(four_link, [log], runs)
-    refined, _ = output_error(four_link, [log], start, runs)
+    refined = output_error(four_link, [log], start, runs)
     replay = replay_of(four_link, log)
     left = replay.missed(next(iter(runs(replay.plan, [refined.robot.parameters]))))
     np.testing.assert_allclose(left[:, :4].std(axis=0), 2e-6, rtol=0.1)

@@ -22,6 +22,7 @@ from pyident.regression.reduced import Reduced, reduce
 
 FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
+_SMOOTH = 51  # bins of `smoothed_power`: two of noise that is alike agree within a fifth
 _LINES = 2000  # of a spectrum at a time: they fit into memory
 
 
@@ -196,6 +197,14 @@ def transform_length(samples: int) -> int:
     length = next_fast_len(samples, real=True)
     assert length is not None
     return length
+
+
+def smoothed_power(values: np.ndarray) -> np.ndarray:
+    """(transform_length(N) // 2 + 1, n) periodograms of values (N, n), averaged over neighbouring bins."""
+    from scipy.ndimage import uniform_filter1d
+
+    lines = np.abs(np.fft.rfft(values, transform_length(len(values)), axis=0)) ** 2
+    return uniform_filter1d(lines, _SMOOTH, axis=0, mode="nearest")
 
 
 def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:

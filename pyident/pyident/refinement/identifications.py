@@ -79,7 +79,7 @@ def refined(
     told = progress or (lambda _: None)
     start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
     with open_pool(robot) as simulate:
-        found, _ = output_error(robot, list(logs), start, simulate, progress=lambda s: told(0.3 + 0.7 * s))
+        found = output_error(robot, logs, start, simulate, progress=lambda s: told(0.3 + 0.7 * s))
     return replace(without_intervals(found), notes=(*found.notes, _NO_INTERVALS))
 
 

@@ -17,8 +17,8 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import (
     MomentEquations,
     Rows,
+    smoothed_power,
     spectral,
-    transform_length,
 )
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
@@ -36,7 +36,6 @@ from pyident.simulation.simulator import Simulator, Workers, runs_at_once
 _EXCESS = 1.2  # times what the sensors' noise leaves of an equation at a frequency: more is not noise alone
 _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
 _LANES = 16  # runs of one task, of short logs
-_SMOOTH = 51  # bins over which the two are averaged, so that they agree within a fifth where they are alike
 
 
 def with_covariance(
@@ -74,18 +73,10 @@ def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, fl
             frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
         more = in_memory(logs.robot, condition(replace(a.log, frame=frame), logs.robot))
         change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
-        left, drawn = (_power(v * r.share) for v in (r.residual(p), change))
+        left, drawn = (smoothed_power(v * r.share) for v in (r.residual(p), change))
         ratio = left / np.maximum(drawn, 1e-300)
         out.append(np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0))))
     return out
-
-
-def _power(values: np.ndarray) -> np.ndarray:
-    """(transform_length(N) // 2 + 1, n) periodograms, smoothed."""
-    from scipy.ndimage import uniform_filter1d
-
-    lines = np.abs(np.fft.rfft(values, transform_length(len(values)), axis=0)) ** 2
-    return uniform_filter1d(lines, _SMOOTH, axis=0, mode="nearest")
 
 
 def through_simulation(
