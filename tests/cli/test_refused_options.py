@@ -14,6 +14,7 @@ from pyident.cli.main import main
         (("identify", "--set", "joint1.coulomb=1"), "--set belongs to an FMU as the model, or to a robot"),
         (("identify", "--robust", "--refine"), "--refine does without them"),
         (("identify", "--prior", "--refine"), "--refine does not use it"),
+        (("identify", "--holdout", "x.csv", "--refine"), "--holdout judges the regression's torques"),
         (("diagnose", "--parameters", "k"), "--parameters, --interface and --set belong to an FMU"),
     ],
 )

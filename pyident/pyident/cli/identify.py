@@ -9,10 +9,9 @@ from pyident.cli.common.any_model import (
     parameters_option,
     refuse_robot_options,
 )
-from pyident.cli.common.outputs import ROBOT
+from pyident.cli.common.outputs import PAGE, ROBOT, Output
 from pyident.cli.common.shared import (
     effects_option,
-    estimator_option,
     force_option,
     json_option,
     mapping_option,
@@ -34,10 +33,21 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @output_option(ROBOT, required=False)
 @effects_option
 @click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber).")
-@estimator_option
+@click.option(
+    "--estimator",
+    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
+    default="iv",
+    show_default=True,
+    help="Instrumental variables from a simulated model, output error, or least squares, which give no "
+    "intervals, for comparison.",
+)
 @click.option(
     "--prior", metavar="MODEL", help="Robot from CAD or URDF: what the data leave open stays near its bodies."
 )
+@click.option(
+    "--holdout", multiple=True, metavar="LOG", help="Log whose torque the model is judged on; repeatable."
+)
+@click.option("--page", type=Output(PAGE), help="Page (.html) of what was found, and of what is left.")
 @click.option(
     "--refine", is_flag=True, help="Continue until the simulated FMU follows the logs (about a minute)."
 )
@@ -56,6 +66,8 @@ def identify_command(
     robust: bool,
     estimator: str,
     prior: str | None,
+    holdout: tuple[str, ...],
+    page: str | None,
     refine: bool,
     names: Parameters,
     interface: Interface | None,
@@ -77,7 +89,7 @@ def identify_command(
              pyident identify other.fmu log.csv --parameters k d=0:5
     """
     if is_fmu(model):
-        refuse_robot_options(output=output, mapping=mapping, robust=robust, refine=refine)
+        refuse_robot_options(output=output, mapping=mapping, robust=robust, refine=refine, page=page)
         with progress_bar("identifying") as progress:
             fit = pi.identify_fmu(
                 model, logs, names, values=parameters, interface=interface, progress=progress
@@ -89,6 +101,10 @@ def identify_command(
     if names or interface:
         raise click.UsageError("--parameters and --interface belong to an FMU as the model")
     if pi.load_robot(model).servo is not None:
+        if page or holdout:
+            raise click.UsageError(
+                "--page and --holdout judge torques, and a robot with a [servo] is fitted to positions"
+            )
         with progress_bar("fitting in closed loop") as progress:
             servo = pi.identify_servo(model, logs, mapping=mapping, parameters=parameters, progress=progress)
         show_notes(servo.notes)
@@ -102,6 +118,10 @@ def identify_command(
         raise click.UsageError("--set belongs to an FMU as the model, or to a robot with a [servo]")
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
+    if holdout and refine:
+        raise click.UsageError(
+            "--holdout judges the regression's torques; compare what --refine writes instead"
+        )
     if prior and refine:
         raise click.UsageError("--prior settles what a regression leaves open; --refine does not use it")
     with progress_bar("refining" if refine else "identifying") as progress:
@@ -116,6 +136,7 @@ def identify_command(
                 robust=robust,
                 estimator=estimator,
                 prior=prior,
+                heldout=holdout,
                 progress=progress,
             )
     show_notes(found.notes)
@@ -123,4 +144,7 @@ def identify_command(
     if output:
         found.save(output)
         show(f"wrote {output}")
+    if page:
+        found.save_page(page)
+        show(f"wrote {page}")
     write_json(json_file, found.to_dict())

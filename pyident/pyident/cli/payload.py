@@ -6,7 +6,6 @@ import pyident as pi
 from pyident.cli.common.outputs import ROBOT
 from pyident.cli.common.shared import (
     effects_option,
-    estimator_option,
     force_option,
     json_option,
     mapping_option,
@@ -25,7 +24,6 @@ from pyident.cli.common.shared import (
 @click.argument("loaded")
 @output_option(ROBOT, required=False)
 @effects_option
-@estimator_option
 @mapping_option
 @force_option
 @json_option
@@ -35,7 +33,6 @@ def payload_command(
     empty: str,
     loaded: str,
     output: str | None,
-    estimator: str,
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -45,9 +42,7 @@ def payload_command(
     Example: pyident payload four_link empty.parquet loaded.parquet -o loaded.toml
     """
     with progress_bar("identifying without and with it") as progress:
-        load = pi.payload(
-            model, empty, loaded, mapping=mapping, estimator=estimator, force=force, progress=progress
-        )
+        load = pi.payload(model, empty, loaded, mapping=mapping, force=force, progress=progress)
     show_notes(load.notes)
     show(load.summary())
     if output:

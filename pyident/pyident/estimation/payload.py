@@ -5,6 +5,7 @@ both determine of the robot, F p, differs by F times the load at the last link, 
 generalised least squares gives the load. No value of the robot file is used.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,7 +99,9 @@ def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple
     cost = cp.norm(whitened @ (x - p)) + 1e-3 * cp.norm(vectors[:, ~telling].T @ cp.multiply(x - p, 1 / size))
     body = pseudo_inertia([x[i] for i in range(len(p))])
     problem = cp.Problem(cp.Minimize(cost), [body >> _SMALLEST * np.eye(4)])
-    problem.solve(solver=cp.CLARABEL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
+        problem.solve(solver=cp.CLARABEL)
     if x.value is None:
         raise LogError(f"no physically consistent payload was found ({problem.status})")
     return np.asarray(x.value), float(np.linalg.norm(whitened @ (x.value - p)))

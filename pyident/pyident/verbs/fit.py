@@ -9,6 +9,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.estimation.estimator import reweighted, weighted
 from pyident.estimation.identify import Identified, near, without_intervals
 from pyident.estimation.identify import identify as regress
+from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
@@ -38,6 +39,7 @@ def identify(
     robust: bool = False,
     estimator: str = DEFAULT,
     prior: Model | None = None,
+    heldout: Logs = (),
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -50,6 +52,7 @@ def identify(
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
     prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
+    heldout   further logs, whose torque the written model is judged on
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
@@ -57,11 +60,13 @@ def identify(
     """
     read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
     found = _identified(read, "irls" if robust else estimator, progress)
-    if prior is not None:
-        found = near(found, robot_of(prior, allow_effects=allow_effects))
+    cad = None if prior is None else robot_of(prior, allow_effects=allow_effects)
+    found = found if cad is None else near(found, cad)
+    unseen = read_logs(read.robot, heldout, mapping_of(mapping))
+    errors = {log.source: torque_error(found.robot, log) for log in unseen}
     if progress:
         progress(1.0)
-    return Fit(found, (*read.notes, *found.notes))
+    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)
 
 
 def refine(
@@ -80,7 +85,7 @@ def refine(
     """
     read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     found = refined(read.robot, list(read.logs), runs_in_threads, progress)
-    return Fit(found, (*read.notes, *found.notes))
+    return Fit(found, (*read.notes, *found.notes), read.logs)
 
 
 def identify_servo(

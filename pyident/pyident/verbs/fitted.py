@@ -1,6 +1,7 @@
 """What `identify`, `refine` and `identify_servo` return."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
     from flexmodels.robot import Robot
     from pyident.estimation.identify import Identified
+    from pyident.logs.disk import LogFile
+    from pyident.logs.log import Log
     from pyident.refinement.closed_loop import ClosedLoopFit
 
 
@@ -22,10 +25,16 @@ class Fit(Result):
 
     identified  solution, its support by the data, base parameters
     notes       what was done to logs and robot, a sentence each
+    logs        that it was fitted to
+    heldout     log -> joint -> error of the written model's torque [%], of logs that it was not fitted to
+    prior       near which the model is written where the data leave it open
     """
 
     identified: "Identified"
     notes: tuple[str, ...]
+    logs: tuple["Log | LogFile", ...] = ()
+    heldout: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    prior: "Robot | None" = None
 
     @property
     def robot(self) -> "Robot":
@@ -38,6 +47,16 @@ class Fit(Result):
 
         save_robot(self.robot, path)
         return Path(path)
+
+    def save_page(self, path: str | Path) -> Path:
+        """Write an HTML page: errors, parameters, correlations, spectra of what is left of the torques."""
+        from pyident.estimation.residuals import joint_residuals
+        from pyident.logs.log import Log
+        from pyident.report.identification import write_identification
+
+        logs = [log for log in self.logs if isinstance(log, Log)]
+        left = joint_residuals(self.robot, logs) if logs else []
+        return write_identification(Path(path), self.identified, self.notes, left, self.heldout, self.prior)
 
     def to_frame(self) -> "pd.DataFrame":
         """A row per parameter: value, std, unit, and whether the data tell it alone."""
@@ -61,7 +80,9 @@ class Fit(Result):
         return determination(self.identified.base)
 
     def to_dict(self) -> dict[str, Any]:
-        return self.identified.json() | {"notes": list(self.notes)}
+        heldout = {source: dict(error) for source, error in self.heldout.items()}
+        told = {"relative_error_heldout_percent": heldout} if heldout else {}
+        return self.identified.json() | told | {"notes": list(self.notes)}
 
     def headline(self) -> str:
         found = self.identified
@@ -95,6 +116,7 @@ class Fit(Result):
                     f"written at the least value that it may have: {', '.join(bound)}; an effect that is "
                     "missing, a wrong sign, or too little motion to tell"
                 )
+        lines += [f"the same on {source}, held out: {_percentages(e)}" for source, e in self.heldout.items()]
         return [wrapped(line, "  ") for line in lines]
 
 
@@ -160,5 +182,5 @@ class ServoFit(Result):
         return known[name] if name in known else (PER_JOINT | SHARED)[name.rpartition(".")[2]][0]
 
 
-def _percentages(errors: dict[str, float]) -> str:
+def _percentages(errors: Mapping[str, float]) -> str:
     return ", ".join(f"{joint} {error:.4g} %" for joint, error in errors.items())

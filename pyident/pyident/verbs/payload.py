@@ -11,7 +11,6 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.payload import Carried, carried, last_link
 from pyident.logs.log import LogError
-from pyident.refinement.identifications import DEFAULT
 from pyident.verbs.fit import identify
 from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result
@@ -121,7 +120,6 @@ def payload(
     loaded: Logs,
     *,
     mapping: Columns | None = None,
-    estimator: str = DEFAULT,
     allow_effects: bool = False,
     force: bool = False,
     progress: Callable[[float], None] | None = None,
@@ -130,7 +128,7 @@ def payload(
 
     model     as in `identify`;  empty, loaded   logs without and with the load, best of one motion
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
-    estimator, force   as in `identify`
+    force     as in `identify`
     Raises RobotError, LogError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
@@ -138,7 +136,7 @@ def payload(
         (lambda done: progress(done / 2), lambda done: progress(0.5 + done / 2)) if progress else (None, None)
     )
     without, having = (
-        identify(robot, logs, mapping=mapping, estimator=estimator, force=force, progress=told)
+        identify(robot, logs, mapping=mapping, force=force, progress=told)
         for logs, told in zip((empty, loaded), share, strict=True)
     )
     if without.identified.reduced.columns != having.identified.reduced.columns:

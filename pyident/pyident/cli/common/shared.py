@@ -159,17 +159,6 @@ def effects_option(command: Command) -> Command:
     )(command)
 
 
-def estimator_option(command: Command) -> Command:
-    """`--estimator NAME`, wherever parameters are identified."""
-    return click.option(
-        "--estimator",
-        type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
-        default="iv",
-        show_default=True,
-        help="Instrumental variables from a simulated model, output error, or least squares for comparison.",
-    )(command)
-
-
 def scheduler_option(command: Command) -> Command:
     """`--scheduler ADDRESS`, wherever many simulations are made."""
     return click.option(
