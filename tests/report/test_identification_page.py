@@ -51,7 +51,7 @@ def test_white_noise_is_white_and_a_slow_torque_is_slow(true):
 def test_the_error_of_known_parameters_is_the_noise(true):
     """Noise of σ under the hat of two samples has a mean square of σ² times 1/2 to 1."""
     log = recorded(3, added=0.5)
-    share = 0.5 / log.frame["joint1.tau"].std()
+    share = 0.5 / float(np.std(log.signals(["joint1.tau"])))
     assert 0.4 * share < torque_error(true, log)["all"] / 100 < 1.2 * share
 
 

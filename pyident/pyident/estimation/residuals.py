@@ -72,7 +72,7 @@ def correlations(solution: Solution, names: Sequence[str], count: int = 8) -> li
     std = solution.std
     told = np.flatnonzero(np.isfinite(std) & (std > 0) & ~solution.open)
     matrix = solution.covariance[np.ix_(told, told)] / np.outer(std[told], std[told])
-    one, other = np.triu_indices(len(told), 1)
+    one, other = np.array(np.triu_indices(len(told), 1))
     most = np.argsort(-np.abs(matrix[one, other]))[:count]
     return [
         (float(matrix[i, j]), names[told[i]], names[told[j]])

@@ -20,10 +20,6 @@ _BIASED = (
     "a regression gives no intervals: noise in position biases it by many of its standard deviations; "
     "those of the default estimator hold"
 )
-_NO_INTERVALS = (
-    "output error is given without intervals: on noisy logs its own held the truth in 65 to 73 % "
-    "instead of 95 %; those of the default estimator hold"
-)
 
 
 class Identification(Protocol):
@@ -59,11 +55,7 @@ class ByEquations:
 def refined(
     robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
 ) -> Identified:
-    """Output error in closed loop, from the instrumental estimate, without intervals.
-
-    Those that `output_error` gives are too narrow on noisy logs, as `studies.coverage` shows. Raises LogError
-    without a known loop.
-    """
+    """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
     for log in logs:
         obstacle = loop_of(robot, log)
         if obstacle:
@@ -71,8 +63,7 @@ def refined(
     told = progress or (lambda _: None)
     start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
     with open_pool(robot) as simulate:
-        found = output_error(robot, logs, start, simulate, progress=lambda s: told(0.3 + 0.7 * s))
-    return replace(without_intervals(found), notes=(*found.notes, _NO_INTERVALS))
+        return output_error(robot, logs, start, simulate, lambda share: told(0.3 + 0.7 * share))
 
 
 IDENTIFICATIONS: dict[str, Identification] = {
