@@ -45,7 +45,7 @@ def show(page: "Page") -> None:
         name, promise = plan
         with ui.row().classes("items-center"):
             ui.label(f"{name}: {promise}").props('data-testid="promise"')
-            ui.button("Download", on_click=lambda: ui.download.file(bench.project.path(name))).props(
+            ui.button("Download", on_click=partial(ui.download.file, bench.project.path(name))).props(
                 'data-testid="download-plan" no-caps'
             )
     ui.label("Take the model with you").classes("text-lg mt-4")
@@ -55,9 +55,9 @@ def show(page: "Page") -> None:
         ).props('data-testid="download-model" no-caps').set_enabled(
             (bench.project.folder / bench.project.model).is_file()
         )
-        for label, name, ending, fmi in _FORMATS:
+        for label, kind, ending, fmi in _FORMATS:
             ui.button(label, on_click=partial(page.act, partial(bench.export, ending, fmi))).props(
-                f'data-testid="export-{name}" no-caps'
+                f'data-testid="export-{kind}" no-caps'
             ).set_enabled("export" not in bench.jobs and bool(bench.project.model))
         ui.button("Bundle of all formats (zip)", on_click=partial(page.act, bench.bundle)).props(
             'data-testid="bundle" no-caps'
