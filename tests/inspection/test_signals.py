@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from analytic_joint import analytic_log, free_joint
 from one_joint import one_joint
 
 from pyident.inspection.channel import Channel
@@ -179,3 +180,16 @@ def test_files_of_one_recording_are_read_together(tmp_path):
     found = inspect_log([tmp_path / "left.csv", tmp_path / "right.csv"])
     columns = [c.column for c in found.channels]
     assert len(columns) == len(set(columns)) == 4
+
+
+def test_friction_fits_any_gear_and_answers_for_none(tmp_path):
+    """Motor columns of a joint with a gear of 50: viscous and dry friction explain them as they stand."""
+    log = analytic_log(seconds=30.0, period=0.01).frame
+    columns = {"time": log["time"], "motor_angle [deg]": np.degrees(50 * log["joint1.e"])}
+    pd.DataFrame(columns | {"motor_torque [N.m]": log["joint1.tau"] / 50}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    asked = inspect_log([tmp_path / "a.csv"], free_joint()).questions
+    assert len(asked) == 2
+    assert "motor_angle is called that of a motor" in asked[0]
+    assert "motor_torque makes the masses" in asked[1] and "gear ratio" in asked[1]
