@@ -9,6 +9,7 @@ import pytest
 from analytic_joint import analytic_log, free_joint
 from one_joint import one_joint
 
+from flexmodels.settings.servo import Servo
 from pyident.inspection.channel import Channel
 from pyident.inspection.inspect_log import inspect_log
 from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
@@ -192,4 +193,17 @@ def test_friction_fits_any_gear_and_answers_for_none(tmp_path):
     asked = inspect_log([tmp_path / "a.csv"], free_joint()).questions
     assert len(asked) == 2
     assert "motor_angle is called that of a motor" in asked[0]
-    assert "motor_torque makes the masses" in asked[1] and "gear ratio" in asked[1]
+    assert "motor_torque makes the masses" in asked[1]
+    assert "gear ratio" in asked[1]
+
+
+@pytest.mark.parametrize(("driven", "asked"), [(True, False), (False, True)])
+def test_a_servo_needs_no_column_of_torque(driven, asked, tmp_path):
+    none = (0.0,)
+    servo = Servo(1000.0, 7.4, (1.0,), (2.0,), (1.2,), (3.4,), none, none, (1.0,), none, none)
+    robot = replace(free_joint(), servo=servo) if driven else free_joint()
+    pd.DataFrame({"t": TIME, "goal_position": ANGLE, "present_position": 0.9 * ANGLE}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    questions = inspect_log([tmp_path / "a.csv"], robot).questions
+    assert any("torque" in question for question in questions) == asked
