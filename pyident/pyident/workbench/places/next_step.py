@@ -19,6 +19,10 @@ _FORMATS: tuple[tuple[str, str, str, Literal[2, 3]], ...] = (
     ("FMU (FMI 3)", "fmi3", ".fmu", 3),
     ("SSP", "ssp", ".ssp", 2),
 )
+_REPORTS: tuple[tuple[Literal["compare", "diagnose"], str], ...] = (
+    ("compare", "Report: where it fails"),
+    ("diagnose", "Report: the diagnosis"),
+)
 
 
 def show(page: "Page") -> None:
@@ -99,7 +103,7 @@ def _at(law: Any) -> str:
 def _reports(page: "Page") -> None:
     """Pages of what was found, which need nothing else to be read."""
     with ui.row():
-        for what, label in (("compare", "Report: where it fails"), ("diagnose", "Report: the diagnosis")):
+        for what, label in _REPORTS:
             ui.button(label, on_click=partial(page.act, partial(page.bench.report, what))).props(
                 f'data-testid="report-{what}" no-caps'
             ).set_enabled(page.bench.result(what) is not None and "report" not in page.bench.jobs)
