@@ -126,7 +126,7 @@ class _Unpacked:
             feed(now)
             return status
 
-        fmu.setTime = set_time_and_inputs
+        vars(fmu)["setTime"] = set_time_and_inputs
         result = simulate_fmu(
             str(self.folder),
             validate=False,
