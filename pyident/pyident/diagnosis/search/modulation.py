@@ -17,7 +17,6 @@ from pyident.diagnosis.base.candidates import Candidate, columns, law_of
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Columns, extended, gain, joined
 from pyident.diagnosis.search.constancy import QUANTITIES
-from pyident.diagnosis.search.further_orders import with_further_orders
 from pyident.diagnosis.search.search import Search
 
 _POWERS = {"{}": 1, "the square of the {}": 2}
@@ -26,24 +25,22 @@ _POWERS = {"{}": 1, "the square of the {}": 2}
 def grows_with(search: Search, candidate: Candidate) -> str:
     """The signal that a periodic law's amplitude grows with, in words; empty when with none.
 
-    The search must rest on the candidate and all others that are named.
+    The search must rest on the candidate with its further orders, and on all others that are named.
     """
     if law_of(search.robot, candidate).order is None:
         return ""
-    rows = search.rows(candidate)
-    left = search.remaining_on(rows)
-    if left <= search.rules.foreign_left * search.excess_on(rows):
+    rules, rows = search.rules, search.rows(candidate)
+    view = search.resting_on([c for c in search.chosen if c.family != candidate.family])
+    one = view.best(candidate.effect, candidate.joint)
+    assert one is not None  # the candidate is one of its family
+    left = view.with_further([one.candidate]).remaining_on(rows)
+    if left <= rules.foreign_left * search.excess_on(rows):
         return ""
-    view = search.without(candidate)
     rivals = dict(_left_of_rivals(view, candidate, rows))
     words = min(rivals, key=lambda name: rivals[name])
-    richer = search.rules.foreign_richer
-    if rivals[words] >= richer * left:
+    if rivals[words] >= rules.foreign_richer * left:
         return ""
-    orders = with_further_orders(view, view.chosen, candidate)
-    if view.with_further(orders).remaining_on(rows) < richer * rivals[words]:
-        return ""
-    return words
+    return "" if search.remaining_on(rows) < rules.foreign_richer * rivals[words] else words
 
 
 def _left_of_rivals(view: Search, candidate: Candidate, rows: Sequence[int]) -> Iterator[tuple[str, float]]:

@@ -57,6 +57,7 @@ def select(search: Search, held: HeldOut) -> Selection:
             break
         group, refusal = _group(view, step, lead, chosen, held)
         if group:
+            group = _with_orders(search, [*chosen, *group])[len(chosen) :]
             group, faults = _faultless(view, group)
             imitators |= faults
             refusal = None if group else _imitator(view, lead, faults)
