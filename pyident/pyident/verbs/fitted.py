@@ -131,7 +131,7 @@ class ServoFit(Result):
         return self.fit.json() | {"logs": list(self.logs), "notes": list(self.notes)}
 
     def headline(self) -> str:
-        followed = f"positions followed to {max(self.fit.error):.3g} rad or m"
+        followed = f"positions followed to {max(self.fit.error):.3g} {self._of_motion()}"
         return f"{self.robot.name}: {followed} on the worst of {len(self.logs)} logs"
 
     def summary(self) -> Text:
@@ -139,7 +139,7 @@ class ServoFit(Result):
         columns = frame["value"].to_numpy(float), frame["std"].to_numpy(float), frame["unit"], frame.index
         rows = [(f"{v:.5g}", half_interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
         lines = [
-            f"{log}: mean absolute position error {e:.3g} rad or m"
+            f"{log}: mean absolute position error {e:.3g} {self._of_motion()}"
             for log, e in zip(self.logs, self.fit.error, strict=True)
         ]
         if self.fit.std is None:
@@ -152,6 +152,10 @@ class ServoFit(Result):
                 ]
             )
         )
+
+    def _of_motion(self) -> str:
+        kinds = {"rad" if joint.kind == "revolute" else "m" for joint in self.robot.joints}
+        return " or ".join(sorted(kinds, reverse=True))
 
     def _unit(self, name: str) -> str:
         from flexmodels.settings.servo import PER_JOINT, SHARED
