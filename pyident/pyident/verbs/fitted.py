@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from pyident.estimation.identify import Identified
     from pyident.refinement.closed_loop import ClosedLoopFit
 
+_COMBINATIONS = 4  # base parameters that a sentence writes out
+
 
 @dataclass(frozen=True, repr=False)
 class Fit(Result):
@@ -69,6 +71,20 @@ class Fit(Result):
             f"{self.robot.name}, {len(found.reduced.columns)} parameters, rank {found.solution.rank}, "
             f"relative torque error {found.relative_error['all']:.3g} %"
         )
+
+    def determined(self) -> str:
+        """How much of the parameters these logs determine, in words."""
+        support = list(self.identified.support.values())
+        alone, never = support.count("alone"), support.count("no")
+        sums = [b.expression for b in self.identified.base if len(b.terms) > 1]
+        words = f"{alone} of {len(support)} parameters are determined alone"
+        if sums:
+            words += f", {support.count('combination')} more only in {len(sums)} combinations"
+        words += f", {never} act on nothing that was measured." if never else "."
+        if sums:
+            more = ", …" if len(sums) > _COMBINATIONS else ""
+            words += f" The combinations: {'; '.join(sums[:_COMBINATIONS])}{more}"
+        return words
 
     def summary(self) -> Text:
         from pyident.estimation.base_parameters import weakest_directions
