@@ -8,6 +8,7 @@ from flexfmu.code.compilation import ALL_LANES, host_lanes
 from flexfmu.code.source import controller_sources, model_sources
 from flexfmu.files.documentation import controller_page, plant_page
 from flexfmu.files.icon import icons
+from flexfmu.inertia import require_inertia
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
 from flexfmu.variables import states
@@ -33,7 +34,7 @@ def export_fmu(
     fmi          version of the standard
     platforms    this machine's, or Linux, Windows and macOS in one file (needs the package ziglang)
     light        to be simulated and thrown away: no directional (and, in FMI 3, adjoint) derivatives,
-                 sources, pictures, documentation and recorded run
+                 sources, pictures, documentation and recorded run; nor is it asked whether it could start
     model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)
@@ -42,6 +43,7 @@ def export_fmu(
     derivatives = not light and equations.servo is None  # a servo's dead band and limits have none
     papers = None
     if not light:
+        require_inertia(equations)
         page = plant_page(equations, interface, model)
         papers = Papers(page, icons(equations), _push(equations), model)
     package = Package(

@@ -5,7 +5,7 @@ import zipfile
 from pathlib import Path
 
 from fmpy import read_model_description
-from fmpy.model_description import ModelDescription
+from fmpy.model_description import ModelDescription, ScalarVariable
 
 from flexmodels.inputs import SimulationError
 
@@ -38,6 +38,12 @@ def _described(path: Path) -> ModelDescription:
         raise
     except Exception as error:
         raise SimulationError(f"{path} is not an FMU that can be read ({first_line(error)})") from None
+
+
+def continuous_states(description: ModelDescription) -> list[tuple[ScalarVariable, ScalarVariable]]:
+    """(state, its derivative) in the order of the model structure."""
+    rates = (unknown.variable for unknown in description.derivatives)
+    return [(r.derivative, r) for r in rates if r is not None and isinstance(r.derivative, ScalarVariable)]
 
 
 def first_line(error: Exception) -> str:

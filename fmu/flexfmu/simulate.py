@@ -17,12 +17,12 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
+from flexfmu.batch.replicas import run_replicas
 from flexfmu.code.compilation import HOST
 from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.finite import require_finite
 from flexfmu.fmu_file import FmuDescription, first_line
 from flexfmu.names import fmi_name
-from flexfmu.replicas import run_replicas
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 

@@ -18,8 +18,12 @@ from pyident.logs.log import read_log, write_log
 pytestmark = pytest.mark.browser
 
 
+COUNT = "addEventListener('click', (e) => e.isTrusted && (window.clicks = (window.clicks ?? 0) + 1), true)"
+
+
 def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
     """Nine clicks: check, where, compare, a bump, why, try, diagnose, add, undo."""
+    tab.add_init_script(COUNT)
     with served(project) as url:
         checked(tab, url)
         tab.get_by_test_id("place-where").click()
@@ -57,6 +61,8 @@ def test_a_hidden_law_is_found_and_added_by_clicks(tab, project):
         pictured(tab, "added")
         tab.get_by_test_id("undo").click()
         tab.get_by_test_id("undo").wait_for(state="detached")
+        assert tab.evaluate("window.clicks") <= 12
+        assert "version=0" in tab.url
         assert tab.errors == []
         assert tab.hosts == {"127.0.0.1"}
     diagnosis = json.loads((project / "results" / "diagnose_v0.json").read_text())

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
-from analytic_joint import analytic_log, free_joint
+from analytic_joint import COULOMB, analytic_log, free_joint
 
-from pyident.checks.balances import balances, samples
+from pyident.checks.balances import balances, samples, solved
 from pyident.checks.signs import signs
 
 
@@ -34,6 +34,17 @@ def test_without_friction_the_inertia_tells():
     assert signals is not None
     (defect,) = signs(balances(signals), "a log")
     assert "its inertia would be negative" in defect.sentence
+
+
+def test_friction_is_smoothed_as_the_torques_are():
+    """Slow motion at 100 Hz, where the filter reaches far: a step that is not smoothed read 0.8 N m."""
+    signals = samples(free_joint(), analytic_log(seconds=40.0, period=0.01))
+    assert signals is not None
+    of = balances(signals)
+    right, power = of.right(0, of.torque)
+    p = dict(zip(of.columns, solved(of.normal[0], right)[0][:, 0], strict=True))
+    assert p["joint1.coulomb"] == pytest.approx(COULOMB, rel=0.01)
+    assert of.left(0, of.torque)[0] < 1e-5 * power[0]
 
 
 def _inertial(e, period):

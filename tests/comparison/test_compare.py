@@ -79,6 +79,7 @@ def test_json_and_page(found, tmp_path):
     assert "joint 2, motor side" in page
     assert "<script src=" not in page
     assert "Plotly.newPlot" in page
+    assert len(page.encode()) < 2_000_000
 
 
 def test_wrong_values_are_told_from_a_wrong_structure(folder, logs):

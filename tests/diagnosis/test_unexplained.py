@@ -13,10 +13,12 @@ from flexmodels.experiment import Experiment, identification
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.settings.motions import Identification, Multisine
+from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import Examination, examine
 from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.unexplained import formula as symbolic
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
+from pyident.diagnosis.unexplained.residual_terms import excess
 from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
@@ -131,3 +133,10 @@ def test_without_the_package_a_sentence_says_so(bumpy, monkeypatch):
     monkeypatch.setattr(symbolic, "find_spec", lambda _: None)
     examination, found = bumpy
     assert symbolic_law(examination, found.dependences) == symbolic.MISSING
+
+
+def test_an_equation_below_its_floor_takes_nothing_from_another():
+    """A residual of 2 over a floor of 1 exceeds it by 3, whatever another equation leaves."""
+    residual = np.array([[2.0, 0.0], [0.0, 1.0]])
+    base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
+    np.testing.assert_allclose(excess(base, np.array([1.0, 9.0])), [3.0, 0.0])

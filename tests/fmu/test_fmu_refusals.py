@@ -1,12 +1,17 @@
 """What an FMU must not take: it refuses with a sentence and keeps its value."""
 
 from ctypes import byref, c_char, c_size_t, c_ubyte, c_void_p
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from fmu_listening import OPENED
 
+import pyident as pi
+from flexfmu.build import BuildError
+from flexfmu.inertia import require_inertia
 from flexfmu.names import fmi_name
+from flexmodels.mechanics.plant import equations
 
 
 @pytest.mark.parametrize(
@@ -174,3 +179,13 @@ def test_missing_pointers_are_named(opened, fmi):
         said = opened.call(name, *arguments)
         assert said.startswith("A pointer is missing in the call of ")
         assert said.endswith(f"fmi{fmi}{name}.")
+
+
+def test_a_robot_without_inertia_is_not_written(tmp_path):
+    """The shipped description of TX40 has none about its last axis; with one it is complete."""
+    path = tmp_path / "plant.fmu"
+    with pytest.raises(BuildError, match=r"at joint6 has .* give joint6\.J_m .*--set joint6\.J_m=VALUE"):
+        pi.export_fmu("tx40", path, part="plant")
+    assert not path.exists()
+    tx40 = equations(pi.load_robot("tx40"))
+    require_inertia(replace(tx40, parameters=tx40.parameters | {"joint6.J_m": 1e-3}))

@@ -12,6 +12,8 @@ from flexmodels.robot import RobotError
 from pyident.extension.extended_robot import Correction
 from pyident.greybox.residual import Finding as Dependence
 from pyident.greybox.residual import Shown
+from pyident.refinement.closed_loop import ClosedLoopFit
+from pyident.verbs.fitted import ServoFit
 from pyident.verbs.fmu.results import FmuDiagnosed
 from pyident.verbs.judged import Added, Diagnosed, side_by_side
 
@@ -117,3 +119,10 @@ def test_what_a_residual_shows_is_said(output, verdict, sentence):
     assert sentence in " ".join(str(found.summary()).split())
     assert len(found.to_frame()) == len(output.findings)
     assert found.to_dict()["outputs"]["y"]["white_p_value"] == output.white_p
+
+
+def test_the_error_of_a_servo_is_in_the_unit_of_its_joint():
+    fit = ClosedLoopFit(one_joint(), {"joint1.coulomb": 1.0}, None, (0.002,))
+    said = ServoFit(fit, ("a.csv",), ())
+    assert "a.csv: mean absolute position error 0.002 rad\n" in str(said.summary())
+    assert said.headline() == "one_joint: positions followed to 0.002 rad on the worst of 1 logs"

@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import tarfile
 import zipfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -23,12 +24,19 @@ def _unpacked(folder: Path) -> Path:
     return folder / "Reference-FMUs"
 
 
-def reference_fmu(name: str, fmi: int, folder: Path) -> Path:
-    """`name`.fmu for this machine, FMI 2 or 3; skips the test without sources or a C compiler."""
+def reference_fmu(name: str, fmi: int, folder: Path, edits: Sequence[tuple[str, str, str]] = ()) -> Path:
+    """`name`.fmu for this machine, FMI 2 or 3; skips the test without sources or a C compiler.
+
+    edits   file, what stands in it once, and what shall stand there
+    """
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         pytest.skip("no C compiler")
     root = _unpacked(folder)
+    for file, old, new in edits:
+        text = (root / name / file).read_text()
+        assert text.count(old) == 1, (file, old)
+        (root / name / file).write_text(text.replace(old, new))
     binary = folder / f"{name}{fmi}.so"
     sources = [root / name / "model.c", root / f"src/fmi{fmi}Functions.c", root / "src/cosimulation.c"]
     flags = [

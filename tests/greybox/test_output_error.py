@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from pyident.greybox.output_error import Free, output_error
+from pyident.greybox.output_error import output_error
 from pyident.greybox.recording import Recording
+from pyident.greybox.search import Free
 
 TIME = np.arange(2000) * 0.01
 INPUT = np.sin(2 * TIME) + 0.5 * np.sin(9 * TIME)

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 from inspection.more_styles import counts, named_arm, nested_groups, spreadsheet
@@ -106,6 +107,16 @@ def test_a_file_without_time_or_torque_is_questioned(recording, robot, tmp_path)
     assert "no column looks like the torque of joint 1" in done.output
 
 
+def test_the_rate_is_in_the_unit_of_the_time(tmp_path):
+    """A clock in ms with steps of 2 is 500 Hz, not 0.5."""
+    time = np.arange(0, 2000, 2)
+    pd.DataFrame({"Zeit [ms]": time, "A1 Winkel [Grad]": 40 * np.sin(time / 300)}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    found = inspect_log([tmp_path / "a.csv"])
+    assert [channel.rate for channel in found.channels] == pytest.approx([500.0, 500.0])
+
+
 @pytest.mark.parametrize(
     ("name", "signal", "joint", "unit"),
     [
@@ -119,6 +130,10 @@ def test_a_file_without_time_or_torque_is_questioned(recording, robot, tmp_path)
         ("qdd3", "acceleration", 3, None),
         ("dq2", "velocity", 2, None),
         ("time_ms", "time", None, "ms"),
+        ("A1 Motorwinkel", "position", 1, None),
+        ("A2 Motorstrom", "current", 2, None),
+        ("Antriebsmoment_4", "torque", 4, None),
+        ("A3 Hub", "position", 3, None),
     ],
 )
 def test_names_are_understood(name, signal, joint, unit):

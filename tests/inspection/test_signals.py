@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from analytic_joint import analytic_log, free_joint
 from one_joint import one_joint
 
+from flexmodels.settings.servo import Servo
 from pyident.inspection.channel import Channel
 from pyident.inspection.inspect_log import inspect_log
 from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
@@ -179,3 +181,29 @@ def test_files_of_one_recording_are_read_together(tmp_path):
     found = inspect_log([tmp_path / "left.csv", tmp_path / "right.csv"])
     columns = [c.column for c in found.channels]
     assert len(columns) == len(set(columns)) == 4
+
+
+def test_friction_fits_any_gear_and_answers_for_none(tmp_path):
+    """Motor columns of a joint with a gear of 50: viscous and dry friction explain them as they stand."""
+    log = analytic_log(seconds=30.0, period=0.01).frame
+    columns = {"time": log["time"], "motor_angle [deg]": np.degrees(50 * log["joint1.e"])}
+    pd.DataFrame(columns | {"motor_torque [N.m]": log["joint1.tau"] / 50}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    asked = inspect_log([tmp_path / "a.csv"], free_joint()).questions
+    assert len(asked) == 2
+    assert "motor_angle is called that of a motor" in asked[0]
+    assert "motor_torque makes the masses" in asked[1]
+    assert "gear ratio" in asked[1]
+
+
+@pytest.mark.parametrize(("driven", "asked"), [(True, False), (False, True)])
+def test_a_servo_needs_no_column_of_torque(driven, asked, tmp_path):
+    none = (0.0,)
+    servo = Servo(1000.0, 7.4, (1.0,), (2.0,), (1.2,), (3.4,), none, none, (1.0,), none, none)
+    robot = replace(free_joint(), servo=servo) if driven else free_joint()
+    pd.DataFrame({"t": TIME, "goal_position": ANGLE, "present_position": 0.9 * ANGLE}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    questions = inspect_log([tmp_path / "a.csv"], robot).questions
+    assert any("torque" in question for question in questions) == asked

@@ -69,3 +69,15 @@ def test_a_mapping_is_written_once_and_used(bench):
 def test_a_version_that_is_not_there_is_one_sentence(bench):
     with pytest.raises(ProjectError, match="there is no version 3"):
         bench.inputs_of(3)
+
+
+def test_a_link_out_of_the_folder_is_not_read(tmp_path):
+    inside, outside = tmp_path / "project", tmp_path / "secret.parquet"
+    inside.mkdir()
+    outside.write_text("")
+    for name in ("a.parquet", "robot.toml"):
+        (inside / name).write_text("")
+    (inside / "b.parquet").symlink_to(outside)
+    project = open_project(inside)
+    assert (project.logs, project.strangers) == (["a.parquet"], ["b.parquet"])
+    assert Bench(project).inputs.logs == (str((inside / "a.parquet").resolve()),)

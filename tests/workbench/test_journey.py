@@ -13,7 +13,7 @@ from flexmodels.files.robot_file import load_robot
 from pyident.workbench import bench as benches
 from pyident.workbench.bench import Bench
 from pyident.workbench.project import Version, open_project
-from pyident.workbench.view import View
+from pyident.workbench.view import View, view_of
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +49,7 @@ def test_the_checks_open_the_places(recordings):
         assert not tab["place-where"].enabled
         await tab.click("place-data")
         await tab.click("check")
+        assert tab["told"].text == "pyident compare robot.toml a.parquet b.parquet"
         assert "1000 samples at 250 Hz" in tab.inside("log-0")
         assert "sound" in tab
         await tab.click("place-where")
@@ -68,6 +69,8 @@ def test_where_model_and_logs_disagree(compared):
         low, high = tab.page.view.span
         assert low <= bump.start < bump.stop <= high
         assert tab["whole"].visible
+        asked = "pyident explain robot.toml a.parquet b.parquet --log a.parquet --equation joint1.e --span"
+        assert tab["told"].text == f"{asked} {low:.6g} {high:.6g}"
         await tab.trigger("traces", "plotly_relayout", {"xaxis.range[0]": 1.0, "xaxis.range[1]": 1.5})
         assert tab.page.view.span == (1.0, 1.5)
         shown = tab["traces"].figure["data"][0]["x"]
@@ -78,6 +81,7 @@ def test_where_model_and_logs_disagree(compared):
         assert tab.page.view.span is None
         await tab.trigger("map", "plotly_click", {"points": [{"y": "joint1.e"}]})
         assert tab.page.view.coordinate == "joint1.e"
+        assert tab["told"].text == asked.removesuffix(" --span")
         await tab.choose("log", comparison.traces[1].log)
         assert tab.page.view.log == comparison.traces[1].log
         await tab.click("to-why")
@@ -120,6 +124,7 @@ def test_a_model_is_fitted_and_held_beside_the_first(compared):
         await tab.click("identify")
         assert "version-1" in tab
         assert "13 parameters" in tab["fit"].text
+        assert re.match(r"\d+ of 13 parameters are determined alone", tab["rank"].text)
         assert tab.page.bench.sound
         await tab.click("compare-versions")
         await tab.settle()
@@ -185,5 +190,21 @@ def test_a_version_can_be_chosen_again(recordings, tmp_path):
         await tab.click("version-0")
         assert bench.project.model == "robot.toml"
         assert "undo" not in tab
+        assert "version=0" in tab.page.view.query
+        assert tab["told"].text == "pyident compare robot.toml"
 
     visit(bench, steps)
+
+
+def test_the_link_says_which_version(recordings, tmp_path):
+    """A link to a version that is there chooses it; one that is not there changes nothing."""
+    (tmp_path / "robot.toml").write_bytes((recordings / "robot.toml").read_bytes())
+    (tmp_path / "better.toml").write_bytes((recordings / "robot.toml").read_bytes())
+    bench = Bench(open_project(tmp_path).extended(Version("better.toml", "robot.toml", "fitted", "…")))
+
+    async def steps(_: Tab) -> None:
+        assert bench.project.current == 0
+
+    visit(bench, steps, view_of({"version": "0"}))
+    for nothing in ("7", "-1", "x", "²"):
+        visit(bench, steps, view_of({"version": nothing}))

@@ -9,12 +9,15 @@ import pytest
 from one_joint import one_joint
 from tab import Endless, Tab, visit
 
+from flexmodels.files.formats import imported
 from flexmodels.files.robot_file import save_robot
+from flexmodels.gearing import Transmission
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named
 from pyident.extension.add_effect import Extended, Step
 from pyident.workbench import bench as benches
 from pyident.workbench import work
 from pyident.workbench.bench import Bench
+from pyident.workbench.places.why import _Stretch
 from pyident.workbench.project import open_project
 from pyident.workbench.view import View
 
@@ -201,3 +204,55 @@ def test_nothing_to_ask_is_said(bench):
         assert tab["no-experiment"].text == "The diagnosis asks for no further motion."
 
     visit(bench, steps, View("next"))
+
+
+def test_single_formats_and_reports_are_commands_too(bench):
+    bench.results["diagnose", bench.inputs] = DIAGNOSIS
+
+    async def steps(tab: Tab) -> None:
+        for name in ("urdf", "mjcf", "ssp"):
+            await tab.click(f"export-{name}")
+            bench.cancel("export")
+            await tab.settle()
+        assert not tab["report-compare"].enabled  # nothing has been compared
+        await tab.click("report-diagnose")
+        job = begun(bench, "report")
+        job.work(*job.arguments, progress=lambda _: None)
+
+    visit(bench, steps, View("next"))
+    assert list(bench.project.commands) == [
+        "pyident robots export robot.toml -o robot.urdf",
+        "pyident robots export robot.toml -o robot.xml",
+        "pyident export robot.toml -o robot.ssp",
+        "pyident diagnose robot.toml a.parquet -o robot_diagnose.html",
+    ]
+    page = (bench.project.folder / "robot_diagnose.html").read_text()
+    assert "these logs cannot tell which" in page
+
+
+@pytest.mark.parametrize("ending", [".urdf", ".xml"])
+def test_what_is_exported_reads_back(bench, ending):
+    bench.export(ending)
+    job = begun(bench, "export")
+    name = job.work(*job.arguments, progress=lambda _: None)
+    assert len(imported(name)[0].joints) == len(one_joint().joints)
+
+
+def test_what_only_imitates_is_greyed_with_its_reason_in_sight(bench):
+    """The sentence stands on the page itself; a law that the diagnosis does not speak of has none."""
+    reason = "joint_spring at joint1 fits in part (12 %), but only together with the finding."
+    stretch = _Stretch.__new__(_Stretch)
+    stretch.diagnosis = SimpleNamespace(depends_on=(reason,))
+    assert stretch._imitates(SimpleNamespace(name="joint_spring at joint1")) == reason
+    assert stretch._imitates(SimpleNamespace(name="backlash at joint1")) == ""
+
+
+def test_the_joints_drive_and_transmission_are_named(bench):
+    geared = replace(one_joint(), transmission=Transmission(((50.0,),), (0.0,), (0.25,)))
+    save_robot(geared, bench.project.folder / "robot.toml")
+
+    async def steps(tab: Tab) -> None:
+        assert "transmission 50, 0.25 N m/A" in tab.words
+        assert "PID at 250 Hz, torque held" in tab.words
+
+    visit(bench, steps, View("model"))

@@ -66,7 +66,14 @@ def _signals(folder: Path, request: dict[str, Any], progress: Callable[[float], 
     return run(folder, request, progress)
 
 
-_JOBS = {"log": _log, "signals": _signals}
+def _slopes(folder: Path, request: dict[str, Any], progress: Callable[[float], None]) -> list[str]:
+    """Sensitivities of a run in model exchange."""
+    from flexfmu.foreign.runs import slopes
+
+    return slopes(folder, request, progress)
+
+
+_JOBS = {"log": _log, "signals": _signals, "slopes": _slopes}
 
 
 def _say(answers: BinaryIO, content: dict[str, Any]) -> None:

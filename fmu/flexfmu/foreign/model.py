@@ -1,12 +1,14 @@
 """Any FMU as a model: its variables, and runs of it in a child process."""
 
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 
-from flexfmu.fmu_file import FmuDescription
+from flexfmu.fmu_file import FmuDescription, continuous_states
 from flexfmu.foreign.interface import Interface
 from flexfmu.foreign.parent import REQUEST, RESULT, SILENCE, Child, Progress
 from flexmodels.inputs import SimulationError
@@ -53,6 +55,7 @@ class FmuModel(FmuDescription):
         self.interface = interface or next(iter(have))
         if self.interface not in have:
             raise SimulationError(f"{path} has no {self.interface}; it has {' and '.join(have)}")
+        self._variables = {v.name: v for v in self.description.modelVariables}
         listed = (v for v in self.description.modelVariables if not v.dimensions)
         self.quantities = {v.name: _quantity(v) for v in listed if _is_number(str(v.type))}
 
@@ -89,16 +92,67 @@ class FmuModel(FmuDescription):
         inputs   name -> (N,)
         Raises SimulationError.
         """
+        request = {"interface": self.interface, "sets": [dict(values) for values in sets]}
+        return self._asked("signals", time, inputs, outputs, request, progress)
+
+    def sensitivities(
+        self,
+        time: np.ndarray,
+        inputs: Mapping[str, np.ndarray],
+        values: Mapping[str, float],
+        steps: Mapping[str, float],
+        outputs: Sequence[str],
+        progress: Progress | None = None,
+    ) -> np.ndarray:
+        """Derivatives of the outputs by parameters, (parameters, N, outputs), by directional derivatives.
+
+        values   of the run;  steps   parameter of `has_sensitivity` -> what a small change of it is
+        Raises SimulationError, also where the FMU has an event: what jumps there has no such derivative.
+        """
+        request = {"values": dict(values), "steps": dict(steps)}
+        return self._asked("slopes", time, inputs, outputs, request, progress)
+
+    def has_sensitivity(self, name: str, inputs: Sequence[str], outputs: Sequence[str]) -> bool:
+        """Whether the standard gives the outputs' derivatives by a variable: in model exchange, of listed
+        outputs and states by tunable parameters and the start of states, under continuous inputs."""
+        if self.interface != "ModelExchange" or not _gives_derivatives(self._path):
+            return False
+        pairs = continuous_states(self.description)
+        if not pairs or any(rate.dimensions for _, rate in pairs):
+            return False
+        states = {state.valueReference for state, _ in pairs}
+        listed = states | {u.variable.valueReference for u in self.description.outputs if u.variable}
+        variable = self._variables[name]
+        tunable = variable.causality == "parameter" and variable.variability == "tunable"
+        return (
+            (tunable or variable.valueReference in states)
+            and all(self._variables[o].valueReference in listed for o in outputs)
+            and all(self._variables[i].variability in (None, "continuous") for i in inputs)
+        )
+
+    def _asked(
+        self,
+        job: str,
+        time: np.ndarray,
+        inputs: Mapping[str, np.ndarray],
+        outputs: Sequence[str],
+        request: Mapping[str, object],
+        progress: Progress | None,
+    ) -> np.ndarray:
         columns = np.column_stack([*inputs.values()]) if inputs else np.empty((len(time), 0))
         np.savez(self._folder / REQUEST, time=time, inputs=columns)
-        request = {
-            "interface": self.interface,
-            "inputs": list(inputs),
-            "outputs": list(outputs),
-            "sets": [dict(values) for values in sets],
-        }
-        self._child.ask("signals", request, progress)
+        request = {"inputs": list(inputs), "outputs": list(outputs), **request}
+        self._child.ask(job, request, progress)
         return np.load(self._folder / RESULT, allow_pickle=False)
+
+
+def _gives_derivatives(path: Path) -> bool:
+    """Of model exchange; read here since FMPy does not know FMI 3's word, which is in the plural."""
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    exchange = root.find("ModelExchange")
+    words = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
+    return exchange is not None and any(exchange.get(word) in ("true", "1") for word in words)
 
 
 def _is_number(kind: str) -> bool:

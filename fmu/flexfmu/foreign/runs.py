@@ -5,20 +5,27 @@ inputs held: FMPy's own loop reads first, so that what follows the inputs direct
 In model exchange FMPy's CVode integrates, with inputs that are linear between samples.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import ctypes
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ScalarVariable
 
+from flexfmu.fmu_file import continuous_states
 from flexfmu.foreign.parent import REQUEST, RESULT
+from flexfmu.foreign.sensitivities import Course, Structure, sensitivities, start_slopes
+from flexmodels.inputs import SimulationError
 
 _TOLERANCE = 1e-8  # of CVode
+F = TypeVar("F", bound=FMU2Model | FMU3Model | FMU2Slave | FMU3Slave)
 _SAME = 1e-9  # [s] two instants are one
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
 _CALLED = 256  # samples between two signs of progress
 
 
@@ -40,6 +47,26 @@ def run(folder: Path, request: Mapping[str, Any], progress: Callable[[float], No
     return outputs
 
 
+def slopes(folder: Path, request: Mapping[str, Any], progress: Callable[[float], None]) -> list[str]:
+    """How the outputs of one run in model exchange change with some parameters; (parameters, N, outputs)."""
+    fmu = _Unpacked(folder, request)
+    with np.load(folder / REQUEST) as arrays:
+        time, inputs = arrays["time"], arrays["inputs"]
+    values, steps = request["values"], request["steps"]
+    structure = fmu.structure(list(steps))
+
+    def states_of(changed: Mapping[str, float]) -> np.ndarray:
+        with fmu.begun(time, inputs, changed) as (instance, _):
+            states = np.empty(len(structure.states))
+            instance.getContinuousStates(states.ctypes.data_as(_DOUBLES), len(states))
+        return states
+
+    start = start_slopes(states_of, values, steps)
+    with fmu.begun(time, inputs, values) as (instance, feed):
+        np.save(folder / RESULT, sensitivities(instance, structure, Course(time, feed), start, progress))
+    return request["outputs"]
+
+
 class _Unpacked:
     """An FMU in the scratch folder, unpacked at the first request."""
 
@@ -59,21 +86,11 @@ class _Unpacked:
         share: Callable[[float], None],
     ) -> np.ndarray:
         """Co-simulation, a step per sample; (N, outputs)."""
-        fmu = self._slave()
+        fmu = self._instance(FMU2Slave if self._old else FMU3Slave)
         write = _Access(fmu, "set", [self.variables[name] for name in self.inputs])
         read = _Access(fmu, "get", [self.variables[name] for name in self.outputs])
-        early = {name: v for name, v in values.items() if not _is_input(self.variables[name])}
         try:
-            start = _Access(fmu, "set", [self.variables[name] for name in early])
-            if isinstance(fmu, FMU2Slave):
-                fmu.setupExperiment(startTime=float(time[0]), stopTime=float(time[-1]))
-                start.put(list(early.values()))
-                fmu.enterInitializationMode()
-            else:
-                start.put(list(early.values()))
-                fmu.enterInitializationMode(startTime=float(time[0]), stopTime=float(time[-1]))
-            write.put(inputs[0])
-            fmu.exitInitializationMode()
+            self._initialise(fmu, time, values, lambda _: write.put(inputs[0]))
             rows = np.empty((len(time), len(self.outputs)))
             for i, t in enumerate(time):
                 write.put(inputs[i])
@@ -100,10 +117,21 @@ class _Unpacked:
         for name, column in zip(self.inputs, inputs.T, strict=True):
             signals[name] = column
         stop = float(time[-1])
+        fmu = self._instance(FMU2Model if self._old else FMU3Model)
+        feed, set_time = self._feed(fmu, time, inputs), fmu.setTime
+
+        def set_time_and_inputs(now: float) -> Any:
+            """FMPy sets inputs after a step of its solver only, so in between they would be held."""
+            status = set_time(now)
+            feed(now)
+            return status
+
+        vars(fmu)["setTime"] = set_time_and_inputs
         result = simulate_fmu(
             str(self.folder),
             validate=False,
             fmi_type="ModelExchange",
+            fmu_instance=fmu,
             start_time=float(time[0]),
             stop_time=stop,
             output_interval=float(time[1] - time[0]),
@@ -114,21 +142,77 @@ class _Unpacked:
             model_description=self.description,
             step_finished=lambda now, _: share(now / stop) or True,
         )
+        fmu.freeInstance()
         last = np.searchsorted(result["time"], time + _SAME) - 1
         return np.column_stack([np.asarray(result[name][last], dtype=float) for name in self.outputs])
 
-    def _slave(self) -> "FMU2Slave | FMU3Slave":
-        simulation = self.description.coSimulation
-        assert simulation is not None
-        kind = FMU2Slave if self.description.fmiVersion == "2.0" else FMU3Slave
+    def structure(self, parameters: Sequence[str]) -> Structure:
+        pairs = continuous_states(self.description)
+        states = tuple(state.valueReference for state, _ in pairs)
+        own = (self.variables[name].valueReference for name in parameters)
+        return Structure(
+            states,
+            tuple(rate.valueReference for _, rate in pairs),
+            tuple(self.variables[name].valueReference for name in self.outputs),
+            tuple(None if vr in states else vr for vr in own),
+            self.description.numberOfEventIndicators,
+        )
+
+    @contextmanager
+    def begun(
+        self, time: np.ndarray, inputs: np.ndarray, values: Mapping[str, float]
+    ) -> "Iterator[tuple[FMU2Model | FMU3Model, Callable[[float], None]]]":
+        """The FMU in Continuous-Time Mode at the first instant, and what sets its inputs at any."""
+        fmu = self._instance(FMU2Model if self._old else FMU3Model)
+        feed = self._feed(fmu, time, inputs)
+        try:
+            self._initialise(fmu, time, values, feed)
+            needed = True
+            while needed:
+                update = fmu.newDiscreteStates if isinstance(fmu, FMU2Model) else fmu.updateDiscreteStates
+                needed, ended, _, _, scheduled, event = update()
+                if ended or (scheduled and event <= time[-1]):
+                    raise SimulationError("the FMU has an event that is known beforehand")
+            fmu.enterContinuousTimeMode()
+            yield fmu, feed
+        finally:
+            fmu.freeInstance()
+
+    def _feed(self, fmu: Any, time: np.ndarray, inputs: np.ndarray) -> Callable[[float], None]:
+        """What sets the continuous inputs, linear between samples, at an instant."""
+        listed = [self.variables[name] for name in self.inputs]
+        moving = [i for i, v in enumerate(listed) if v.variability in (None, "continuous")]
+        return _feed(_Access(fmu, "set", [listed[i] for i in moving]), time, inputs[:, moving])
+
+    @property
+    def _old(self) -> bool:
+        return self.description.fmiVersion == "2.0"
+
+    def _instance(self, kind: "type[F]") -> "F":
+        model = self.description
+        interface = model.coSimulation if issubclass(kind, FMU2Slave | FMU3Slave) else model.modelExchange
+        assert interface is not None
         fmu = kind(
-            guid=self.description.guid,
+            guid=model.guid,
             unzipDirectory=str(self.folder),
-            modelIdentifier=simulation.modelIdentifier,
+            modelIdentifier=interface.modelIdentifier,
             instanceName="model",
         )
         fmu.instantiate()
         return fmu
+
+    def _initialise(
+        self, fmu: Any, time: np.ndarray, values: Mapping[str, float], feed: Callable[[float], None]
+    ) -> None:
+        early = {name: v for name, v in values.items() if not _is_input(self.variables[name])}
+        start = _Access(fmu, "set", [self.variables[name] for name in early])
+        span = {"startTime": float(time[0]), "stopTime": float(time[-1])}
+        if self._old:
+            fmu.setupExperiment(**span)
+        start.put(list(early.values()))
+        fmu.enterInitializationMode(**({} if self._old else span))
+        feed(float(time[0]))
+        fmu.exitInitializationMode()
 
     def _typed(self, name: str, value: float) -> float | int | bool:
         kind = self.variables[name].type
@@ -170,6 +254,19 @@ class _Access:
         for call, _, places, references in self._calls:
             row[places] = call(references)
         return row
+
+
+def _feed(write: _Access, time: np.ndarray, inputs: np.ndarray) -> Callable[[float], None]:
+    """Sets the inputs, linear between samples."""
+    period, last = float(time[1] - time[0]), len(time) - 2
+
+    def feed(t: float) -> None:
+        if inputs.shape[1]:
+            k = min(max(int((t - time[0]) / period), 0), last)
+            part = (t - time[k]) / (time[k + 1] - time[k])
+            write.put((1 - part) * inputs[k] + part * inputs[k + 1])
+
+    return feed
 
 
 def _is_input(variable: ScalarVariable) -> bool:

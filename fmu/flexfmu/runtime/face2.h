@@ -4,7 +4,7 @@
 
 #include "states.h"
 #include "step.h"
-#ifndef FMI2_OVERRIDE_FUNCTION_PREFIX
+#ifndef MODEL_ALONE
 #define FMI2_FUNCTION_PREFIX MODEL_PREFIX
 #endif
 #include "fmi2Functions.h"

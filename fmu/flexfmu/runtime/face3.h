@@ -4,7 +4,7 @@
 
 #include "states.h"
 #include "step.h"
-#ifndef FMI3_OVERRIDE_FUNCTION_PREFIX
+#ifndef MODEL_ALONE
 #define FMI3_FUNCTION_PREFIX MODEL_PREFIX
 #endif
 #include "fmi3Functions.h"

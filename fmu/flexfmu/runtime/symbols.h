@@ -6,6 +6,14 @@
 #define MODEL_PASTE(a, b) MODEL_PASTED(a, b)
 #define MODEL_PREFIXED(name) MODEL_PASTE(MODEL_PREFIX, name)
 
+/* In a library of its own an FMU shows the standard's plain names; importers say so by either word. */
+#if defined(FMI2_OVERRIDE_FUNCTION_PREFIX) || defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
+#define MODEL_ALONE
+#else
+#define flexident_batch MODEL_PREFIXED(flexident_batch)
+#define flexident_batch_sizes MODEL_PREFIXED(flexident_batch_sizes)
+#endif
+
 #define model_names MODEL_PREFIXED(model_names)
 #define model_kinds MODEL_PREFIXED(model_kinds)
 #define model_bounds MODEL_PREFIXED(model_bounds)

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.coordinate import torque_of
+from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.motion import Motion
@@ -26,6 +27,7 @@ class Samples:
     """Smoothed signals of a log.
 
     q, dq, ddq  (M, n) at the samples `at` (M,) of the log;  tau (N, joints), NaN where not logged
+    direction   (M, joints) signs of the joints' speeds, smoothed as the torques that hold their friction are
     use         (M, joints) where a joint moves
     """
 
@@ -36,6 +38,7 @@ class Samples:
     dq: np.ndarray
     ddq: np.ndarray
     tau: np.ndarray
+    direction: np.ndarray
     use: np.ndarray
 
     def torque(self) -> np.ndarray:
@@ -53,7 +56,11 @@ class Samples:
     def moved(self, matrix: np.ndarray, offset: np.ndarray) -> "Samples":
         """The same with coordinates  matrix q + offset."""
         q, dq, ddq = (x @ matrix.T for x in (self.q, self.dq, self.ddq))
-        return replace(self, q=q + offset, dq=dq, ddq=ddq, use=_moving(self.robot, q, dq))
+        joints = self.direction.shape[1]
+        direction, of_one = np.sign(dq[:, :joints]), np.count_nonzero(matrix[:joints, :joints], axis=1) == 1
+        direction[:, of_one] = self.direction @ np.sign(matrix[:joints, :joints])[of_one].T
+        use = _moving(self.robot, q, dq)
+        return replace(self, q=q + offset, dq=dq, ddq=ddq, direction=direction, use=use)
 
 
 @dataclass(frozen=True)
@@ -118,16 +125,24 @@ def samples(robot: Robot, log: Log) -> Samples | None:
     q, dq, ddq = central_differences(q, T)
     at = np.arange(border, n - border, max(1, (n - 2 * border) // _ROWS))
     inner = at - REACH
-    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, _moving(robot, q[inner], dq[inner]))
+    direction = without_phase(sections, np.sign(dq[:, : len(robot.joints)]))[inner]
+    use = _moving(robot, q[inner], dq[inner])
+    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, direction, use)
 
 
 def balances(signals: Samples) -> Balances:
-    """Φ at the samples. Raises ValueError for laws that need more than a motion."""
+    """Φ at the samples, Coulomb friction smoothed as it is in the torques.
+
+    Raises ValueError for laws that need more than a motion.
+    """
     robot = signals.robot
     motion = Motion(
         signals.q, signals.dq, signals.ddq, np.nan_to_num(signals.torque()), signals.at * signals.period
     )
     Phi = regressor(robot, motion)
+    for k in range(len(robot.joints)):
+        if (name := parameter_name(k + 1, "coulomb", "coulomb")) in Phi.columns:
+            Phi.matrix[:, k, Phi.columns.index(name)] = signals.direction[:, k]
     normal = np.zeros((len(robot.coordinates), len(Phi.columns), len(Phi.columns)))
     for row, matrix in enumerate(normal):
         A = Phi.matrix[signals.use[:, row] > 0, row] if row < len(robot.joints) else Phi.matrix[:, row]

@@ -131,5 +131,5 @@ def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
 
 
 def _every(samples: Samples, step: int) -> Samples:
-    part = {name: getattr(samples, name)[::step] for name in ("at", "q", "dq", "ddq", "use")}
+    part = {name: getattr(samples, name)[::step] for name in ("at", "q", "dq", "ddq", "direction", "use")}
     return replace(samples, **part)

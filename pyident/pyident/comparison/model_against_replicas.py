@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+import pandas as pd
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
@@ -25,12 +26,13 @@ from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import residual_of
 from pyident.simulation import replica
-from pyident.simulation.replica import Repeat, repeats
+from pyident.simulation.replica import Repeat, repeats, side_by_side
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Simulator, Workers
 
 R = TypeVar("R")
 Progress = Callable[[float], None]
+_TOGETHER = 3  # replicas that one process simulates at once: as many as fill the cores of a small machine
 TIP = ("tip.x", "tip.y", "tip.z")
 
 
@@ -108,42 +110,63 @@ def run_trial(
     """
     data = workers.submit(_of_logs, trial).result()
     trial = _with_tip_noise(trial, data)
-    share = 1 / (2 * replicas + 1)
-    jobs = [workers.submit(_refit, trial, seed) for seed in range(replicas)]
-    refits = [_counted(job, progress, (i + 2) * share) for i, job in enumerate(jobs)]
+    told = _Told(progress, 2 * replicas + 1, 1)
+    groups = [range(first, min(first + _TOGETHER, replicas)) for first in range(0, replicas, _TOGETHER)]
+    refits = told.all_of([workers.submit(_refits, trial, seeds) for seeds in groups])
     middle = np.mean([f.solution.p for f in refits], axis=0)
     widen = np.sqrt(replicas / (replicas - 1))  # the middle is one of their own
-    jobs = [workers.submit(_of_replica, trial, f, widen * (f.solution.p - middle)) for f in refits]
-    return data, [_counted(job, progress, (i + 2 + replicas) * share) for i, job in enumerate(jobs)]
+    scatters = [widen * (f.solution.p - middle) for f in refits]
+    own = [([refits[i] for i in seeds], [scatters[i] for i in seeds]) for seeds in groups]
+    return data, told.all_of([workers.submit(_of_replicas, trial, *group) for group in own])
 
 
-def _counted(job: "Future[R]", progress: Progress, fraction: float) -> R:
-    result = job.result()
-    progress(fraction)
-    return result
+@dataclass
+class _Told:
+    """Progress of work of so many steps, of which some are done."""
+
+    progress: Progress
+    steps: int
+    done: int
+
+    def all_of(self, jobs: "Sequence[Future[list[R]]]") -> list[R]:
+        """The results of all jobs one after the other."""
+        out: list[R] = []
+        for job in jobs:
+            found = job.result()
+            self.done += len(found)
+            self.progress(self.done / self.steps)
+            out += found
+        return out
 
 
 def _of_logs(fmu: Simulator, trial: Trial) -> list[Part]:
     found = _fit(trial, [r.log for r in trial.fitted], [r.log for r in trial.judged])
-    return _judge(fmu, trial, trial.robot, found)
+    return _judged(fmu, trial, [trial.robot], [found])[0]
 
 
-def _refit(fmu: Simulator, trial: Trial, seed: int) -> Refit:
-    rng = np.random.default_rng(seed)
-    parameters = trial.robot.parameters
-    repeats = {id(r): r for r in (*trial.fitted, *trial.judged)}
-    made = {
-        key: r.replica(fmu.simulate, parameters, trial.noise, int(rng.integers(2**31)))
-        for key, r in repeats.items()
-    }
-    return _fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged])
+def _refits(fmu: Simulator, trial: Trial, seeds: Sequence[int]) -> list[Refit]:
+    """Of a replica per seed."""
+    repeats = list({id(r): r for r in (*trial.fitted, *trial.judged)}.values())
+    chance = [np.random.default_rng(seed) for seed in seeds]
+    wanted = [(r, int(rng.integers(2**31))) for rng in chance for r in repeats]
+    logs = side_by_side(fmu, wanted, trial.robot.parameters, trial.noise)
+    found = []
+    for first in range(0, len(logs), len(repeats)):
+        made = {id(r): log for r, log in zip(repeats, logs[first:], strict=False)}
+        found.append(_fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged]))
+    return found
 
 
-def _of_replica(fmu: Simulator, trial: Trial, refit: Refit, scatter: np.ndarray) -> list[Part]:
-    """scatter (P,): of the fit among those of all replicas."""
+def _of_replicas(
+    fmu: Simulator, trial: Trial, refits: Sequence[Refit], scatters: Sequence[np.ndarray]
+) -> list[list[Part]]:
+    """scatters (P,) each: of the fit among those of all replicas."""
     own = np.array(list(trial.robot.linear_parameters.values()))
-    robot = refit.robot(trial.robot, own + seen(refit.solution, scatter))
-    return _judge(fmu, trial, robot, refit)
+    robots = [
+        refit.robot(trial.robot, own + seen(refit.solution, scatter))
+        for refit, scatter in zip(refits, scatters, strict=True)
+    ]
+    return _judged(fmu, trial, robots, refits)
 
 
 def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
@@ -165,23 +188,34 @@ def _with_tip_noise(trial: Trial, parts: Sequence[Part]) -> Trial:
     return replace(trial, noise=trial.noise | {name: float(np.mean(s)) for name, s in found.items()})
 
 
-def _judge(fmu: Simulator, trial: Trial, robot: Robot, refit: Refit) -> list[Part]:
-    fitted = refit.robot(robot, refit.solution.p)
+def _judged(
+    fmu: Simulator, trial: Trial, robots: Sequence[Robot], refits: Sequence[Refit]
+) -> list[list[Part]]:
+    """What each robot leaves of the logs that were fitted anew."""
+    plans = [r.plan for _ in robots for r in trial.judged]
+    frames = iter(fmu.simulate_batch(plans, [robot.parameters for robot in robots for _ in trial.judged]))
     found = []
-    for log, r, since in zip(refit.judged, trial.judged, trial.since, strict=True):
-        frame = r.simulated(fmu.simulate, robot.parameters)
-        time = frame["time"].to_numpy()
-        late = time >= since
-        names = [*robot.coordinates, *robot.torques, *TIP]
-        missed = {
-            name: (log.frame[name] - frame[name]).to_numpy()[late]
-            for name in names
-            if name in log.frame and name in frame and name in r.log.frame
-        }
-        part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
-        left = residual(robot, part), residual(fitted, part)
-        found.append(Part(part, log.period, *left, time[late], missed))
+    for robot, refit in zip(robots, refits, strict=True):
+        fitted = refit.robot(robot, refit.solution.p)
+        each = zip(refit.judged, trial.judged, trial.since, strict=True)
+        found.append([_part(robot, fitted, log, r, next(frames), since) for log, r, since in each])
     return found
+
+
+def _part(robot: Robot, fitted: Robot, log: Log, r: Repeat, simulated: pd.DataFrame, since: float) -> Part:
+    """fitted: the robot with what the regression finds; simulated: the plan of `r` by the robot."""
+    frame = r.cut(simulated)
+    time = frame["time"].to_numpy()
+    late = time >= since
+    names = [*robot.coordinates, *robot.torques, *TIP]
+    missed = {
+        name: (log.frame[name] - frame[name]).to_numpy()[late]
+        for name in names
+        if name in log.frame and name in frame and name in r.log.frame
+    }
+    part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
+    left = residual(robot, part), residual(fitted, part)
+    return Part(part, log.period, *left, time[late], missed)
 
 
 def residual(robot: Robot, part: Conditioned) -> np.ndarray:

@@ -7,37 +7,21 @@ be coloured: the covariance follows from the long-run scatter of the scores (New
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from flexmodels.inputs import SimulationError
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
+from pyident.greybox.search import Derivatives, Free, Search
 from pyident.rules.greybox import GREYBOX
 
-_STEP = 1e-3  # of a parameter's size: central differences
 _FINER = (0.1, 0.01)  # of that step: slopes by two must agree, or the outputs jump with the parameters
 _ROUNDS = 3  # of weights
-_FAILED = 1e3  # times the first residual: where the model cannot be simulated
 _FLOOR = 1e-9  # of an output's size: its least noise
 
 
-@dataclass(frozen=True)
-class Free:
-    """A parameter to be identified, from `start` on, between its bounds (infinite: none)."""
-
-    name: str
-    unit: str
-    start: float
-    low: float = -np.inf
-    high: float = np.inf
-
-    @property
-    def size(self) -> float:
-        """Of what a small change is a part."""
-        spans = self.high - self.low
-        return abs(self.start) or (spans if np.isfinite(spans) else 1.0)
+Way = Literal["directional derivatives", "differences"]  # to the slopes of the outputs
 
 
 @dataclass(frozen=True)
@@ -49,6 +33,7 @@ class Estimate:
     std: float
     determined: bool
     at_bound: bool
+    slope: Way
 
 
 @dataclass(frozen=True)
@@ -64,65 +49,38 @@ class OutputError:
         return {e.free.name: e.value for e in self.estimates}
 
 
-class _Search:
-    """Weighted residuals and their slopes; remembers what is costly."""
-
-    def __init__(self, recordings: Sequence[Recording], simulate: Simulate, free: Sequence[Free]):
-        self.recordings, self.simulate, self.free = recordings, simulate, free
-        measured = [r.measured for r in recordings]
-        size = np.sqrt(np.mean(np.concatenate([m - m.mean(axis=0) for m in measured]) ** 2, axis=0))
-        self.size = np.where(size > 0, size, 1.0)
-        self.noise = self.size.copy()
-        self.worst = _FAILED
-
-    def named(self, p: np.ndarray) -> dict[str, float]:
-        return {f.name: float(v) for f, v in zip(self.free, p, strict=True)}
-
-    def misses(self, sets: Sequence[np.ndarray]) -> list[list[np.ndarray]]:
-        """Per set, per recording (N, S). Raises SimulationError."""
-        named = [self.named(p) for p in sets]
-        runs = [self.simulate(r, named, r.outputs) for r in self.recordings]
-        return [
-            [r.measured - run[i] for r, run in zip(self.recordings, runs, strict=True)]
-            for i in range(len(sets))
-        ]
-
-    def stacked(self, misses: Sequence[np.ndarray]) -> np.ndarray:
-        return np.concatenate([(m / self.noise).ravel() for m in misses])
-
-    def residual(self, p: np.ndarray) -> np.ndarray:
-        """A model that cannot be simulated there is far away."""
-        count = sum(r.measured.size for r in self.recordings)
-        try:
-            flat = self.stacked(self.misses([p])[0])
-        except SimulationError:
-            return np.full(count, self.worst)
-        return np.clip(np.nan_to_num(flat, nan=self.worst), -self.worst, self.worst)
-
-    def slopes(self, p: np.ndarray, part: float = 1.0) -> np.ndarray:
-        """(rows, P) of the weighted residual, by differences within the bounds."""
-        low, high = (np.array([getattr(f, side) for f in self.free]) for side in ("low", "high"))
-        steps = (
-            part * _STEP * np.array([max(abs(v), 0.1 * f.size) for f, v in zip(self.free, p, strict=True)])
-        )
-        ends = [np.clip(p + s * steps, low, high) for s in (1, -1)]
-        sets = [np.where(np.arange(len(p)) == i, end, p) for i in range(len(p)) for end in ends]
-        flat = [self.stacked(m) for m in self.misses(sets)]
-        width = np.maximum(ends[0] - ends[1], np.finfo(float).tiny)
-        return np.column_stack([(flat[2 * i] - flat[2 * i + 1]) / width[i] for i in range(len(p))])
-
-
 def output_error(
     recordings: Sequence[Recording],
     simulate: Simulate,
     free: Sequence[Free],
     progress: Progress | None = None,
+    derivatives: Derivatives | None = None,
 ) -> OutputError:
-    """Fit the free parameters. Raises SimulationError where the model cannot be simulated at its start."""
+    """Fit the free parameters. Raises SimulationError where the model cannot be simulated at its start.
+
+    derivatives   the model's own; differences must confirm them where the search ends, else it goes on
+    """
+    search = Search(recordings, simulate, free, derivatives)
+    p, notes = _start(search)
+    p, left = _fitted(search, p, progress)
+    if not search.confirm(p):
+        p, left = _fitted(search, p, None)
+    slopes, jumps = _settled_slopes(search, p)
+    estimates = _judged(search, p, slopes, left, claims=not jumps)
+    if jumps:
+        notes += (
+            "the outputs jump with the parameters (two widths of differences disagree): no interval is given",
+        )
+    notes += tuple(f"{e.free.name} ends at its bound {e.value:.6g}" for e in estimates if e.at_bound)
+    return OutputError(estimates, tuple(left), (*notes, *((search.note,) if search.note else ())))
+
+
+def _fitted(search: Search, p: np.ndarray, progress: Progress | None) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The parameters, and what is left; each output over what was left of it the round before."""
     from scipy.optimize import least_squares
 
-    search = _Search(recordings, simulate, free)
-    p, notes = _start(search)
+    free = search.free
+    left: list[np.ndarray] = []
     bounds: Any = ([f.low for f in free], [f.high for f in free])
     for number in range(_ROUNDS):
         solution = least_squares(
@@ -142,35 +100,29 @@ def output_error(
             progress((number + 1) / (_ROUNDS + 1))
         if settled:
             break
-    slopes, jumps = _settled_slopes(search, p)
-    estimates = _judged(search, p, slopes, left, claims=not jumps)
-    if jumps:
-        notes += (
-            "the outputs jump with the parameters (two widths of differences disagree): no interval is given",
-        )
-    notes += tuple(f"{e.free.name} ends at its bound {e.value:.6g}" for e in estimates if e.at_bound)
-    return OutputError(estimates, tuple(left), notes)
+    return p, left
 
 
-def _settled_slopes(search: _Search, p: np.ndarray) -> tuple[np.ndarray, bool]:
+def _settled_slopes(search: Search, p: np.ndarray) -> tuple[np.ndarray, bool]:
     """Slopes that a ten times finer difference confirms; and whether there are none."""
     slopes = search.slopes(p)
-    for part in _FINER:
+    others = [i for i in range(len(p)) if i not in search.own]
+    for part in _FINER if others else ():
         finer = search.slopes(p, part)
-        if np.linalg.norm(slopes - finer) <= GREYBOX.smooth * np.linalg.norm(slopes):
+        gap = np.linalg.norm((slopes - finer)[:, others])
+        if gap <= GREYBOX.smooth * np.linalg.norm(slopes[:, others]):
             return finer, False
         slopes = finer
-    return slopes, True
+    return slopes, bool(others)
 
 
-def _start(search: _Search) -> tuple[np.ndarray, tuple[str, ...]]:
+def _start(search: Search) -> tuple[np.ndarray, tuple[str, ...]]:
     """The model's own start, or a better one of a few within finite bounds."""
     from scipy.stats import qmc
 
     free = search.free
     p = np.array([np.clip(f.start, f.low, f.high) for f in free])
-    first = np.abs(search.stacked(search.misses([p])[0]))
-    search.worst = _FAILED * max(float(first.max()), 1.0)
+    search.set_worst(search.stacked(search.misses([p])[0]))
     if not all(np.isfinite([f.low, f.high]).all() for f in free):
         return p, ()
     spread = qmc.LatinHypercube(len(free), rng=0).random(GREYBOX.starts)
@@ -186,7 +138,7 @@ def _start(search: _Search) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def _judged(
-    search: _Search, p: np.ndarray, slopes: np.ndarray, left: Sequence[np.ndarray], claims: bool
+    search: Search, p: np.ndarray, slopes: np.ndarray, left: Sequence[np.ndarray], claims: bool
 ) -> tuple[Estimate, ...]:
     at_bound = [
         min(abs(v - f.low), abs(f.high - v)) <= GREYBOX.at_bound * max(abs(v), f.size)
@@ -200,13 +152,18 @@ def _judged(
         if claims:
             std[inside] = np.where(seen, np.sqrt(np.maximum(np.diag(covariance), 0)), np.nan)
     return tuple(
-        Estimate(f, float(v), float(s), bool(d) or bool(b), bool(b))
-        for f, v, s, d, b in zip(search.free, p, std, determined, at_bound, strict=True)
+        Estimate(f, float(v), float(s), bool(d) or bool(b), bool(b), way)
+        for f, v, s, d, b, way in zip(search.free, p, std, determined, at_bound, _ways(search), strict=True)
     )
 
 
+def _ways(search: Search) -> list[Way]:
+    own = search.own
+    return ["directional derivatives" if i in own else "differences" for i in range(len(search.free))]
+
+
 def _covariance(
-    search: _Search, slopes: np.ndarray, left: Sequence[np.ndarray]
+    search: Search, slopes: np.ndarray, left: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Under coloured noise; and which parameters the outputs tell by themselves."""
     scale = np.linalg.norm(slopes, axis=0)

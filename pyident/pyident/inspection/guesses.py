@@ -62,7 +62,9 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
                 doubt=doubt if signal in ("position", "torque", "velocity") else "",
             )
         )
-    return [_time_unit(c) if c.signal == "time" else c for c in found]
+    found = [_time_unit(c) if c.signal == "time" else c for c in found]
+    seconds = {c.column: FACTORS[c.unit or "s"] for c in found if c.signal == "time"}
+    return [replace(c, rate=c.rate / seconds.get(c.clock or clock or "", 1.0)) for c in found]
 
 
 def natural_unit(signal: str, kind: str) -> str:

@@ -154,7 +154,10 @@ def _missing(
     for k in range(1, joints + 1):
         if k not in places:
             asked.append(f"no column looks like the position of joint {k}: which is it?")
-    lacking = [k for k in range(1, joints + 1) if k not in efforts]
+    drives = robot is not None and (robot.servo or robot.controller)  # they tell the torque
+    commands = {c.joint for c in channels if c.signal == "reference" and c.name}
+    served = commands if drives else set()
+    lacking = [k for k in range(1, joints + 1) if k not in efforts and k not in served]
     if lacking and (robot is None or len(lacking) < joints):
         asked.append(f"no column looks like the torque of joint {lacking[0]}: which is it?")
     elif lacking:

@@ -60,7 +60,7 @@ def _position(
     if whole:
         return replace(c, unit=None, doubt=f"{c.column} holds whole numbers up to {reach:g}: how many "
                                            "counts make a "
-                       "turn (gain, in rad per count)?")  # fmt: skip
+                       "turn (gain, in rad per count), and which is zero (offset)?")  # fmt: skip
     if prismatic:
         unit = "mm" if reach > 5 else "m"
         return replace(

@@ -51,6 +51,8 @@ def with_physics(
         if best is None or best.change.kind == "sum":
             break
         changed = _applied(channels, best.change, robot)
+        if [_read_as(c) for c in changed] == [_read_as(c) for c in channels]:  # no unit is so far off
+            break
         said.append(f"{best.change.mend} (by the robot's equations: {100 * np.sqrt(best.left):.2g} % of the "
                     "torques "
                     f"are left instead of {100 * np.sqrt(best.now):.2g} %)")  # fmt: skip
@@ -100,6 +102,10 @@ def _applied(channels: list[Channel], change: Transformation, robot: Robot) -> l
     return out
 
 
+def _read_as(c: Channel) -> tuple[int | None, float, str | None, float]:
+    return c.joint, c.sign, c.unit, c.offset
+
+
 def _unit_of(factor: float) -> str | None:
     units = ("rad", "deg", "m", "mm")
     return next((unit for unit in units if abs(FACTORS[unit] / factor - 1) < 1e-6), None)
@@ -139,15 +145,16 @@ def _delays(channels: list[Channel], of: Balances) -> tuple[list[Channel], list[
 def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channel]:
     """Units of torques, by the order of magnitude of the robot file's masses."""
     explained = misfit(of).share < _WITNESS
+    factor = file_factor(of) if explained else None
+    weighed = factor is not None and 1 / _CLOSE < factor < _CLOSE  # friction alone fits any gear
     out = []
     for c in channels:
         joint = robot.joints[c.joint - 1] if c.joint and c.joint <= len(robot.joints) else None
         if c.signal != "torque" or joint is None:
-            if explained and c.doubt == f"{c.column}{MOTOR_SIDE}":
+            if weighed and c.doubt == f"{c.column}{MOTOR_SIDE}":
                 c = replace(c, doubt="", sure=True, why=(*c.why, "the robot's equations"))
             out.append(c)
             continue
-        factor = file_factor(of) if explained else None
         unit, doubt = c.unit, c.doubt.removesuffix(f"{c.column}{MOTOR_SIDE}")
         doubt = c.doubt if factor is None else doubt
         if factor is not None:

@@ -13,7 +13,7 @@ Side = Literal["joint", "motor", "link"]
 _WORDS: dict[str, str] = {
     "time": "t time timestamp timestamps stamp zeit clock tsec secs elapsed",
     "position": "q pos position positions angle angles theta e qm phi encoder enc winkel lage state x "
-    "istwert",
+    "istwert weg hub stroke travel",
     "velocity": "dq qd vel velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w rate "
     "dqm",
     "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot",
@@ -79,7 +79,9 @@ _OTHER = frozenset(
     ]
 )
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
-_GERMAN = re.compile(r"(ist|soll)(?=[a-z]{3})")  # as in Istposition
+_GERMAN = re.compile(
+    r"(ist|soll|(?:motor|antrieb|abtrieb|rotor)(?:s(?!trom))?)(?=[a-z]{3})"
+)  # Antriebsmoment
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])")
 
 
@@ -116,7 +118,7 @@ def _parts(word: str) -> list[str]:
     """A word, in two where it is put together of what it is of and what it is."""
     begin = _GERMAN.match(word)
     if begin and word not in _BARE and word not in _WANTED and word[begin.end() :] in _BARE:
-        return [begin.group(), word[begin.end() :]]
+        return [begin.group().removesuffix("s"), word[begin.end() :]]
     return [word]
 
 

@@ -15,6 +15,7 @@ import pandas as pd
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from flexmodels.threads import gathered
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import base_parameters
@@ -50,7 +51,6 @@ from pyident.refinement.simulated_rows import (
 )
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.regression.equations import Problem, predicted
-from pyident.regression.machine.threads import gathered
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
+from flexmodels.threads import gathered
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import (
     MomentEquations,
@@ -27,7 +28,6 @@ from pyident.refinement.remove_bias import seen
 from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, left_of, simulated
 from pyident.refinement.stand_in import driven
 from pyident.regression.equations import predicted
-from pyident.regression.machine.threads import gathered
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise

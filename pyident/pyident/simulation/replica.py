@@ -43,10 +43,6 @@ class Repeat:
     lead: int = 0
     note: str | None = None
 
-    def simulated(self, run: Run, parameters: Mapping[str, float]) -> pd.DataFrame:
-        """The log's motion made by a model, without noise."""
-        return self.cut(run(self.plan, parameters))
-
     def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
         """A simulation of the plan without what comes before the log."""
         return Recorded(self.plan, self.lead).cut(frame)
@@ -55,10 +51,8 @@ class Repeat:
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
     ) -> Log:
         """The log's motion made by a model; noise: coordinate -> standard deviation of its sensor."""
-        rng = np.random.default_rng(seed)
-        plan, n = self.plan, len(self.plan.time)
-        added = {name: sigma * rng.standard_normal(n) for name, sigma in noise.items()}
-        return self._made(with_noise(lambda made: run(made, parameters), plan, added))
+        added = self._drawn(noise, seed)
+        return self._made(with_noise(lambda made: run(made, parameters), self.plan, added))
 
     def replicas(
         self,
@@ -71,8 +65,24 @@ class Repeat:
         frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
         return [self._made(frame) for frame in frames]
 
+    def _drawn(self, noise: Mapping[str, float], seed: int) -> dict[str, np.ndarray]:
+        rng = np.random.default_rng(seed)
+        return {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
+
     def _made(self, frame: pd.DataFrame) -> Log:
         return Log(self.cut(frame), f"replica of {self.log.source}")
+
+
+def side_by_side(
+    simulator: Simulator,
+    wanted: Sequence[tuple[Repeat, int]],
+    parameters: Mapping[str, float],
+    noise: Mapping[str, float],
+) -> list[Log]:
+    """A replica of each log under its seed, as `Repeat.replica` makes them one by one."""
+    drawn = [(r, r._drawn(noise, seed)) for r, seed in wanted]
+    frames = simulator.simulate_batch([_disturbed(r.plan, added) for r, added in drawn], [parameters])
+    return [r._made(_sensed(f, r.plan, added)) for f, (r, added) in zip(frames, drawn, strict=True)]
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:
@@ -118,10 +128,17 @@ def with_noise(
 
     A controller that reads e + n at the reference r does what it does with e at r - n.
     """
+    return _sensed(run(_disturbed(plan, noise)), plan, noise)
+
+
+def _disturbed(plan: Experiment, noise: Mapping[str, np.ndarray]) -> Experiment:
     joints = range(1, plan.reference.shape[1] + 1)
     seen = np.column_stack([noise.get(motor_of(k), np.zeros(len(plan.time))) for k in joints])
-    frame = run(replace(plan, reference=plan.reference - seen))
-    for k in joints:
+    return replace(plan, reference=plan.reference - seen)
+
+
+def _sensed(frame: pd.DataFrame, plan: Experiment, noise: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    for k in range(1, plan.reference.shape[1] + 1):
         frame[reference_of(k)] = plan.reference[:, k - 1]
     for name, values in noise.items():
         frame[name] = frame[name] + values

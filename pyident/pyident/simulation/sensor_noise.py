@@ -16,9 +16,9 @@ from scipy.optimize import nnls
 
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
+from flexmodels.threads import gathered
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
-from pyident.regression.machine.threads import gathered
 from pyident.regression.regressor import residual_of
 from pyident.simulation.feedforward import controller_torque, recoverable
 from pyident.simulation.recorded import loop_of

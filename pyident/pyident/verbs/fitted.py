@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log
     from pyident.refinement.closed_loop import ClosedLoopFit
 
+_COMBINATIONS = 4  # base parameters that a sentence writes out
+
 
 @dataclass(frozen=True, repr=False)
 class Fit(Result):
@@ -91,6 +93,20 @@ class Fit(Result):
             f"relative torque error {found.relative_error['all']:.3g} %"
         )
 
+    def determined(self) -> str:
+        """How much of the parameters these logs determine, in words."""
+        support = list(self.identified.support.values())
+        alone, never = support.count("alone"), support.count("no")
+        sums = [b.expression for b in self.identified.base if len(b.terms) > 1]
+        words = f"{alone} of {len(support)} parameters are determined alone"
+        if sums:
+            words += f", {support.count('combination')} more only in {len(sums)} combinations"
+        words += f", {never} act on nothing that was measured." if never else "."
+        if sums:
+            more = ", …" if len(sums) > _COMBINATIONS else ""
+            words += f" The combinations: {'; '.join(sums[:_COMBINATIONS])}{more}"
+        return words
+
     def summary(self) -> Text:
         from pyident.estimation.base_parameters import weakest_directions
 
@@ -153,7 +169,7 @@ class ServoFit(Result):
         return self.fit.json() | {"logs": list(self.logs), "notes": list(self.notes)}
 
     def headline(self) -> str:
-        followed = f"positions followed to {max(self.fit.error):.3g} rad or m"
+        followed = f"positions followed to {max(self.fit.error):.3g} {self._of_motion()}"
         return f"{self.robot.name}: {followed} on the worst of {len(self.logs)} logs"
 
     def summary(self) -> Text:
@@ -161,7 +177,7 @@ class ServoFit(Result):
         columns = frame["value"].to_numpy(float), frame["std"].to_numpy(float), frame["unit"], frame.index
         rows = [(f"{v:.5g}", half_interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
         lines = [
-            f"{log}: mean absolute position error {e:.3g} rad or m"
+            f"{log}: mean absolute position error {e:.3g} {self._of_motion()}"
             for log, e in zip(self.logs, self.fit.error, strict=True)
         ]
         if self.fit.std is None:
@@ -174,6 +190,10 @@ class ServoFit(Result):
                 ]
             )
         )
+
+    def _of_motion(self) -> str:
+        kinds = {"rad" if joint.kind == "revolute" else "m" for joint in self.robot.joints}
+        return " or ".join(sorted(kinds, reverse=True))
 
     def _unit(self, name: str) -> str:
         from flexmodels.settings.servo import PER_JOINT, SHARED

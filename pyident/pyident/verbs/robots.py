@@ -27,6 +27,15 @@ def import_robot(
     return notes
 
 
+def export_robot(model: Model, path: str | Path) -> tuple[str, ...]:
+    """Write a robot as URDF, MJCF (.xml) or five numbers per joint (.json); what the file cannot say.
+
+    Raises RobotError.
+    """
+    notes, _ = exported(robot_of(model), path)
+    return tuple(notes)
+
+
 def bundle(model: Model, path: str | Path, script: str = "", progress: Progress | None = None) -> Path:
     """A zip with the robot as TOML, URDF, MJCF, FMU (FMI 2 and 3) and SSP, and a script; its path.
 
@@ -57,8 +66,7 @@ def _written(robot: Model, path: Path) -> list[str]:
         if path.suffix in _FILES:
             export_fmu(robot, path, 3 if path.stem.endswith("_fmi3") else 2)
             return []
-        notes, _ = exported(robot_of(robot), path)
-        return [f"{path.name}: {note}" for note in notes]
+        return [f"{path.name}: {note}" for note in export_robot(robot, path)]
     except (ValueError, RuntimeError) as error:
         path.unlink(missing_ok=True)
         return [f"{path.name} is left out: {error}"]

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from pyident.workbench import work
+from pyident.workbench import commands, work
 from pyident.workbench.jobs import Job
 from pyident.workbench.project import Project, Role, Version, command
 
@@ -17,12 +17,14 @@ class Bench:
     """The shared state; `revision` grows with every change, so that each page knows when to draw again.
 
     results   (what, inputs) -> outcome, so that a result never outlives the inputs that it is of
+    told      the command that does what was clicked last
     """
 
     project: Project
     jobs: dict[str, Job] = field(default_factory=dict)
     results: dict[tuple[str, work.Inputs], Any] = field(default_factory=dict)
     message: str = ""
+    told: str = ""
     revision: int = 0
     _asked: dict[str, work.Inputs] = field(default_factory=dict)
     _waiting: list[int] = field(default_factory=list)
@@ -61,6 +63,8 @@ class Bench:
     def change(self, project: Project) -> None:
         """Take a new state of the project and write it."""
         project.save()
+        if len(project.commands) > len(self.project.commands):
+            self.told = project.commands[-1]
         self.project = project
         self.revision += 1
 
@@ -104,15 +108,13 @@ class Bench:
         inputs = self.inputs
         names = [*inputs.logs, *inputs.heldout]
         if names and inputs.model:
+            self.told = commands.checking(inputs)
             self.start("check", "checking the logs", work.checked, inputs, names)
 
     def compare(self, number: int | None = None) -> None:
         """Ask where a version of the model fails; the one in use without a number."""
         inputs, file = self.inputs_of(number), self._file("compare", number)
-        logs = [*inputs.log_names(), *(Path(log).name for log in inputs.heldout)]
-        mapping = ["--mapping", Path(inputs.mapping).name] if inputs.mapping else []
-        line = command("compare", Path(inputs.model).name, logs, mapping, "--json", file)
-        self.change(self.project.after(line))
+        self.change(self.project.after(commands.comparing(inputs, file)))
         self.start(
             "compare",
             f"comparing {Path(inputs.model).name} and the logs",
@@ -144,7 +146,8 @@ class Bench:
         inputs, file = self.inputs, self._file("identify")
         output = self._next_model("identified")
         names = [Path(inputs.model).name, *inputs.log_names(), "-o", output.name, "--json", file]
-        self._pending = Version(output.name, self.project.model, "identified", command("identify", names))
+        line = self.told = command("identify", names)
+        self._pending = Version(output.name, self.project.model, "identified", line)
         self.start("identify", "identifying", work.identified, inputs, str(output), self._path(file))
 
     def add(self, effect: str, joint: int) -> None:
@@ -152,7 +155,7 @@ class Bench:
         inputs, file = self.inputs, self._file(f"add_{effect}_{joint}")
         output = self._next_model(f"with_{effect}_{joint}")
         words = [Path(inputs.model).name, effect, "--joint", str(joint), *inputs.log_names()]
-        line = command("add", words, inputs.options(), "-o", output.name, "--json", file)
+        line = self.told = command("add", words, inputs.options(), "-o", output.name, "--json", file)
         self._pending = Version(output.name, self.project.model, f"{effect} at joint {joint}", line)
         title = f"adding {effect} at joint {joint}"
         self.start("add", title, work.added, inputs, effect, joint, str(output), self._path(file))
@@ -176,6 +179,7 @@ class Bench:
             self.project.free_name(f"{Path(self.project.model).stem}_bundle", ".zip"),
         )
         script = self.project.script()
+        self.told = commands.packing(inputs, Path(self.project.model).stem)
         self.start("bundle", f"packing {output}", work.bundled, inputs.model, self._path(output), script)
 
     def bring(self, file: str, flexible: tuple[int, ...], twist: tuple[int, ...]) -> None:
@@ -187,13 +191,15 @@ class Bench:
         words = ["import", file, "-o", output]
         for option, joints in (("--flexible", flexible), ("--twist", twist)):
             words += [option, ",".join(map(str, joints))] if joints else []
-        self._pending = Version(output, command=command("robots", words))
+        self.told = command("robots", words)
+        self._pending = Version(output, command=self.told)
         path = str(self.project.path(file))
         self.start("import", f"reading {file}", work.imported, path, self._path(output), flexible, twist)
 
     def propose(self, log: str) -> None:
         """Ask what a file's columns seem to be."""
         path = str(self.project.path(log))
+        self.told = commands.inspecting(self.inputs, log, self.project.free_name("mapping", ".toml"))
         self.start("propose", f"reading {log}", work.proposed, path, self.inputs.model)
 
     def use_mapping(self, text: str) -> None:
@@ -201,10 +207,35 @@ class Bench:
         name = self.project.free_name("mapping", ".toml")
         self.project.path(name).write_text(text, encoding="utf-8")
         self.change(replace(self.project, mapping=name))
+        self.told = commands.checking(self.inputs)
 
     def assign(self, log: str, role: Role) -> None:
         """Let a log serve for something else."""
         self.change(self.project.having_role(log, role))
+        self.told = commands.judging(self.inputs)
+
+    def choose(self, model: str) -> None:
+        """Begin with another model."""
+        self.change(self.project.starting_from(model))
+        self.told = commands.checking(self.inputs)
+
+    def use(self, number: int) -> None:
+        """Take another version of the model. Raises ProjectError."""
+        self.change(self.project.at_version(number))
+        self.told = commands.checking(self.inputs)
+
+    def export(self, ending: str, fmi: Literal[2, 3] = 2) -> None:
+        """Write the model in the format of a file's ending."""
+        inputs = self.inputs
+        name = self.project.free_name(Path(self.project.model).stem, ending)
+        self.change(self.project.after(commands.exporting(inputs, name, fmi)))
+        self.start("export", f"writing {name}", work.exported, inputs.model, self._path(name), fmi)
+
+    def report(self, what: Literal["compare", "diagnose"]) -> None:
+        """Write the page of a result that is there."""
+        name = self.project.free_name(f"{Path(self.project.model).stem}_{what}", ".html")
+        self.change(self.project.after(commands.reporting(self.inputs, what, name)))
+        self.start("report", f"writing {name}", work.reported, self.result(what), self._path(name))
 
     def cancel(self, what: str) -> None:
         """Stop work that is under way."""

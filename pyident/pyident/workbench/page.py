@@ -40,6 +40,7 @@ class Page:
 
     def build(self) -> None:
         """Lay the page out."""
+        self._take_version()
         ui.add_head_html(scripts())
         ui.colors(
             primary="#2b6ca3", warning="#b5480d", positive="#1b6e2e", negative="#b00020", info="#1c6680"
@@ -48,6 +49,8 @@ class Page:
             ui.label("flexident").classes("text-lg font-bold").props('role="heading" aria-level="1"')
             ui.label(str(self.bench.project.folder)).classes("text-sm").props('data-testid="folder"')
             self._verdict()
+        self.told = ui.label(self.bench.told).props('data-testid="told" aria-label="the same as a command"')
+        self.told.classes("font-mono text-xs break-all min-h-4")
         with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
             with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
                 self._places()
@@ -65,8 +68,13 @@ class Page:
 
     def look(self, **changes: object) -> None:
         """Remember what is looked at, in the URL too; nothing is drawn anew."""
-        self.view = self.view.at(**changes)
-        ui.navigate.history.replace(f"/?{self.view.query}")
+        self.view = self.view.at(version=self.bench.project.current, **changes)
+        with self.told:  # a change of another tab is seen from outside this page
+            ui.navigate.history.replace(f"/?{self.view.query}")
+
+    def tell(self, command: str) -> None:
+        """Show the command that does what was clicked."""
+        self.told.set_text(command)
 
     def choose(self, before: int, after: int) -> None:
         """Two versions to hold side by side."""
@@ -79,7 +87,15 @@ class Page:
             action()
         except (ProjectError, OSError, ValueError) as error:
             ui.notify(str(error), type="negative", multi_line=True)
+        self.tell(self.bench.told)
         self._look()
+
+    def _take_version(self) -> None:
+        """That of the URL, where there is such a one."""
+        asked, project = self.view.version, self.bench.project
+        if asked is not None and asked != project.current and 0 <= asked < len(project.versions):
+            self.bench.use(asked)
+            self.seen = self.bench.revision
 
     def _look(self) -> None:
         self.bench.collect()
@@ -87,6 +103,8 @@ class Page:
             self._progress.refresh()
         if self.seen != self.bench.revision:
             self.seen = self.bench.revision
+            if self.bench.project.current != self.view.version:
+                self.look()
             for part in (self._progress, self._versions, self._verdict, self._places, self._content):
                 part.refresh()
 
@@ -142,21 +160,18 @@ class Page:
                     ui.label("→")
                 chip = ui.button(
                     version.what if i else version.model,
-                    on_click=partial(self.act, partial(self._use, i)),
+                    on_click=partial(self.act, partial(self.bench.use, i)),
                 ).props(
                     f'data-testid="version-{i}" dense no-caps' + (" outline" if i != project.current else "")
                 )
                 if version.command:
                     chip.tooltip(version.command)
             if project.current:
-                ui.button("Undo", on_click=lambda: self.act(lambda: self._use(project.current - 1))).props(
-                    'data-testid="undo" flat dense'
-                )
+                ui.button(
+                    "Undo", on_click=partial(self.act, partial(self.bench.use, project.current - 1))
+                ).props('data-testid="undo" flat dense')
         if len(project.versions) > 1 and self.bench.sound:
             versions.show(self)
-
-    def _use(self, number: int) -> None:
-        self.bench.change(self.bench.project.at_version(number))
 
     @ui.refreshable_method
     def _content(self) -> None:

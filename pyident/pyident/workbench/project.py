@@ -72,6 +72,12 @@ class Project:
         """The model in use: a file of the folder or a shipped robot; empty before one is chosen."""
         return self.versions[self.current].model if self.versions else ""
 
+    @property
+    def strangers(self) -> list[str]:
+        """Names of links to files elsewhere, which are not read."""
+        own = {f.name for f in self._files()}
+        return sorted(f.name for f in self._visible() if f.name not in own)
+
     def with_role(self, role: Role) -> list[str]:
         """The logs that serve for something."""
         return [log for log in self.logs if self.roles.get(log, "fit") == role]
@@ -89,6 +95,9 @@ class Project:
         return str(own) if own.is_file() else self.model
 
     def _files(self) -> list[Path]:
+        return [f for f in self._visible() if f.resolve().parent == self.folder.resolve()]
+
+    def _visible(self) -> list[Path]:
         return [f for f in self.folder.iterdir() if f.is_file() and not f.name.startswith(".")]
 
     # Every change is a new project; `save` writes it.

@@ -11,12 +11,16 @@ PLACES: tuple[Place, ...] = ("data", "model", "where", "why", "next")
 
 @dataclass(frozen=True)
 class View:
-    """place; log: its name; coordinate: of the equation; span: of time [s], None for all."""
+    """place; log: its name; coordinate: of the equation; span: of time [s], None for all.
+
+    version   number of the model's version; None: whichever is in use
+    """
 
     place: Place = "data"
     log: str = ""
     coordinate: str = ""
     span: tuple[float, float] | None = None
+    version: int | None = None
 
     def at(self, **changes: Any) -> "View":
         """The same with something else."""
@@ -28,6 +32,8 @@ class View:
         words = {"place": self.place, "log": self.log, "coordinate": self.coordinate}
         if self.span is not None:
             words["from"], words["to"] = (f"{t:.6g}" for t in self.span)
+        if self.version is not None:
+            words["version"] = str(self.version)
         return urlencode({key: value for key, value in words.items() if value})
 
 
@@ -38,4 +44,6 @@ def view_of(query: Mapping[str, str]) -> View:
         span = (float(query["from"]), float(query["to"]))
     except (KeyError, ValueError):
         span = None
-    return View(place, query.get("log", ""), query.get("coordinate", ""), span)
+    number = query.get("version", "")
+    version = int(number) if number.isascii() and number.isdigit() and len(number) < 5 else None
+    return View(place, query.get("log", ""), query.get("coordinate", ""), span, version)

@@ -93,10 +93,25 @@ def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) 
 
 
 def exported(model: str, output: str, fmi: Literal[2, 3], progress: Progress) -> str:
-    """The model as an FMU."""
-    import pyident as pi
+    """The model as URDF, MJCF (.xml), FMU or SSP, by the ending of `output`."""
+    if Path(output).suffix in (".urdf", ".xml"):
+        from pyident.verbs.robots import export_robot
 
-    pi.export_fmu(model, output, fmi=fmi)
+        export_robot(model, output)
+    else:
+        import pyident as pi
+
+        pi.export_fmu(model, output, fmi=fmi)
+    progress(1.0)
+    return output
+
+
+def reported(result: Any, output: str, progress: Progress) -> str:
+    """The page of a comparison or a diagnosis."""
+    from pyident.verbs.judged import Compared, Diagnosed
+
+    page = result if isinstance(result, Compared) else Diagnosed(result, ())
+    page.save(output)
     progress(1.0)
     return output
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexfmu.batch import BatchBinary
+from flexfmu.batch.binary import BatchBinary
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import identification
 from flexmodels.inputs import Experiment, SimulationError

@@ -4,12 +4,12 @@ from threading import Event
 
 import pytest
 
-from flexfmu.side_by_side import Stopped, in_threads
+from flexfmu.batch.side_by_side import Stopped, in_threads
 
 
 @pytest.fixture(autouse=True)
 def two_cores(monkeypatch):
-    monkeypatch.setattr("flexfmu.side_by_side.cores", lambda: 2)
+    monkeypatch.setattr("flexmodels.threads.cores", lambda: 2)
 
 
 def test_answers_come_in_the_order_of_the_parts_and_progress_never_falls():

@@ -15,9 +15,11 @@ from dataclasses import dataclass, replace
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
+from pyident.diagnosis.search.further_orders import with_further_orders
 from pyident.diagnosis.search.gate import Refusal, admission, counts, group_for, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
+from pyident.diagnosis.search.modulation import grows_with
 from pyident.diagnosis.search.search import Found, Search, Step
 
 
@@ -55,6 +57,7 @@ def select(search: Search, held: HeldOut) -> Selection:
             break
         group, refusal = _group(view, step, lead, chosen, held)
         if group:
+            group = _with_orders(search, [*chosen, *group])[len(chosen) :]
             group, faults = _faultless(view, group)
             imitators |= faults
             refusal = None if group else _imitator(view, lead, faults)
@@ -125,6 +128,9 @@ def _fault(whole: Search, candidate: Candidate) -> str:
     quantity = changes_with(whole, candidate)
     if quantity:
         return f"its coefficients change with {quantity}"
+    signal = grows_with(whole, candidate)
+    if signal:
+        return f"its amplitude grows with {signal}"
     samples = rests_on(whole, candidate)
     if samples:
         return f"most of its gain rests on {samples}, where little of its force is"
@@ -146,29 +152,12 @@ def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
     """Periodic laws with their further orders, else these would hide what else is missing."""
     out = list(steps)
     for i, step in enumerate(steps):
-        law, joint = law_of(search.robot, step.best.candidate), step.best.candidate.joint
-        if step.orders or law.order is None:
+        if step.orders or law_of(search.robot, step.best.candidate).order is None:
             continue
         others = _candidates([s for s in out if s is not out[i]])
-        orders = [step.best.candidate]
-        for _ in range(search.rules.orders):
-            view = search.resting_on([*others, *orders])
-            more = view.best(law.name, joint)
-            if more is None or not (counts(view, more) and _takes(view, more, search.rules.order)):
-                break
-            orders = _refitted(search, others, [*orders, more.candidate])
-        main = search.resting_on([*others, *orders[1:]]).best(law.name, joint)
-        out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(orders[1:]))
-    return out
-
-
-def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Candidate]) -> list[Candidate]:
-    """Each order again with the rest in the base: the first was found beside what the others now take."""
-    out = list(orders)
-    for i, order in enumerate(orders):
-        view = search.resting_on([*others, *out[:i], *out[i + 1 :]])
-        again = view.best(order.effect, order.joint)
-        out[i] = again.candidate if again else order
+        first, *further = with_further_orders(search, others, step.best.candidate)
+        main = search.resting_on([*others, *further]).best(first.effect, first.joint)
+        out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(further))
     return out
 
 
@@ -200,8 +189,3 @@ def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step]) 
     rivals = [f for f in rivals if f is again or _owns(view, f, main_rows(view, f.candidate))]
     best = next((f for f in rivals if f.candidate.family not in named), again)
     return view.led_by(best, step.ranked)
-
-
-def _takes(view: Search, found: Found, share: float) -> bool:
-    """Whether it takes this share of what still exceeds the floor on its equations."""
-    return found.excess >= share * view.remaining_on(view.rows(found.candidate))

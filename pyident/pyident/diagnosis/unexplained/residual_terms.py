@@ -94,11 +94,14 @@ class RowSearch:
         better = [d for d in (self._smooth(), self._periodic()) if d is not None]
         return max(better, key=lambda d: d[0].gain - d[0].pretended, default=None)
 
-    def run(self, floor: float) -> list[Dependence]:
-        """floor: energy of what replicas leave."""
+    def run(self, floor: np.ndarray) -> list[Dependence]:
+        """floor: (n,) energies that replicas leave on the equations."""
         level, share = self._constant()
         found: list[Dependence] = []
-        while len(found) < self.rules.terms and self.base.energy - floor > self.rules.material * self.total:
+        while (
+            len(found) < self.rules.terms
+            and excess(self.base, floor).sum() > self.rules.material * self.total
+        ):
             best = self.strongest()
             if best is None:
                 break
@@ -221,6 +224,12 @@ def _overs(robot: Robot, row: int) -> list[Over]:
     own = joint_number(robot.coordinates[row]) - 1
     misread = [Over("misread", row, own)] if own in turning else []
     return [Over("frequency", row), *(Over("order", row, k) for k in turning), *misread]
+
+
+def excess(base: Base, floor: np.ndarray) -> np.ndarray:
+    """(n,) energy above the floor on each equation; one that lies below takes nothing from the others."""
+    left = np.sum([np.square(residual).sum(axis=1) for residual in base.residual], axis=0)
+    return np.maximum(left - floor, 0.0)
 
 
 def spline_gains(

@@ -15,7 +15,7 @@ from pyident.diagnosis.base.projection import Base, extended, solve_base
 from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, whitened
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.diagnosis.unexplained.periodic import Spectrum
-from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, spline_gains
+from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
 from pyident.regression.spectrum import Floor
 from pyident.simulation.simulator import Simulator, Workers
@@ -41,20 +41,20 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
     base, rules = base or examination.base, examination.setting.rules.unexplained
     replicas = examination.setting.rules.replicas.splines
     floor = examination.floor_energies
-    total = max(base.energy - float(floor.sum()), 1e-300)
+    total = max(float(excess(base, floor).sum()), 1e-300)
     found: list[Dependence] = []
     spectra: list[Spectrum] = []
     sentences: list[str] = []
     rows: list[int] = []
     while len(rows) < rules.equations:
-        excess = sum(np.square(r).sum(axis=1) for r in base.residual) - floor
-        row = int(np.argmax(excess))
-        if row in rows or excess[row] < rules.equation * total:
+        beyond = excess(base, floor)
+        row = int(np.argmax(beyond))
+        if row in rows or beyond[row] <= rules.equation * total:
             break
         rows.append(row)
         pretended = _pretended_by_replicas(examination, workers, row, replicas)
         search = RowSearch(examination, base, row, total, pretended)
-        own = search.run(float(floor.sum()))
+        own = search.run(floor)
         base = search.base
         found += own
         spectra = spectra or search.spectra

@@ -8,7 +8,6 @@ from typing import TypeVar
 from flexmodels.cores import cores
 
 T = TypeVar("T")
-R = TypeVar("R")
 
 
 def spread(work: Callable[[slice], None], samples: int, most: int) -> None:
@@ -29,28 +28,6 @@ def each(work: Callable[[T], None], items: Iterable[T]) -> None:
         list(_threads().map(work, items))
 
 
-def gathered(work: Callable[[T], R], items: Iterable[T]) -> list[R]:
-    """work(item) of every item in their order, on all cores; `work` may itself call `each` and `spread`.
-
-    Raises what `work` raises; what has not begun by then does not begin.
-    """
-    if cores() == 1:
-        return [work(item) for item in items]
-    jobs = [_callers().submit(work, item) for item in items]
-    try:
-        return [job.result() for job in jobs]
-    except BaseException:
-        for job in jobs:
-            job.cancel()
-        raise
-
-
 @cache
 def _threads() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(cores())
-
-
-@cache
-def _callers() -> ThreadPoolExecutor:
-    """Others than `_threads`, for which they wait."""
     return ThreadPoolExecutor(cores())

@@ -15,9 +15,10 @@ import pandas as pd
 from flexfmu.foreign.model import FmuModel, Quantity
 from flexfmu.foreign.parent import SILENCE
 from flexmodels.robot import RobotError
-from pyident.greybox.output_error import Free, OutputError, fixed, output_error
+from pyident.greybox.output_error import OutputError, fixed, output_error
 from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording
 from pyident.greybox.residual import Shown, shown
+from pyident.greybox.search import Derivatives, Free
 from pyident.logs.log import Log, LogError, check
 from pyident.logs.log import read_log as read_plain
 from pyident.verbs.fmu.arguments import Interface, Parameters
@@ -35,6 +36,7 @@ class _Opened:
     recordings: tuple[Recording, ...]
     frames: tuple[pd.DataFrame, ...]
     simulate: Simulate
+    values: Values
     notes: tuple[str, ...]
 
 
@@ -60,7 +62,7 @@ def identify_fmu(
         raise RobotError(f"{model}: name the parameters to identify, such as parameters=['k']")
     with _opened(model, logs, values, interface, time_limit) as o:
         free = [_free(o.fmu, name, parameters) for name in parameters]
-        fit = output_error(o.recordings, o.simulate, free, progress)
+        fit = output_error(o.recordings, o.simulate, free, progress, _derivatives(o, free))
     if progress:
         progress(1.0)
     return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes))
@@ -98,7 +100,7 @@ def diagnose_fmu(
         fit = None
         if parameters:
             free = [_free(o.fmu, name, parameters) for name in parameters]
-            fit = output_error(o.recordings, o.simulate, free, _half(progress))
+            fit = output_error(o.recordings, o.simulate, free, _half(progress), _derivatives(o, free))
         outputs = _examined(o, fit, progress)
     notes = (*o.notes, *(fit.notes if fit else ()))
     return FmuDiagnosed(o.fmu.title, outputs, fit, notes)
@@ -175,7 +177,7 @@ def _opened(
 
         notes = tuple(note for _, more in taken for note in more)
         frames = tuple(log.frame for log in read)
-        yield _Opened(fmu, recordings, frames, fixed(values or {}, simulate), notes)
+        yield _Opened(fmu, recordings, frames, fixed(values or {}, simulate), values or {}, notes)
 
 
 def _require(fmu: FmuModel, model: str | Path, names: Values) -> None:
@@ -206,6 +208,18 @@ def _free(fmu: FmuModel, name: str, parameters: Parameters) -> Free:
         if not free.low < free.high:
             raise RobotError(f"{name}: the lower bound {free.low:g} is not below the upper one {free.high:g}")
     return free
+
+
+def _derivatives(o: _Opened, free: Sequence[Free]) -> Derivatives:
+    """Those that the FMU has by the standard."""
+    first = o.recordings[0]
+    names = [f.name for f in free if o.fmu.has_sensitivity(f.name, [*first.inputs], first.outputs)]
+
+    def along(recording: Recording, values: Values, steps: Values) -> np.ndarray:
+        given = {**o.values, **values}
+        return o.fmu.sensitivities(recording.time, recording.inputs, given, steps, recording.outputs)
+
+    return Derivatives(frozenset(names), along)
 
 
 def _half(progress: Progress | None) -> Progress | None:

@@ -44,6 +44,7 @@ class FmuFit(Result):
                 "start": e.free.start,
                 "bounds": [_finite(e.free.low), _finite(e.free.high)],
                 "identifiable": "alone" if e.determined else "no",
+                "slope": e.slope,
             }
             for e in self.fit.estimates
         }
@@ -51,7 +52,7 @@ class FmuFit(Result):
         return {"parameters": parameters, "residuals": residuals, "notes": list(self.notes)}
 
     def to_frame(self) -> "pd.DataFrame":
-        """A row per parameter: value, std, unit, start, bounds, identifiable."""
+        """A row per parameter: value, std, unit, start, bounds, identifiable, slope."""
         import pandas as pd
 
         rows = self.to_dict()["parameters"]
@@ -69,9 +70,18 @@ class FmuFit(Result):
             for e in self.fit.estimates
         ]
         heads = ("parameter", "value", "± 95 %", "unit", "")
-        return Text(
-            "\n".join([table(heads, rows, numbers=(1, 2)), _table_of(self.recordings, self.fit.residuals)])
-        )
+        found = table(heads, rows, numbers=(1, 2))
+        return Text("\n".join([found, self._slopes(), _table_of(self.recordings, self.fit.residuals)]))
+
+    def _slopes(self) -> str:
+        """How the outputs' slopes were got."""
+        ways = {
+            e.slope: [o.free.name for o in self.fit.estimates if o.slope == e.slope]
+            for e in self.fit.estimates
+        }
+        if len(ways) == 1:
+            return f"slopes by {next(iter(ways))}"
+        return wrapped("; ".join(f"slopes by {way}: {', '.join(names)}" for way, names in ways.items()))
 
 
 @dataclass(frozen=True, repr=False)

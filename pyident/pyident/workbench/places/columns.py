@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import events, run, ui
 
+from pyident.workbench import commands
 from pyident.workbench.channels import Channels
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ async def look(page: "Page", log: str) -> None:
             page.channels = await run.io_bound(Channels, path)
     except (ValueError, OSError) as error:
         ui.notify(str(error), type="negative", multi_line=True)
+    page.tell(commands.inspecting(page.bench.inputs, log))
     page.go()
 
 

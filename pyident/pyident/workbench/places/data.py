@@ -28,6 +28,10 @@ def show(page: "Page") -> None:
     ).classes("w-full")
     upload.props('data-testid="upload" accept=".csv,.parquet,.mat,.toml,.urdf,.xml"')
     name_upload(upload, "choose files")
+    for name in bench.project.strangers:
+        ui.label(f"{name} leads out of this folder and is not read; copy the file here.").classes(
+            "text-negative text-sm"
+        ).props('data-testid="stranger"')
     if not bench.project.logs:
         ui.label("There is no log in this folder yet.").props('data-testid="no-logs"')
         return

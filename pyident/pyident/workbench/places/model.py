@@ -1,7 +1,7 @@
 """Place 2: the robot as a tree, its joints and their laws, what the logs can tell of its parameters."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
@@ -25,7 +25,7 @@ def show(page: "Page") -> None:
         names,
         value=bench.project.model if bench.project.model in names else None,
         label="model",
-        on_change=lambda e: page.act(lambda: bench.change(bench.project.starting_from(e.value))),
+        on_change=lambda e: page.act(lambda: bench.choose(e.value)),
     ).classes("w-72").props('data-testid="model" aria-label="model"')
     upload = ui.upload(
         label="Drop a robot: TOML, URDF or MJCF",
@@ -53,6 +53,8 @@ def show(page: "Page") -> None:
         with ui.column().classes("grow"):
             for k, joint in robot.numbered:
                 _joint(k, joint)
+                for part in _driven(robot, k):
+                    ui.badge(part, color="teal-9").props(f'data-testid="drive-{k}"')
     _rank(page)
 
 
@@ -86,10 +88,24 @@ def _joint(k: int, joint) -> None:
             ui.badge(law, color="blue-grey-8")
 
 
+def _driven(robot: Any, k: int) -> list[str]:
+    """What stands between a joint and its motor, and what commands this."""
+    parts, gear = [], robot.transmission
+    if gear:
+        turns = " ".join(f"{r:.4g}" for r in gear.ratio[k - 1] if r)
+        parts.append(f"transmission {turns}" + (f", {gear.drive[k - 1]:.4g} N m/A" if gear.drive else ""))
+    if robot.servo:
+        parts.append(f"servo, kp {robot.servo.kp[k - 1]:.4g}, kt {robot.servo.kt[k - 1]:.4g}")
+    if robot.controller:
+        parts.append(f"PID at {robot.controller.rate:.4g} Hz, torque held")
+    return parts
+
+
 def _rank(page: "Page") -> None:
     bench = page.bench
     fit = bench.result("identify")
     if fit is not None:
+        ui.label(fit.determined()).props('data-testid="rank"')
         ui.label(fit.summary()).classes("whitespace-pre font-mono text-xs").props('data-testid="fit"')
     ui.button("Identify from the fitted logs", on_click=lambda: page.act(bench.identify)).props(
         'data-testid="identify" no-caps'

@@ -3,18 +3,26 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from nicegui import ui
-
-from pyident.workbench import work
-from pyident.workbench.project import command
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
 
 
 _SHOWN = 8  # laws that these logs cannot show
+_FORMATS: tuple[tuple[str, str, str, Literal[2, 3]], ...] = (
+    ("URDF", "urdf", ".urdf", 2),
+    ("MJCF", "mjcf", ".xml", 2),
+    ("FMU (FMI 2)", "fmi2", ".fmu", 2),
+    ("FMU (FMI 3)", "fmi3", ".fmu", 3),
+    ("SSP", "ssp", ".ssp", 2),
+)
+_REPORTS: tuple[tuple[Literal["compare", "diagnose"], str], ...] = (
+    ("compare", "Report: where it fails"),
+    ("diagnose", "Report: the diagnosis"),
+)
 
 
 def show(page: "Page") -> None:
@@ -41,7 +49,7 @@ def show(page: "Page") -> None:
         name, promise = plan
         with ui.row().classes("items-center"):
             ui.label(f"{name}: {promise}").props('data-testid="promise"')
-            ui.button("Download", on_click=lambda: ui.download.file(bench.project.path(name))).props(
+            ui.button("Download", on_click=partial(ui.download.file, bench.project.path(name))).props(
                 'data-testid="download-plan" no-caps'
             )
     ui.label("Take the model with you").classes("text-lg mt-4")
@@ -51,10 +59,10 @@ def show(page: "Page") -> None:
         ).props('data-testid="download-model" no-caps').set_enabled(
             (bench.project.folder / bench.project.model).is_file()
         )
-        for fmi in (2, 3):
-            ui.button(f"FMU (FMI {fmi})", on_click=partial(page.act, partial(_export, page, fmi))).props(
-                f'data-testid="export-fmi{fmi}" no-caps'
-            )
+        for label, kind, ending, fmi in _FORMATS:
+            ui.button(label, on_click=partial(page.act, partial(bench.export, ending, fmi))).props(
+                f'data-testid="export-{kind}" no-caps'
+            ).set_enabled("export" not in bench.jobs and bool(bench.project.model))
         ui.button("Bundle of all formats (zip)", on_click=partial(page.act, bench.bundle)).props(
             'data-testid="bundle" no-caps'
         ).set_enabled("bundle" not in bench.jobs)
@@ -62,7 +70,8 @@ def show(page: "Page") -> None:
             "Script of everything that was done",
             on_click=lambda: ui.download.content(bench.project.script(), "replay.sh"),
         ).props('data-testid="download-script" no-caps')
-    for what in ("export", "bundle"):
+    _reports(page)
+    for what in ("export", "report", "bundle"):
         made = bench.result(what)
         if made:
             with ui.row().classes("items-center"):
@@ -91,9 +100,10 @@ def _at(law: Any) -> str:
     return f"{law.effect}@{law.joint.removeprefix('joint')}"
 
 
-def _export(page: "Page", fmi: int) -> None:
-    bench = page.bench
-    output = bench.project.folder / bench.project.free_name(Path(bench.project.model).stem, ".fmu")
-    line = command("export", Path(bench.inputs.model).name, "-o", output.name, "--fmi", str(fmi))
-    bench.change(bench.project.after(line))
-    bench.start("export", f"exporting {output.name}", work.exported, bench.inputs.model, str(output), fmi)
+def _reports(page: "Page") -> None:
+    """Pages of what was found, which need nothing else to be read."""
+    with ui.row():
+        for what, label in _REPORTS:
+            ui.button(label, on_click=partial(page.act, partial(page.bench.report, what))).props(
+                f'data-testid="report-{what}" no-caps'
+            ).set_enabled(page.bench.result(what) is not None and "report" not in page.bench.jobs)

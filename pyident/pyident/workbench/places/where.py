@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
 
-from pyident.workbench import figures
+from pyident.workbench import commands, figures
 from pyident.workbench.linked import share_brush, share_cursor, show_arm
 
 if TYPE_CHECKING:
@@ -67,7 +67,9 @@ class _Equation:
 
     def look_at(self, span: tuple[float, float] | None) -> None:
         """Show another span of time; the rest of the page stays."""
-        self.page.look(span=span, log=self.trace.log, coordinate=self.trace.coordinate)
+        at = self.trace.log, self.trace.coordinate
+        self.page.look(span=span, log=at[0], coordinate=at[1])
+        self.page.tell(commands.explaining(self.page.bench.inputs, *at, span))
         self.traces.update_figure(figures.equation(self.trace, span, self.bumps))
         self.states.update_figure(figures.states(self.trace, span))
         self.whole.set_visibility(span is not None)
@@ -114,8 +116,10 @@ def _map(page: "Page", comparison: Any) -> None:
     plot.props('data-testid="map" role="figure" aria-label="rms over floor by equation and band"')
 
     def chosen(event: events.GenericEventArguments) -> None:
-        point = event.args["points"][0]
-        page.go(coordinate=str(point["y"]), span=None)
+        coordinate = str(event.args["points"][0]["y"])
+        page.go(coordinate=coordinate, span=None)
+        log = chosen_trace(page, comparison).log
+        page.tell(commands.explaining(page.bench.inputs, log, coordinate, None))
 
     plot.on("plotly_click", chosen)
 

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from pyident.workbench import figures
+from pyident.workbench import commands, figures
 from pyident.workbench.places.where import chosen_trace
-from pyident.workbench.project import command
 
 if TYPE_CHECKING:
     from pyident.workbench.page import Page
@@ -82,10 +81,8 @@ class _Stretch:
 
     def _command(self) -> str:
         """The command line that ranks the same."""
-        r, inputs = self.ranking, self.page.bench.inputs
-        span = ["--span", f"{r.span[0]:.6g}", f"{r.span[1]:.6g}"]
-        where = ["--log", Path(r.log).name, "--equation", r.coordinate, *span]
-        return command("explain", Path(inputs.model).name, inputs.log_names(), where, inputs.options())
+        r = self.ranking
+        return commands.explaining(self.page.bench.inputs, r.log, r.coordinate, r.span)
 
     def _rows(self) -> None:
         tie = self.ranking.tie
@@ -106,7 +103,7 @@ class _Stretch:
         with ui.row().classes("items-center w-full no-wrap gap-2") as row:
             row.props(f'data-testid="law-{number}"')
             if why:
-                row.classes("opacity-60").tooltip(why)
+                row.classes("opacity-60")
             ui.label(share.law.name).classes("grow min-w-0")
             part = min(max(share.percent / 100, 0.0), 1.0)
             ui.linear_progress(part, show_value=False).classes("w-20").props(
@@ -117,9 +114,12 @@ class _Stretch:
                 f'data-testid="try-{number}" flat dense no-caps'
             )
             add_button(self.page, share.law, f"law-add-{number}")
+        if why:
+            ui.label(why).classes("text-xs").props(f'data-testid="imitates-{number}"')
 
     def try_law(self, share: Any) -> None:
         """Show what the residual would be with a law."""
+        self.page.tell(self._command())
         self.plot.update_figure(self._figure(share, tried=True))
         self._say(share)
 

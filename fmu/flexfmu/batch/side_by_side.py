@@ -1,11 +1,10 @@
-"""Work shared out among threads that end together: when one fails, or the caller is interrupted."""
+"""Parts of work in threads, with one progress: when one fails or the caller is interrupted, all end."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from threading import Event, Lock
 from typing import TypeVar
 
-from flexmodels.cores import cores
+from flexmodels.threads import gathered
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -24,8 +23,6 @@ def in_threads(
     progress   called with the fraction done of all, by one thread at a time
     Raises what the first part raised that failed.
     """
-    if len(parts) == 1:
-        return [work(parts[0], progress)]
     done, total = [0.0] * len(parts), sum(len(part) for part in parts)
     ended, lock = Event(), Lock()
 
@@ -39,12 +36,4 @@ def in_threads(
 
         return work(parts[number], told)
 
-    with ThreadPoolExecutor(min(cores(), len(parts))) as threads:
-        jobs = [threads.submit(one, number) for number in range(len(parts))]
-        try:
-            return [job.result() for job in jobs]
-        except BaseException:
-            ended.set()
-            for job in jobs:
-                job.cancel()
-            raise
+    return gathered(one, range(len(parts)), ended.set)

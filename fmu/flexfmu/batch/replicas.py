@@ -8,10 +8,10 @@ from typing import Protocol, TypeVar
 import numpy as np
 import pandas as pd
 
-from flexfmu.batch import BatchBinary
+from flexfmu.batch.binary import BatchBinary
+from flexfmu.batch.side_by_side import in_threads
 from flexfmu.fed import input_values, start_values
 from flexfmu.names import fmi_name
-from flexfmu.side_by_side import in_threads
 from flexmodels.cores import cores
 from flexmodels.inputs import Experiment, SimulationError
 

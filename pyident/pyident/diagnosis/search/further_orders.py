@@ -1,0 +1,54 @@
+"""Further orders of a periodic law: a ripple seldom has one.
+
+Two orders are two only where the motion resolves them, with a whole period of their difference within the
+angle that the joint passes (Rayleigh); and an order that does not pass a period itself is a slow change over
+the range. Closer waves beat, and the beat follows whatever changes along the range: they would imitate an
+amplitude that grows with the speed.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.search.gate import counts
+from pyident.diagnosis.search.search import Found, Search
+
+
+def with_further_orders(search: Search, others: Sequence[Candidate], first: Candidate) -> list[Candidate]:
+    """A periodic law's orders beside `others`, the first one first; a law without orders stays alone."""
+    law = law_of(search.robot, first).order
+    if law is None:
+        return [first]
+    orders = [first]
+    for _ in range(search.rules.orders):
+        view = search.resting_on([*others, *orders])
+        more = view.best(first.effect, first.joint)
+        if more is None or not (counts(view, more) and _takes(view, more)):
+            break
+        wider = _refitted(search, others, [*orders, more.candidate])
+        if not _resolved(search, [dict(c.values)[law.name] for c in wider], first.joint):
+            break
+        orders = wider
+    return orders
+
+
+def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Candidate]) -> list[Candidate]:
+    """Each order again with the rest in the base: the first was found beside what the others now take."""
+    out = list(orders)
+    for i, order in enumerate(orders):
+        view = search.resting_on([*others, *out[:i], *out[i + 1 :]])
+        again = view.best(order.effect, order.joint)
+        out[i] = again.candidate if again else order
+    return out
+
+
+def _takes(view: Search, found: Found) -> bool:
+    """Whether it takes its share of what still exceeds the floor on its equations."""
+    return found.excess >= view.rules.order * view.remaining_on(view.rows(found.candidate))
+
+
+def _resolved(search: Search, orders: Sequence[float], joint: int) -> bool:
+    angles = np.concatenate([log.part.motion.q[:, joint - 1] for log in search.examination.logs])
+    least = np.diff([0.0, *sorted(orders)]).min()
+    return bool(least * np.ptp(angles) >= 2 * np.pi)

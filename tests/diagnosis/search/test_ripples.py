@@ -1,0 +1,63 @@
+"""Periodic torques of a joint in closed form: of several orders, or with an amplitude that grows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from analytic_joint import COULOMB, INERTIA, VISCOUS, analytic_log, free_joint
+
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.result import Diagnosis
+from pyident.logs.log import Log
+from pyident.simulation.fmu_runs import runs_here
+
+SIGMA = 0.02  # N m of white noise
+RESOLVED = 2.3  # orders per turn: two that lie as far apart differ by a period along this motion
+
+
+def diagnosed(torque) -> Diagnosis:
+    """Of two logs and a held-out one with a further torque f(q, v, load) [N m]; load: what moves the link."""
+    logs = [_log(torque, seed) for seed in range(3)]
+    return concluded(searched(free_joint(), logs[:2], runs_here), runs_here, logs[2:])
+
+
+def _log(torque, seed: int) -> Log:
+    log = analytic_log(seconds=16.0 + seed, torque_noise=SIGMA, seed=seed)
+    q, tau, t = (log.frame[name].to_numpy() for name in ("joint1.e", "joint1.tau", "time"))
+    v = np.gradient(q, t)
+    load = tau - VISCOUS * v - COULOMB * np.sign(v)
+    return replace(log, frame=log.frame.assign(**{"joint1.tau": tau + torque(q, v, load)}))
+
+
+def ripples(found: Diagnosis) -> list[float]:
+    """Orders of the ripples that are named."""
+    return [n.values["order"] for f in found.findings for n in f.tie if n.effect == "torque_ripple"]
+
+
+@pytest.mark.parametrize(
+    "torque",
+    [
+        lambda q, v, load: 0.3 * np.sin(9 * q) * v**2,
+        lambda q, v, load: 0.4 * np.sin(13 * q + 0.4) * np.abs(v),
+        lambda q, v, load: 0.2 * np.cos(11 * q) * np.abs(load) / INERTIA,
+    ],
+    ids=["square of the speed", "speed", "load"],
+)
+def test_a_periodic_torque_that_grows_with_a_signal_is_no_ripple(torque):
+    found = diagnosed(torque)
+    assert found.verdict == "unexplained"
+    assert not ripples(found)
+
+
+@pytest.mark.parametrize("orders", [(9.0,), (9.0, 12.5), (16.0, 20.0)])
+def test_a_ripple_has_the_orders_that_were_put_in(orders):
+    amplitudes = (0.5, 0.35)[: len(orders)]
+    found = diagnosed(
+        lambda q, v, load: sum(a * np.sin(n * q + n) for a, n in zip(amplitudes, orders, strict=True))
+    )
+    (main,) = ripples(found)
+    assert main == pytest.approx(orders[0], abs=0.05)
+    assert found.findings[0].share_percent > 90
+    further = [note for note in found.notes if "further orders" in note]
+    listed = [float(n) for note in further for n in note.split(": ")[1].split(" per")[0].split(", ")]
+    assert listed == pytest.approx(orders[1:], abs=RESOLVED / 10)
