@@ -72,9 +72,6 @@ def correlations(solution: Solution, names: Sequence[str], count: int = 8) -> li
     std = solution.std
     told = np.flatnonzero(np.isfinite(std) & (std > 0) & ~solution.open)
     matrix = solution.covariance[np.ix_(told, told)] / np.outer(std[told], std[told])
-    one, other = np.array(np.triu_indices(len(told), 1))
-    most = np.argsort(-np.abs(matrix[one, other]))[:count]
-    return [
-        (float(matrix[i, j]), names[told[i]], names[told[j]])
-        for i, j in zip(one[most], other[most], strict=True)
-    ]
+    pairs = np.column_stack(np.triu_indices(len(told), 1))
+    most = np.argsort(-np.abs(matrix[pairs[:, 0], pairs[:, 1]]))[:count]
+    return [(float(matrix[i, j]), names[told[i]], names[told[j]]) for i, j in pairs[most].tolist()]
