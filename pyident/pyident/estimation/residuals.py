@@ -70,8 +70,9 @@ def torque_error(robot: Robot, log: Log) -> dict[str, float]:
 def correlations(solution: Solution, names: Sequence[str], count: int = 8) -> list[tuple[float, str, str]]:
     """The most correlated pairs of parameters that are determined alone: (correlation, one, other)."""
     std = solution.std
-    told = np.flatnonzero(np.isfinite(std) & (std > 0) & ~solution.open)
+    told = np.flatnonzero(np.isfinite(std) & (std > 0) & ~solution.open).tolist()
     matrix = solution.covariance[np.ix_(told, told)] / np.outer(std[told], std[told])
     pairs = np.column_stack(np.triu_indices(len(told), 1))
     most = np.argsort(-np.abs(matrix[pairs[:, 0], pairs[:, 1]]))[:count]
-    return [(float(matrix[i, j]), names[told[i]], names[told[j]]) for i, j in pairs[most].tolist()]
+    named = [names[i] for i in told]
+    return [(float(matrix[i, j]), named[i], named[j]) for i, j in pairs[most].tolist()]
