@@ -71,3 +71,22 @@ def test_two_recordings_count_together():
     found = output_error([noisy(2.5 * INPUT), recorded(2.5 * INPUT)], line, [Free("gain", "1", 1.0)])
     assert found.values["gain"] == pytest.approx(2.5, abs=0.01)
     assert len(found.residuals) == 2
+
+
+def test_intervals_hold_where_few_samples_tell_a_parameter():
+    """The start of a decay is told by its first tenth of a hundred samples; 100 logs, white noise."""
+    time = np.arange(100) * 0.03
+
+    def decay(recording, sets, names, progress=None):
+        return np.array([(v["start"] * np.exp(-v["rate"] * time))[:, None] for v in sets])
+
+    held = []
+    for seed in range(100):
+        noise = 0.05 * np.random.default_rng(seed).standard_normal(len(time))
+        log = Recording("a log", time, {}, ("y",), ("m",), (2 * np.exp(-1.5 * time) + noise)[:, None])
+        rate, start = output_error(
+            [log], decay, [Free("rate", "1/s", 1.0), Free("start", "m", 1.0)]
+        ).estimates
+        held.append((abs(rate.value - 1.5) < 1.96 * rate.std, abs(start.value - 2) < 1.96 * start.std))
+    assert (np.mean(held, axis=0) >= 0.89).all()
+    assert (np.mean(held, axis=0) <= 0.99).all()

@@ -2,7 +2,8 @@
 
 Least squares of measured less simulated outputs (Ljung, System Identification, 2nd ed., sec. 7.2 and 10.2),
 each output over its own noise, which is what is left of it; within bounds, by a trust region. The noise may
-be coloured: the covariance follows from the long-run scatter of the scores (Newey and West 1987).
+be coloured: the covariance follows from the long-run scatter of the scores (Newey and West 1987), or from the
+spectrum of what is left.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pyident.estimation.instrumental_variables import Rows, spectral
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
 from pyident.greybox.search import Derivatives, Free, Search
@@ -147,10 +149,10 @@ def _judged(
     inside = ~np.array(at_bound)
     std, determined = np.full(len(p), np.nan), np.zeros(len(p), dtype=bool)
     if inside.any():
-        covariance, seen = _covariance(search, slopes[:, inside], left)
+        variances, seen = _variances(search, slopes[:, inside], left)
         determined[inside] = seen
         if claims:
-            std[inside] = np.where(seen, np.sqrt(np.maximum(np.diag(covariance), 0)), np.nan)
+            std[inside] = np.where(seen, np.sqrt(np.maximum(variances, 0)), np.nan)
     return tuple(
         Estimate(f, float(v), float(s), bool(d) or bool(b), bool(b), way)
         for f, v, s, d, b, way in zip(search.free, p, std, determined, at_bound, _ways(search), strict=True)
@@ -162,10 +164,15 @@ def _ways(search: Search) -> list[Way]:
     return ["directional derivatives" if i in own else "differences" for i in range(len(search.free))]
 
 
-def _covariance(
+def _variances(
     search: Search, slopes: np.ndarray, left: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Under coloured noise; and which parameters the outputs tell by themselves."""
+    """(P,) under coloured noise; and which parameters the outputs tell by themselves.
+
+    The larger of two. That of noise which is uneven in time (Newey and West) is too small where few samples
+    tell a parameter, as the fit has bent to their noise; that of noise which is the same all the time goes by
+    its spectrum.
+    """
     scale = np.linalg.norm(slopes, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     _, s, Vt = np.linalg.svd(slopes / scale, full_matrices=False)
@@ -173,17 +180,20 @@ def _covariance(
     seen = (np.linalg.norm(blind, axis=0) < 1e-3) & (np.linalg.norm(slopes, axis=0) > 0)
     inverse = np.where(s > GREYBOX.unseen * s[0], 1 / np.maximum(s, np.finfo(float).tiny), 0)
     bread = (Vt.T * inverse**2) @ Vt
-    scatter, first = np.zeros_like(bread), 0
+    uneven, even, first = np.zeros_like(bread), np.zeros_like(bread), 0
     for m in left:
-        rows = slopes[first : first + m.size] / scale
-        scores = (rows * (m / search.noise).ravel()[:, None]).reshape(*m.shape, -1).sum(axis=1)
+        rows = (slopes[first : first + m.size] / scale).reshape(*m.shape, -1)
         first += m.size
-        run = LongRun(scores.shape[1], _lags(m))
-        run.add(scores)
-        scatter += run.sum
+        noise = m / search.noise
+        run = LongRun(rows.shape[2], _lags(m))
+        run.add((rows * noise[:, :, None]).sum(axis=1))
+        uneven += run.sum
+        steady = Rows(rows, rows, noise, np.ones_like(noise))
+        of_spectrum = spectral(lambda steady=steady: [steady], np.ones(m.shape[1]))
+        even += of_spectrum(np.eye(rows.shape[2]), np.zeros(rows.shape[2]))
     count, P = len(slopes), slopes.shape[1]
-    covariance = bread @ scatter @ bread * count / max(count - P, 1)
-    return covariance / np.outer(scale, scale), seen
+    variances = [np.diag(bread @ scatter @ bread) for scatter in (uneven, even)]
+    return np.max(variances, axis=0) * count / max(count - P, 1) / scale**2, seen
 
 
 def _lags(residual: np.ndarray) -> int:
