@@ -42,7 +42,8 @@ def output_error(
     p, missed = _best_of(replays, [_simulable(start, start)], pool)
     outputs = []
     for number in range(_ROUNDS):
-        slopes = [_slopes(r, p, start.solution, pool, _share(progress, number, r, replays)) for r in replays]
+        shares = [_share(progress, number + k / len(replays), len(replays)) for k in range(len(replays))]
+        slopes = [_slopes(r, p, start.solution, pool, told) for r, told in zip(replays, shares, strict=True)]
         values = np.array(list(p.values()))
         outputs = [Outputs(r, s, m + s @ values) for r, s, m in zip(replays, slopes, missed, strict=True)]
         reduced = reduce(((o.slopes, o.target) for o in outputs), replays[0].channels, tuple(p))
@@ -78,11 +79,9 @@ def _best_of(
     return likeliest[0], list(likeliest[1])
 
 
-def _share(
-    progress: Progress | None, number: int, replay: Replay, replays: Sequence[Replay]
-) -> Progress | None:
-    done = replays.index(replay) / len(replays)
-    return progress and (lambda fraction: progress((number + done + fraction / len(replays)) / _ROUNDS))
+def _share(progress: Progress | None, rounds: float, logs: int) -> Progress | None:
+    """Progress within one log of a round; rounds: done before it."""
+    return progress and (lambda fraction: progress((rounds + fraction / logs) / _ROUNDS))
 
 
 def _simulable(found: Identified, start: Identified) -> dict[str, float]:
