@@ -49,7 +49,9 @@ class Page:
             ui.label("flexident").classes("text-lg font-bold").props('role="heading" aria-level="1"')
             ui.label(str(self.bench.project.folder)).classes("text-sm").props('data-testid="folder"')
             self._verdict()
-        self.told = ui.label(self.bench.told).props('data-testid="told" aria-label="the same as a command"')
+        self.told = ui.label(self.bench.told).props(
+            'data-testid="told" role="status" aria-label="the same as a command"'
+        )
         self.told.classes("font-mono text-xs break-all min-h-4")
         with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
             with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
