@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition_every_sample
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
+from pyident.diagnosis.base.denoised import denoised_every_sample
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import (
@@ -26,6 +26,7 @@ from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 from pyident.simulation.simulator import Simulator, Workers
 
+_WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
 _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
@@ -145,12 +146,23 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
 def replicated(
     fmu: Simulator, setting: Setting, seeds: Sequence[int]
 ) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
-    """Per replica its logs, their bands and the residuals that the regression leaves."""
-    level, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
+    """Per replica its logs, their bands and the residuals that the regression leaves, weighted as the data's.
+
+    With one weight for all frequencies the noise of encoders, which differences amplify, would bend the
+    parameters at high ones, and what that leaves at low ones would be a floor that drowns the physics there.
+    So the weights are of what the replica leaves at each frequency, found in rounds.
+    """
+    flat, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
     for made in judged_replicas(fmu, setting, seeds):
         logs = _equations(setting.robot, made)
-        left = residuals_of([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
-        found.append((made, [e.band for e in logs], [r * level[:, None] for r in left]))
+        bands = [e.band for e in logs]
+        levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in logs]
+        for last in (*[False] * _WEIGHTINGS, True):
+            left = [r * at for r, at in zip(residuals_of(_over(logs, levels)), levels, strict=True)]
+            if not last:
+                own = floor(bands, left)
+                levels = [own.at(band) for band in bands]
+        found.append((made, bands, left))
     return found
 
 
@@ -195,8 +207,12 @@ def _columns_and_bounds(
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    parts = [condition_every_sample(log, robot) for log in logs]
+    parts = [denoised_every_sample(robot, log) for log in logs]
     return equations(robot, parts, [log.period for log in logs])
+
+
+def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
+    return [e.over(level) for e, level in zip(logs, levels, strict=True)]
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
