@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -70,6 +71,21 @@ class Examination:
     def floor_energies(self) -> np.ndarray:
         """(n,) energy that replicas leave on each equation, on average."""
         return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
+
+    @cached_property
+    def bands(self) -> list[np.ndarray]:
+        """Per log (E, bands): 1 where an equation lies in a band."""
+        return [_in_band(log.band)[:, None] == np.arange(len(EDGES)) for log in self.logs]
+
+    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+        """Energy that a base leaves on some equations beyond what replicas leave, band by band.
+
+        A floor that is too high in one band, where it costs nothing, must not hide what is left in another.
+        """
+        listed = list(rows)
+        left = sum(np.square(r[listed]) @ inside for r, inside in zip(base.residual, self.bands, strict=True))
+        floor = (self.replica_energy.mean(axis=0) * self.count)[listed]
+        return float(np.maximum(left - floor, 0.0).sum())
 
     @property
     def most_over_floor(self) -> np.ndarray:
@@ -227,11 +243,16 @@ def gains_of(
     return gains(base, *_columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data]))
 
 
+def _in_band(band: Band) -> np.ndarray:
+    """(E,) number of the band of EDGES in which each equation lies."""
+    return np.digitize(np.tile(band.frequencies, 2), EDGES) - 1
+
+
 def energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
     """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
     total, number = 0.0, 0.0
     for e, r in zip(data, base.residual, strict=True):
-        at = np.digitize(np.tile(e.band.frequencies, 2), EDGES) - 1
+        at = _in_band(e.band)
         total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(EDGES))]).T
         number = number + np.array([np.sum(at == b) for b in range(len(EDGES))])
     return np.asarray(total) / np.maximum(number, 1), np.asarray(number)

@@ -268,8 +268,7 @@ class Search:
 
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         """Energy that a base leaves on some equations beyond what replicas leave."""
-        left = sum(float(np.square(r[list(rows)]).sum()) for r in base.residual)
-        return max(left - self.floor_energy_on(rows), 0.0)
+        return self.examination.beyond_floor(base, rows)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.families.mean[family])
