@@ -20,7 +20,7 @@ def never(_):
 
 
 def asymmetric(more: float):
-    """At joint 1 the slopes of the two directions differ by twice `more` times its own friction at 1 rad/s."""
+    """Slopes of the two directions of joint 1 differ by twice `more` times its own friction at 1 rad/s."""
 
     def friction(q, v, load, time):
         out = plain(q, v, load, time)
