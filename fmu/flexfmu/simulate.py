@@ -1,4 +1,4 @@
-"""FMU + experiment -> log, for FMUs that follow the log contract; FMPy is imported here and in `fmu_file`."""
+"""FMU + experiment -> log, for FMUs that follow the log contract."""
 
 import ctypes
 import re
@@ -18,11 +18,11 @@ from fmpy.fmi2 import (
 )
 
 from flexfmu.batch.replicas import run_replicas
-from flexfmu.by_fmpy import Course, run_by_fmpy
 from flexfmu.code.compilation import HOST
 from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.finite import require_finite
 from flexfmu.fmu_file import FmuDescription, first_line
+from flexfmu.foreign.by_fmpy import Course, run_by_fmpy
 from flexfmu.names import fmi_name
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
