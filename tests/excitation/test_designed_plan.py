@@ -13,8 +13,6 @@ from pyident.excitation.fourier import Reference
 from pyident.excitation.rehearsal import others_like
 from pyident.excitation.tables import message, table
 
-pytestmark = pytest.mark.slow  # a motion is designed
-
 
 @pytest.fixture(scope="module")
 def planned() -> pi.Planned:

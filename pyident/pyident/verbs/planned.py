@@ -71,6 +71,8 @@ class Planned(Result):
             "evaluations": self.design.best.evaluations,
             "stopped": self.design.best.stopped,
             "scale": self.design.scale,
+            "binding": self.design.binding,
+            "spread": self.design.spread,
             "rehearsed": self.design.rehearsed,
             "notes": list(self.notes),
         }
@@ -89,7 +91,12 @@ class Planned(Result):
         ended = ", stopped early" if search.stopped else ""
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
-            f"every parameter 25 % off, at {100 * self.design.scale:.0f} % of its first size"
+            f"every parameter {100 * self.design.spread:g} % off, at {100 * self.design.scale:.0f} % of its "
+            "first size" + (
+                f", as far as {self.design.binding} allows; a smaller --spread leaves more"
+                if self.design.binding
+                else ""
+            )
         )
         return Text("\n".join(lines))
 
