@@ -92,7 +92,8 @@ class Planned(Result):
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
             f"every parameter {100 * self.design.spread:g} % off, at {100 * self.design.scale:.0f} % of its "
-            "first size" + (
+            "first size"
+            + (
                 f", as far as {self.design.binding} allows; a smaller --spread leaves more"
                 if self.design.binding
                 else ""
