@@ -24,6 +24,7 @@ _WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
 _SHRINK = 0.92
 _SMALLEST = 0.05  # of the way from home: below, nothing is left of a motion
 _COARSE = 50.0  # Hz at which candidates are judged
+WAVES = (0.0, 0.5, 1.0)  # shares of the multisine that are tried: it shows inertias and hides friction
 _SEARCH = 0.8  # of the progress; the rest is the rehearsals'
 
 Score = Callable[[Along], float]
@@ -76,6 +77,7 @@ class Design:
     """A plan that kept every limit in its rehearsals.
 
     best        the search that led to it;  scale: of the way from home that the rehearsals left
+    wave        share of the robot's own multisine that is in it
     binding     what would not let it be larger, empty where nothing was in its way
     rehearsed   how many other robots ran it, with parameters off by spread
     """
@@ -83,6 +85,7 @@ class Design:
     plan: Experiment
     best: Best
     scale: float
+    wave: float
     binding: str
     rehearsed: int
     spread: float
@@ -155,10 +158,12 @@ def designed(
     budget: Budget,
     progress: Progress | None = None,
     rivals: Sequence[Rehearsal] = (),
+    worth: Callable[[Experiment], float] | None = None,
 ) -> Design:
     """The motion with the highest score, made smaller until it and its rehearsals keep the limits.
 
     rivals   whose limits it must keep too
+    worth    of a plan, by simulation, which chooses the share of the robot's own multisine; None: all of it
     Raises RobotError where none does.
     """
 
@@ -172,15 +177,16 @@ def designed(
     if drawn is None:
         raise RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
     jury = Jury(task.robot, task.limits, task.geometry, (rehearsal, *rivals), task.spread)
+    wave = 1.0 if worth is None else max(WAVES, key=lambda share: worth(drawing.plan(drawn, share)))
     scale, home, binding = 1.0, task.limits.home, ""
     while scale > _SMALLEST:
         told(_SEARCH + (1 - _SEARCH) * np.log(scale) / np.log(_SMALLEST))
         reference = replace(
             drawn, q=home + scale * (drawn.q - home), dq=scale * drawn.dq, ddq=scale * drawn.ddq
         )
-        plan = drawing.plan(reference, scale)
+        plan = drawing.plan(reference, scale * wave)
         if not (broken := jury.broken(plan)):
-            return Design(plan, best, scale, binding, len(jury.others), task.spread)
+            return Design(plan, best, scale, wave, binding, len(jury.others), task.spread)
         scale, binding = scale * _SHRINK, broken
     raise RobotError(
         f"robot {task.robot.name}: not even a small motion keeps a limit of {binding} with parameters "

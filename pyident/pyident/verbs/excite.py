@@ -7,12 +7,12 @@ from pathlib import Path
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.criterion import Yardstick
+from pyident.excitation.criterion import Yardstick, yardstick
 from pyident.excitation.design import Design, Drawing, Task, designed, informative, measure, starts
 from pyident.excitation.limits import Limits, limits_of
 from pyident.excitation.prediction import predicted
 from pyident.excitation.rehearsal import SPREAD, Rehearsal, others_like, rehearsal, violations
-from pyident.excitation.rivals import Rivals, Suspect, distance, having, suspect
+from pyident.excitation.rivals import Rivals, Suspect, having, simulated_distance, suspect
 from pyident.excitation.search import Budget
 from pyident.excitation.tables import write_table
 from pyident.simulation.references import load_experiment
@@ -151,11 +151,21 @@ def _apart(
     score = rivals.score(rivals.grids(log))
     with ExitStack() as stack:
         theirs = [stack.enter_context(rehearsal(robot)) for robot in rivals.robots]
-        found = designed(task, drawing, score, level, own, budget, progress, rivals=theirs)
-        sides = [i for i, who in enumerate(pair) if who is not None]
-        sigmas = min(distance(rivals, i, theirs[i].log(found.plan), level) for i in sides)
+        found = designed(
+            task,
+            drawing,
+            score,
+            level,
+            own,
+            budget,
+            progress,
+            rivals=theirs,
+            worth=lambda plan: simulated_distance(rivals, theirs, plan, level),
+        )
+        there = yardstick(task.robot, own.log(found.plan), task.noise)
+        sigmas = simulated_distance(rivals, theirs, found.plan, there)
     names = ["nothing" if who is None else who.name for who in pair]
-    return found, Promise((names[0], names[1]), sigmas)
+    return found, Promise((names[0], names[1]), sigmas, rivals.robots)
 
 
 def _task(
