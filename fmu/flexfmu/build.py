@@ -16,7 +16,8 @@ from flexmodels.compiling.compiler import BuildError
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 
-_PLANT = ("plant", "integration", "equilibrium", "scalar", "batch", "lanes", "lanes_loop")
+_PLANT = ("plant", "integration", "equilibrium", "scalar")
+_BATCH = ("batch", "lanes", "lanes_loop")
 __all__ = ["BuildError", "export_controller", "export_fmu"]
 
 
@@ -39,8 +40,10 @@ def export_fmu(
     """
     interface = plant_interface(equations)
     inside = [*_loop(equations), *([] if light else ["sensitivities"])]
-    lanes = host_lanes() if light else ALL_LANES
-    derivatives = not light and equations.servo is None  # a servo's dead band and limits have none
+    lanes = () if equations.drives else host_lanes() if light else ALL_LANES
+    batch = () if equations.drives else (*_BATCH, *(f"lanes_{name}" for name in lanes))
+    smooth = equations.servo is None and not equations.drives  # dead bands, limits, held laws are not
+    derivatives = not light and smooth
     papers = None
     if not light:
         require_inertia(equations)
@@ -48,7 +51,7 @@ def export_fmu(
         papers = Papers(page, icons(equations), _push(equations), model)
     package = Package(
         interface=interface,
-        runtime=(*_PLANT, *(f"lanes_{name}" for name in lanes), *inside),
+        runtime=(*_PLANT, *batch, *inside),
         sources=model_sources(equations, derivatives, lanes),
         derivatives=derivatives,
         papers=papers,
@@ -77,12 +80,19 @@ def export_controller(
 
 def _loop(equations: Equations) -> tuple[str, ...]:
     """The runtime's file that closes the loop."""
+    if equations.drives:
+        return ("drive",)
     return ("servo",) if equations.servo else ("pid",) if equations.controller else ()
 
 
 def without_controller(equations: Equations) -> Equations:
     """The plant alone, whose inputs are the motor torques."""
     return replace(equations, name=f"{equations.name}_plant", controller=None, servo=None)
+
+
+def with_drives(equations: Equations) -> Equations:
+    """The plant alone with drives that take a controller's law (runtime/drive.h)."""
+    return replace(without_controller(equations), drives=True)
 
 
 def _push(equations: Equations) -> dict[str, float]:

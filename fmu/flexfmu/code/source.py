@@ -97,6 +97,7 @@ extern const double model_starts[];
 
 def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
     kinds = {("parameter", "fixed"): "f", ("parameter", "tunable"): "t", ("input", "continuous"): "i"}
+    kinds["input", "discrete"] = "i"
     listed = interface.listed
     letters = [
         "s" if v.name in interface.states else kinds.get((v.causality, v.variability), "c") for v in listed
@@ -133,6 +134,7 @@ def _plant_header(
 #define N_MEMORIES {len(equations.memories)}
 #define N_STATES (2 * N_COORDINATES + N_MEMORIES)
 #define N_PARAMETERS {len(equations.parameters)}
+{"#define MODEL_DRIVE" if equations.drives else "/* without drives */"}
 #define N_SHOWN {equations.shown.numel_out(0)}
 {"#define MODEL_DERIVATIVES" if derivatives else "/* without derivatives */"}
 {vectors}
