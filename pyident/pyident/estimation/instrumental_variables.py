@@ -23,6 +23,7 @@ from pyident.regression.reduced import Reduced, reduce
 FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
 _SMOOTH = 51  # bins of `smoothed_power`: two of noise that is alike agree within a fifth
+_EXCESS = 1.2  # times the power of noise: less is not told from it
 _LINES = 2000  # of a spectrum at a time: they fit into memory
 
 
@@ -205,6 +206,12 @@ def smoothed_power(values: np.ndarray) -> np.ndarray:
 
     lines = np.abs(np.fft.rfft(values, transform_length(len(values)), axis=0)) ** 2
     return uniform_filter1d(lines, _SMOOTH, axis=0, mode="nearest")
+
+
+def beyond_noise(left: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Share of an amplitude that no noise accounts for; `smoothed_power` of a residual and of noise in it."""
+    ratio = left / np.maximum(noise, 1e-300)
+    return np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0)))
 
 
 def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:

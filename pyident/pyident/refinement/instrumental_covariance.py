@@ -18,6 +18,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import (
     MomentEquations,
     Rows,
+    beyond_noise,
     smoothed_power,
     spectral,
 )
@@ -33,9 +34,7 @@ from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Simulator, Workers, runs_at_once
 
-_EXCESS = 1.2  # times what the sensors' noise leaves of an equation at a frequency: more is not noise alone
 _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
-_LANES = 16  # runs of one task, of short logs
 
 
 def with_covariance(
@@ -73,9 +72,7 @@ def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, fl
             frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
         more = in_memory(logs.robot, condition(replace(a.log, frame=frame), logs.robot))
         change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
-        left, drawn = (smoothed_power(v * r.share) for v in (r.residual(p), change))
-        ratio = left / np.maximum(drawn, 1e-300)
-        out.append(np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0))))
+        out.append(beyond_noise(*(smoothed_power(v * r.share) for v in (r.residual(p), change))))
     return out
 
 
@@ -99,7 +96,7 @@ def through_simulation(
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
-    together = max(1, runs_at_once(max(len(r.log.frame) for r in logs.again), _LANES) // len(logs.again))
+    together = max(1, runs_at_once(max(len(r.log.frame) for r in logs.again)) // len(logs.again))
     jobs = [
         workers.submit(_shifts, logs.robot, logs.again, changed[at : at + together])
         for at in range(0, len(changed), together)

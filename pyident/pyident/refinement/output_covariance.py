@@ -7,23 +7,29 @@ noise of its sensors, and each such log is estimated as the log was, to first or
 beyond that noise, at a frequency of a channel, counts by its spectrum.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.estimation.instrumental_variables import Rows, smoothed_power, solve_instrumental, spectral
+from pyident.estimation.instrumental_variables import (
+    Rows,
+    beyond_noise,
+    smoothed_power,
+    solve_instrumental,
+    spectral,
+)
 from pyident.estimation.least_squares import Solution
+from pyident.logs.log import Log
 from pyident.regression.reduced import Reduced
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.replay import Replay
+from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Pool, Simulator, runs_at_once
 
 _REPLICAS = 32  # of each log
-_LANES = 16  # runs of one task, of short logs
-_EXCESS = 1.2  # times what noise leaves of a channel at a frequency: more is not noise alone
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,7 @@ def output_covariance(
         for number, change in enumerate(_changes(robot, output.replay, noise, pool)):
             moments[number] += np.einsum("ncp,nc->p", output.slopes, solution.weights**2 * change)
             power = power + smoothed_power(change) / _REPLICAS
-        ratio = smoothed_power(output.rows.residual(solution.p)) / np.maximum(power, 1e-300)
-        beyond.append(np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0))))
+        beyond.append(beyond_noise(smoothed_power(output.rows.residual(solution.p)), power))
     inverse = solution.seen / solution.singular_values[: solution.rank] ** 2 @ solution.seen.T
     errors = moments / solution.scale @ inverse / solution.scale
     wider = float(t.ppf(0.975, _REPLICAS)) / CONFIDENCE  # few draws tell a standard deviation roughly
@@ -69,19 +74,23 @@ def output_covariance(
 
 def _changes(robot: Robot, replay: Replay, noise: dict[str, float], pool: Pool) -> Iterator[np.ndarray]:
     """(N, channels) of each replica: what noise makes of the outputs."""
-    together = runs_at_once(len(replay.plan.time), _LANES)
+    p, repeat = robot.linear_parameters, replay.repeat
+    together = runs_at_once(len(replay.plan.time))
     jobs = [
-        pool.submit(_noisy, robot, replay, noise, range(at, min(at + together, _REPLICAS)))
+        pool.submit(_replicas, repeat, p, noise, range(at, min(at + together, _REPLICAS)))
         for at in range(0, _REPLICAS, together)
     ]
+    quiet = replay.missed(next(iter(replay.run(pool, [p]))))
     for job in jobs:
-        yield from job.result()
+        for log in job.result():
+            yield quiet - replay.missed(log.frame)
 
 
-def _noisy(
-    simulator: Simulator, robot: Robot, replay: Replay, noise: dict[str, float], seeds: Sequence[int]
-) -> list[np.ndarray]:
-    p = robot.linear_parameters
-    quiet = replay.missed(replay.inputs.cut(simulator.simulate(replay.plan, p)))
-    frames = simulator.simulate_batch(replay.plan, [p], noise, seeds)
-    return [quiet - replay.missed(replay.inputs.cut(frame)) for frame in frames]
+def _replicas(
+    simulator: Simulator,
+    repeat: Repeat,
+    parameters: Mapping[str, float],
+    noise: Mapping[str, float],
+    seeds: Sequence[int],
+) -> list[Log]:
+    return repeat.replicas(simulator, parameters, noise, seeds)

@@ -39,11 +39,14 @@ def output_error(
     """
     replays = [replay_of(start.robot, log) for log in logs]
     best, notes = start, (*start.notes, _UNSETTLED)
-    p, missed = _best_of(replays, [_simulable(start, start)], pool)
+    p, missed = _nearest(replays, [_simulable(start, start)], pool)
     outputs = []
     for number in range(_ROUNDS):
         shares = [_share(progress, number + k / len(replays), len(replays)) for k in range(len(replays))]
-        slopes = [_slopes(r, p, start.solution, pool, told) for r, told in zip(replays, shares, strict=True)]
+        slopes = [
+            _slopes(r, p, m, start.solution, pool, told)
+            for r, m, told in zip(replays, missed, shares, strict=True)
+        ]
         values = np.array(list(p.values()))
         outputs = [Outputs(r, s, m + s @ values) for r, s, m in zip(replays, slopes, missed, strict=True)]
         reduced = reduce(((o.slopes, o.target) for o in outputs), replays[0].channels, tuple(p))
@@ -54,8 +57,8 @@ def output_error(
             notes = start.notes
             break
         tried = [dict(zip(p, values + share * step, strict=True)) for share in _SHARES]
-        nearer, left = _best_of(replays, [p, *tried], pool)
-        if nearer is p:
+        nearer, left = _nearest(replays, tried, pool)
+        if _distance(left, replays) >= _distance(missed, replays):
             notes = start.notes
             break
         p, missed = nearer, left
@@ -68,15 +71,18 @@ def output_error(
     )
 
 
-def _best_of(
+def _nearest(
     replays: Sequence[Replay], sets: Sequence[dict[str, float]], pool: Pool
 ) -> tuple[dict[str, float], list[np.ndarray]]:
     """The parameters under which the logs are likeliest, and per log what they miss (N, channels)."""
     missed = zip(*([r.missed(frame) for frame in r.run(pool, sets)] for r in replays), strict=True)
-    likeliest = min(
-        zip(sets, missed, strict=True), key=lambda pair: -np.log(_weights(pair[1], replays)).sum()
-    )
-    return likeliest[0], list(likeliest[1])
+    p, left = min(zip(sets, missed, strict=True), key=lambda pair: _distance(pair[1], replays))
+    return p, list(left)
+
+
+def _distance(missed: Sequence[np.ndarray], replays: Sequence[Replay]) -> float:
+    """Falls as the logs become likelier."""
+    return -float(np.log(_weights(missed, replays)).sum())
 
 
 def _share(progress: Progress | None, rounds: float, logs: int) -> Progress | None:
@@ -97,27 +103,29 @@ def _simulable(found: Identified, start: Identified) -> dict[str, float]:
 def _slopes(
     replay: Replay,
     p: Mapping[str, float],
+    missed: np.ndarray,
     regression: Solution,
     pool: Pool,
     progress: Progress | None,
 ) -> np.ndarray:
-    """Forward differences along every direction that the regression saw; zero along the others."""
+    """Forward differences along every direction that the regression saw; zero along the others.
+
+    missed   (N, channels) under p itself
+    """
     values, scale = np.array(list(p.values())), regression.scale
     step = _STEP * float(np.linalg.norm(regression.p * scale))
     directions = regression.seen.T
     sets = [dict(zip(p, values + step * d / scale, strict=True)) for d in directions]
-    runs = iter(replay.run(pool, [p, *sets]))
-    base = replay.missed(next(runs))
-    slopes = np.empty((*base.shape, len(directions)))
-    for i, frame in enumerate(runs):
-        slopes[:, :, i] = (base - replay.missed(frame)) / step
+    slopes = np.empty((*missed.shape, len(directions)))
+    for i, frame in enumerate(replay.run(pool, sets)):
+        slopes[:, :, i] = (missed - replay.missed(frame)) / step
         if progress:
             progress((i + 1) / len(directions))
     return (slopes @ directions) * scale
 
 
 def _weights(missed: Sequence[np.ndarray], replays: Sequence[Replay]) -> np.ndarray:
-    """One over each channel's noise, taken to be what the start misses."""
+    """One over each channel's noise, taken to be what is missed: (N, channels) per log."""
     noise = np.sqrt(np.mean(np.concatenate(missed) ** 2, axis=0))
     signal = np.sqrt(np.mean(np.concatenate([r.measured for r in replays]) ** 2, axis=0))
     return 1 / np.maximum(noise, _FLOOR * np.maximum(signal, 1e-12))

@@ -10,6 +10,7 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.log import Log, LogError
 from pyident.simulation.recorded import Recorded, loop_of, recorded
+from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulate
 
 Progress = Callable[[float], None]
@@ -27,6 +28,11 @@ class Replay:
     @property
     def plan(self) -> Experiment:
         return self.inputs.plan
+
+    @property
+    def repeat(self) -> Repeat:
+        """The same for who wants replicas of the log."""
+        return Repeat(self.log, self.plan, self.inputs.lead)
 
     def run(self, simulate: Simulate, parameters: Sequence[Mapping[str, float]]) -> Iterable[pd.DataFrame]:
         """The log's motion as other parameters would have made it, a frame per set, in their order."""

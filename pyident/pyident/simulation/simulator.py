@@ -18,11 +18,12 @@ R = TypeVar("R")
 
 Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.DataFrame]]
 _ROWS = 2**21  # of all runs of one task
+_LANES = 16  # runs of one task that does some work with each, of short logs
 _MEASURED = "this motion was measured and cannot be simulated"
 SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
 
 
-def runs_at_once(samples: int, most: int) -> int:
+def runs_at_once(samples: int, most: int = _LANES) -> int:
     """Of experiments of so many samples: how many one task may hold in memory, at most `most`."""
     return max(1, min(most, _ROWS // samples))
 
