@@ -32,6 +32,7 @@ class Explained(Result):
     def headline(self) -> str:
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.4g} to {r.span[1]:.4g} s"
+        where += f", {r.band[0]:.4g} to {r.band[1]:.4g} Hz" if r.band else ""
         if not r.shares:
             return f"{where}: no law of the catalogue acts there."
         best = " or ".join(s.law.name for s in r.tie)
@@ -60,6 +61,7 @@ class Explained(Result):
             "log": r.log,
             "coordinate": r.coordinate,
             "span": list(r.span),
+            "band": list(r.band) if r.band else None,
             "own_laws_percent": r.own_percent,
             "laws": laws,
             "notes": list(self.notes),
@@ -83,6 +85,7 @@ def explain(
     log: str | None = None,
     coordinate: str | None = None,
     span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
     heldout: Logs = (),
     mapping: Columns | None = None,
     allow_effects: bool = False,
@@ -94,6 +97,7 @@ def explain(
     log          where the stretch is, as given or its file's name; none: the first
     coordinate   of the equation; none: the one that fails most
     span         from and to [s]; none: the whole log
+    band         from and to [Hz]; none: up to where the equation stands above its floor
     heldout      logs that may be asked about, but to which nothing is fitted
     The others as in `compare`. Raises RobotError, LogError, SimulationError.
     """
@@ -110,7 +114,7 @@ def explain(
     worst = compared.comparison.where
     trace = compared.comparison.traces[0]
     name = coordinate or (worst.coordinate if worst else trace.coordinate)
-    return explained(compared, waves, log or trace.log, name, span)
+    return explained(compared, waves, log or trace.log, name, span, band)
 
 
 def _later(told: Progress, share: float) -> None:
@@ -143,18 +147,24 @@ def waves_of(
 
 
 def explained(
-    compared: Compared, waves: "Waves", log: str, coordinate: str, span: tuple[float, float] | None = None
+    compared: Compared,
+    waves: "Waves",
+    log: str,
+    coordinate: str,
+    span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
 ) -> Explained:
-    """One stretch of a comparison. log: as given or its file's name; span [s], None: all of it.
+    """One stretch of a comparison. log: as given or its file's name; span [s], band [Hz], None: all.
 
-    Raises LogError where there is no such log or equation.
+    Raises LogError where there is no such log, equation or frequency.
     """
     from pyident.diagnosis.stretches.ranking import ranking
 
     traces = compared.comparison.traces
     _require([t.log for t in traces], log, [t.coordinate for t in traces], coordinate)
-    named = (t for t in traces if log in (t.log, Path(t.log).name) and t.coordinate == coordinate)
-    return Explained(ranking(waves, next(named), span), compared.notes)
+    named = next(t.log for t in traces if log in (t.log, Path(t.log).name))
+    trace = compared.comparison.trace(named, coordinate, band)
+    return Explained(ranking(waves, trace, span), compared.notes)
 
 
 def _require(

@@ -52,14 +52,15 @@ class _Stretch:
 
         self.page, self.diagnosis = page, diagnosis
         self.trace = chosen_trace(page, compared.comparison)
-        span = page.view.span
-        self.asked = explained(compared, waves, self.trace.log, self.trace.coordinate, span)
+        span, band = page.view.span, self.trace.band
+        self.asked = explained(compared, waves, self.trace.log, self.trace.coordinate, span, band)
         self.ranking = self.asked.ranking
 
     def show(self) -> None:
         """Draw it."""
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.2f} to {r.span[1]:.2f} s"
+        where += f", {r.band[0]:.3g} to {r.band[1]:.3g} Hz" if r.band else ""
         ui.label(f"What each law would take of {where}").classes("font-bold mt-2").props(
             'data-testid="stretch"'
         )
@@ -82,7 +83,7 @@ class _Stretch:
     def _command(self) -> str:
         """The command line that ranks the same."""
         r = self.ranking
-        return commands.explaining(self.page.bench.inputs, r.log, r.coordinate, r.span)
+        return commands.explaining(self.page.bench.inputs, r.log, r.coordinate, r.span, r.band)
 
     def _rows(self) -> None:
         tie = self.ranking.tie
