@@ -7,7 +7,7 @@ from pathlib import Path
 from flexfmu.code.compilation import ALL_LANES, host_lanes
 from flexfmu.code.source import controller_sources, model_sources
 from flexfmu.files.documentation import controller_page, plant_page
-from flexfmu.files.icon import icons
+from flexfmu.files.icon import ICONS, icons
 from flexfmu.inertia import require_inertia
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
@@ -39,20 +39,21 @@ def export_fmu(
     model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)
-    inside = [*_loop(equations), *([] if light else ["sensitivities"])]
     lanes = () if equations.drives else host_lanes() if light else ALL_LANES
     batch = () if equations.drives else (*_BATCH, *(f"lanes_{name}" for name in lanes))
     smooth = equations.servo is None and not equations.drives  # dead bands, limits, held laws are not
     derivatives = not light and smooth
+    adjoint = derivatives and fmi == 3  # FMI 2.0 has none
+    inside = [*_loop(equations), *["sensitivities"] * derivatives, *["adjoint"] * adjoint]
     papers = None
     if not light:
         require_inertia(equations)
         page = plant_page(equations, interface, model)
-        papers = Papers(page, icons(equations), _push(equations), model)
+        papers = Papers(page, icons(equations, ICONS[fmi]), _push(equations), model)
     package = Package(
         interface=interface,
         runtime=(*_PLANT, *batch, *inside),
-        sources=model_sources(equations, derivatives, lanes),
+        sources=model_sources(equations, derivatives, adjoint, lanes),
         derivatives=derivatives,
         papers=papers,
     )
@@ -73,7 +74,7 @@ def export_controller(
         runtime=("controller", "pid"),
         sources=controller_sources(interface),
         derivatives=False,
-        papers=Papers(controller_page(equations, interface), icons(equations), push),
+        papers=Papers(controller_page(equations, interface), icons(equations, ICONS[2]), push),
     )
     return write_fmu(package, path, 2, platforms)
 
