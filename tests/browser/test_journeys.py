@@ -113,7 +113,10 @@ def test_a_cell_of_the_map_ranks_its_own_band(tab, project):
         tab.get_by_test_id("stretch").wait_for()
         assert tab.get_by_test_id("stretch").inner_text().endswith(f"{low} to {high} Hz")
         assert tab.get_by_test_id("law-1").count() == 1
+        pictured(tab, "why_band")
         tab.get_by_test_id("place-where").click()
+        tab.get_by_test_id("band").wait_for()
+        pictured(tab, "where_band")
         tab.get_by_test_id("all-frequencies").click()
         tab.get_by_test_id("band").wait_for(state="detached")
         assert "low=" not in tab.url

@@ -72,6 +72,16 @@ def test_only_the_frequencies_of_a_band_count(trace):
     assert abs(asked.shares[1].percent) < 1
 
 
+def test_what_is_not_used_is_not_in_a_band(trace):
+    """Where friction is not known, a large residual means nothing: not beside it either."""
+    spoilt = np.where(TIME < 0.2, 50.0, trace.residual)
+    masked = replace(trace, measured=spoilt, modelled=0 * TIME, used=TIME >= 0.2)
+    clean = replace(masked, measured=np.where(TIME < 0.2, 0.0, trace.residual))
+    level = Floor(np.linspace(0, 100, 201), np.full((1, 201), 0.001))
+    found, expected = (in_band(t, level, 0, (0.0, 5.0)).residual for t in (masked, clean))
+    np.testing.assert_array_equal(found, expected)
+
+
 @pytest.mark.parametrize("band", [(0.0, 30.0), (50.0, 150.0), (300.0, 500.0), (0.0, 500.0)])
 def test_the_ribbon_of_a_band_is_what_noise_has_in_it(trace, band):
     """White noise of 0.3 N m, of which a band holds its share of the Nyquist frequency."""

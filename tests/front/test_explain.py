@@ -8,7 +8,7 @@ from one_joint_logs import recorded
 
 from pyident.cli.main import main
 from pyident.diagnosis.stretches.ranking import Ranking
-from pyident.verbs.explain import Explained
+from pyident.verbs.explain import NOTHING, Explained
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +69,9 @@ def test_what_is_not_there_is_one_sentence(folder, words, sentence):
 
 def test_nothing_to_rank_is_said():
 
-    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), None, 0.0, ()))
+    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), None, 2.0, 0.0, ()))
     assert empty.headline() == "joint1.e of a.parquet, 0 to 1 s: no law of the catalogue acts there."
     assert empty.to_frame().empty
+    below = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), (0.0, 2.0), 0.9, 0.0, ()))
+    assert below.headline().endswith("0 to 2 Hz: " + NOTHING)
+    assert "there is nothing to explain" in below.summary()

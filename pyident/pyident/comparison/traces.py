@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
@@ -18,8 +19,6 @@ from pyident.rules.bins import BINS
 from pyident.rules.rules import RULES
 
 HALF_RIBBON = 1.645  # standard deviations from the middle to the 5 and 95 % of a normal distribution
-_WHOLE = 0.9  # of the Nyquist frequency: above, a filter has nothing to do
-_SHORTEST = 64  # samples that a filter needs
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class Trace:
         """(N,) those frequencies of other values of this equation that are shown of its residual."""
         period = float(self.time[1] - self.time[0])
         if self.band is not None:
-            return band_passed(values, period, self.band)
+            return band_passed(values * self.used, period, self.band)
         return low_passed(values, period, self.cutoff)
 
 
@@ -145,7 +144,7 @@ def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
     from scipy.signal import butter, sosfiltfilt
 
     relative = 2 * cutoff * period
-    if relative >= _WHOLE or len(values) < _SHORTEST:
+    if relative >= 0.9 or len(values) < 64:
         return values
     return np.asarray(sosfiltfilt(butter(2, relative, output="sos"), values))
 
@@ -156,23 +155,16 @@ def in_band(trace: Trace, level: Floor, row: int, band: tuple[float, float]) -> 
     inside = (level.frequencies >= band[0]) & (level.frequencies <= band[1])
     square = 2 * period * float(np.trapezoid(level.rms[row][inside] ** 2, level.frequencies[inside]))
     edge = np.full(len(trace.time), HALF_RIBBON * np.sqrt(square))
-    residual = band_passed(trace.measured - trace.modelled, period, band)
-    return replace(trace, residual=residual, low=-edge, high=edge, band=band)
+    shown = replace(trace, low=-edge, high=edge, band=band)
+    return replace(shown, residual=shown.passed(trace.measured - trace.modelled))
 
 
 def band_passed(values: np.ndarray, period: float, band: tuple[float, float]) -> np.ndarray:
-    """(N,) between two frequencies [Hz], without delay."""
-    from scipy.signal import butter, sosfiltfilt
-
-    if len(values) < _SHORTEST:
-        return values
-    low, high = (2 * edge * period for edge in band)
-    edges, kind = ((low, high), "bandpass") if low > 0 and high < _WHOLE else (high, "lowpass")
-    if high >= _WHOLE:
-        edges, kind = low, "highpass"
-    if low <= 0 and high >= _WHOLE:
-        return values
-    return np.asarray(sosfiltfilt(butter(4, edges, kind, output="sos"), values))
+    """(N,) of the lines of the spectrum between two frequencies [Hz], as a floor counts them."""
+    length = int(next_fast_len(len(values), real=True))  # pyright: ignore[reportArgumentType]
+    frequencies = np.arange(length // 2 + 1) / (length * period)
+    lines = np.asarray(rfft(values, length)) * ((frequencies >= band[0]) & (frequencies <= band[1]))
+    return np.asarray(irfft(lines, length))[: len(values)]
 
 
 def _ribbon(replicas: Sequence[np.ndarray], samples: int, period: float) -> tuple[np.ndarray, np.ndarray]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 _LISTED = 12  # laws of a summary
+NOTHING = "The residual is no larger there than its floor: there is nothing to explain."
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,6 +34,8 @@ class Explained(Result):
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.4g} to {r.span[1]:.4g} s"
         where += f", {r.band[0]:.4g} to {r.band[1]:.4g} Hz" if r.band else ""
+        if r.over_floor <= 1:
+            return f"{where}: {NOTHING}"
         if not r.shares:
             return f"{where}: no law of the catalogue acts there."
         best = " or ".join(s.law.name for s in r.tie)
@@ -62,6 +65,7 @@ class Explained(Result):
             "coordinate": r.coordinate,
             "span": list(r.span),
             "band": list(r.band) if r.band else None,
+            "over_floor": r.over_floor,
             "own_laws_percent": r.own_percent,
             "laws": laws,
             "notes": list(self.notes),
@@ -71,6 +75,8 @@ class Explained(Result):
         shares = self.ranking.shares[:_LISTED]
         rows = [(s.law.name, f"{s.percent:.0f} %", "like the best" if s.tied else "") for s in shares]
         own = f"New values of the model's own laws take {self.ranking.own_percent:.0f} % of it."
+        if self.ranking.over_floor <= 1:
+            own = NOTHING
         least = (
             "A ranking of one stretch is no verdict; pyident diagnose judges all equations on unseen data."
         )

@@ -37,13 +37,15 @@ class Share:
 class Ranking:
     """Of one stretch. own_percent: what new values of the model's own laws take of its excess.
 
-    band   of frequencies [Hz] that count, None: all that are shown
+    band         of frequencies [Hz] that count, None: all that are shown
+    over_floor   rms of the residual there, over that of replicas: from 1 on there is something to explain
     """
 
     coordinate: str
     log: str
     span: tuple[float, float]
     band: tuple[float, float] | None
+    over_floor: float
     own_percent: float
     shares: tuple[Share, ...]
 
@@ -71,8 +73,10 @@ def ranking(waves: Waves, trace: Trace, span: tuple[float, float] | None = None)
             percent = 100 * (own - float(np.mean(left[at] ** 2))) / max(own - floor, 1e-9 * own, 1e-300)
             shares.append(Share(law, percent, taken, left))
     shares.sort(key=lambda share: -share.percent)
+    over_floor = float(np.sqrt(before / max(floor, 1e-300)))
     own_percent = 100 * (before - own) / max(before - floor, 1e-9 * before, 1e-300)
-    return Ranking(trace.coordinate, trace.log, span, trace.band, own_percent, _tied(shares, at, floor))
+    tied = _tied(shares, at, floor)
+    return Ranking(trace.coordinate, trace.log, span, trace.band, over_floor, own_percent, tied)
 
 
 def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share, ...]:

@@ -66,6 +66,10 @@ class _Stretch:
         )
         words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
         own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
+        if r.over_floor <= 1:
+            from pyident.verbs.explain import NOTHING
+
+            own = NOTHING
         ui.label(f"{words} {own}").classes("text-sm")
         ui.label(self._command()).classes("font-mono text-xs").props('data-testid="explain-command"')
         if not r.shares:
