@@ -19,6 +19,7 @@ from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
+from pyident.regression.spectrum import band_top
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
@@ -70,17 +71,31 @@ class AlongMotion:
         return Log(frame, f"replica of {self.log.source}")
 
 
-def along(robot: Robot, log: Log, p: np.ndarray, covariance: np.ndarray | None = None) -> AlongMotion:
-    """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact."""
+def along(
+    robot: Robot,
+    log: Log,
+    p: np.ndarray,
+    covariance: np.ndarray | None = None,
+    known: Mapping[str, float] | None = None,
+) -> AlongMotion:
+    """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact.
+
+    known   signal -> standard deviation of its noise, which is white; none: it is measured in the channels
+    """
     measured = log.signals(robot.coordinates)
     tau = log.signals(robot.torques)
     time = log.signals(["time"])[:, 0]
     noise = np.array([channel_noise(x) for x in measured.T])
-    q = smooth_motion(robot, log)
+    if known is not None:
+        noise = np.array([known[name] for name in robot.coordinates])
+    q = np.column_stack([smooth(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)])
     q, dq, ddq = central_differences(_extended(q), log.period)
     names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
     motion = Motion(q, dq, ddq, tau, time - time[0])
+    if known is not None:
+        given = {name: NoiseSpectrum.white(known[name], log.period) for name in names}
+        return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
     spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise))
@@ -94,13 +109,13 @@ def _torque_noise(
     """Torque -> its noise; repeats: samples after which the motion comes back."""
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
-    at = np.arange(len(left))
+    at, top = np.arange(len(left)), band_top(robot, log.period)
     out = {}
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         known = np.interp(at, at[moving], left[moving, k]) if moving.any() else left[:, k]
-        found = None if repeats else between_reversals(known, moving, log.period)
+        found = None if repeats else between_reversals(known, moving, log.period, top)
         if repeats:
             found = repeated_spectrum(known, repeats, log.period)
         out[name] = found or NoiseSpectrum.white(channel_noise(known), log.period)

@@ -30,13 +30,14 @@ def denoised_every_sample(robot: Robot, log: Log) -> Conditioned:
     return _without_ends(robot, condition_every_sample(_smooth(robot, log), robot))
 
 
-def _applies(robot: Robot) -> bool:
+def denoises(robot: Robot) -> bool:
+    """Whether the motion loses its noise and a torque's has a spectrum; a cutoff of the file forbids it."""
     rigid = not any(joint.flexible for joint in robot.joints)
     return rigid and robot.controller is None and robot.settings.processing.cutoff is None
 
 
 def _smooth(robot: Robot, log: Log) -> Log:
-    if not _applies(robot):
+    if not denoises(robot):
         return log
     frame = log.frame.copy()
     frame[list(robot.coordinates)] = smooth_motion(robot, log)
@@ -44,7 +45,7 @@ def _smooth(robot: Robot, log: Log) -> Log:
 
 
 def _without_ends(robot: Robot, part: Conditioned) -> Conditioned:
-    if not _applies(robot):
+    if not denoises(robot):
         return part
     use, ends = part.use.copy(), int(np.ceil(_ENDS * len(part.use)))
     use[:ends], use[-ends:] = 0.0, 0.0

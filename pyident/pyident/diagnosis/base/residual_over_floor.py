@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
-from pyident.diagnosis.base.denoised import denoised_every_sample
+from pyident.diagnosis.base.denoised import denoised_every_sample, denoises
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import (
@@ -173,7 +173,8 @@ def replicated(
         logs = _equations(setting.robot, made)
         bands = [e.band for e in logs]
         levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in logs]
-        for last in (*[False] * _WEIGHTINGS, True):
+        rounds = _WEIGHTINGS if denoises(setting.robot) else 0
+        for last in (*[False] * rounds, True):
             left = [r * at for r, at in zip(residuals_of(_over(logs, levels)), levels, strict=True)]
             if not last:
                 own = floor(bands, left)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.denoised import denoised
+from pyident.diagnosis.base.denoised import denoised, denoises
 from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
@@ -72,19 +72,25 @@ def set_up(
             noise = sensor_noise(fitted, logs, solution.p)
             own = {log.source: torque_noise(fitted, [log]) for log in logs}
             return _repeated(replace(setting, robot=fitted, noise=noise, own_noise=own), logs)
-    fitted = _as_found(robot, reduced, solution)
-    paths = tuple(along(fitted, log, solution.p, solution.covariance) for log in logs)
+    fitted = _along_model(robot, reduced, solution)
+    known = [None if denoises(robot) else sensor_noise(fitted, [log], solution.p) for log in logs]
+    paths = tuple(
+        along(fitted, log, solution.p, solution.covariance, noise)
+        for log, noise in zip(logs, known, strict=True)
+    )
     each = [{name: spectrum.std for name, spectrum in path.noise.items()} for path in paths]
     noise = {name: float(np.mean([own[name] for own in each])) for name in each[0]}
     own = {path.log.source: of for path, of in zip(paths, each, strict=True)}
     return replace(setting, robot=fitted, simulated=fitted, repeats=paths, noise=noise, own_noise=own)
 
 
-def _as_found(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
+def _along_model(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
     """The robot with the parameters of a solution, physical or not: whose torques are needed, not its motion.
 
     Where a model lacks something, the nearest bodies that can be may be far from what the logs say.
     """
+    if not denoises(robot):
+        return identified(robot, reduced, solution).robot
     name = robot.name if robot.name.endswith(_FITTED) else f"{robot.name}{_FITTED}"
     return robot.with_parameters(dict(zip(reduced.columns, solution.p.tolist(), strict=True)), name)
 
@@ -131,7 +137,7 @@ def unbiased(
         if setting.simulates:
             robot = identified(setting.robot, setting.reduced, solution).robot
         else:
-            robot = _as_found(setting.robot, setting.reduced, solution)
+            robot = _along_model(setting.robot, setting.reduced, solution)
         simulated = setting.simulated.with_parameters(robot.parameters)
         setting = replace(setting, robot=robot, simulated=simulated)
     return setting
