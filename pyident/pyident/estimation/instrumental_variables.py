@@ -20,7 +20,7 @@ import numpy as np
 from flexmodels.threads import gathered
 from pyident.estimation.least_squares import ROUNDING, Directions, Solution, solution_of
 from pyident.regression.machine.threads import each
-from pyident.regression.reduced import Reduced
+from pyident.regression.reduced import Reduced, absent
 from pyident.regression.regressor import predicted
 from pyident.regression.triangle import Triangle
 
@@ -150,11 +150,11 @@ def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Momen
     """The directions that the instruments span, and the moment equations in them."""
     S = _instruments(logs, weights, len(reduced.columns))
     scale = np.linalg.norm(S, axis=0)
-    absent = scale == 0
-    scale[absent] = 1.0
+    nothing = absent(scale, reduced.columns)
+    scale[nothing] = 1.0
     _, s, Vt = np.linalg.svd(S / scale, full_matrices=False)
     r = int((s > ROUNDING * s[0]).sum())
-    Vt[:r, absent] = 0.0
+    Vt[:r, nothing] = 0.0
     turn = (Vt[:r].T / s[:r]) / scale[:, None]
     B = turn.T @ _products(logs, weights) @ (Vt[:r].T / scale[:, None])
     return MomentEquations(logs, reduced, weights, s, Vt, scale, turn, B)

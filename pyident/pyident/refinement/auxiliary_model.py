@@ -61,7 +61,7 @@ from pyident.simulation.simulator import OpenPool, Workers
 NAME = "instrumental variables with a simulated model"
 START = "instrumental variables with filtered signals"
 _ROUNDS = 8
-_NEAR = 2  # round from which on the steps are Newton's: there the simulation's own slope is measured
+_NEAR = 3  # round from which on the steps are Newton's: there the simulation's own slope is measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _LOW = (0.15, 0.04)  # of the Nyquist frequency: pass the first instruments; the better start is taken
 _SHIFTS = 10.0  # times as much as scatter counts in a weight what samples do: it does not average out
