@@ -7,7 +7,7 @@ from pathlib import Path
 from flexfmu.code.compilation import ALL_LANES, host_lanes
 from flexfmu.code.source import controller_sources, model_sources
 from flexfmu.files.documentation import controller_page, plant_page
-from flexfmu.files.icon import icons
+from flexfmu.files.icon import ICONS, icons
 from flexfmu.inertia import require_inertia
 from flexfmu.interface import controller_interface, plant_interface
 from flexfmu.package import Package, Papers, Platforms, Version, write_fmu
@@ -16,7 +16,8 @@ from flexmodels.compiling.compiler import BuildError
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 
-_PLANT = ("plant", "integration", "equilibrium", "scalar", "batch", "lanes", "lanes_loop")
+_PLANT = ("plant", "integration", "equilibrium", "scalar")
+_BATCH = ("batch", "lanes", "lanes_loop")
 __all__ = ["BuildError", "export_controller", "export_fmu"]
 
 
@@ -38,18 +39,21 @@ def export_fmu(
     model        content of the robot file, kept in the documentation with its hash
     """
     interface = plant_interface(equations)
-    inside = [*_loop(equations), *([] if light else ["sensitivities"])]
-    lanes = host_lanes() if light else ALL_LANES
-    derivatives = not light and equations.servo is None  # a servo's dead band and limits have none
+    lanes = () if equations.drives else host_lanes() if light else ALL_LANES
+    batch = () if equations.drives else (*_BATCH, *(f"lanes_{name}" for name in lanes))
+    smooth = equations.servo is None and not equations.drives  # dead bands, limits, held laws are not
+    derivatives = not light and smooth
+    adjoint = derivatives and fmi == 3  # FMI 2.0 has none
+    inside = [*_loop(equations), *["sensitivities"] * derivatives, *["adjoint"] * adjoint]
     papers = None
     if not light:
         require_inertia(equations)
         page = plant_page(equations, interface, model)
-        papers = Papers(page, icons(equations), _push(equations), model)
+        papers = Papers(page, icons(equations, ICONS[fmi]), _push(equations), model)
     package = Package(
         interface=interface,
-        runtime=(*_PLANT, *(f"lanes_{name}" for name in lanes), *inside),
-        sources=model_sources(equations, derivatives, lanes),
+        runtime=(*_PLANT, *batch, *inside),
+        sources=model_sources(equations, derivatives, adjoint, lanes),
         derivatives=derivatives,
         papers=papers,
     )
@@ -70,19 +74,26 @@ def export_controller(
         runtime=("controller", "pid"),
         sources=controller_sources(interface),
         derivatives=False,
-        papers=Papers(controller_page(equations, interface), icons(equations), push),
+        papers=Papers(controller_page(equations, interface), icons(equations, ICONS[2]), push),
     )
     return write_fmu(package, path, 2, platforms)
 
 
 def _loop(equations: Equations) -> tuple[str, ...]:
     """The runtime's file that closes the loop."""
+    if equations.drives:
+        return ("drive",)
     return ("servo",) if equations.servo else ("pid",) if equations.controller else ()
 
 
 def without_controller(equations: Equations) -> Equations:
     """The plant alone, whose inputs are the motor torques."""
     return replace(equations, name=f"{equations.name}_plant", controller=None, servo=None)
+
+
+def with_drives(equations: Equations) -> Equations:
+    """The plant alone with drives that take a controller's law (runtime/drive.h)."""
+    return replace(without_controller(equations), drives=True)
 
 
 def _push(equations: Equations) -> dict[str, float]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from flexfmu.code.generated import everything
+from flexfmu.law import SAMPLED, law_names
 from flexfmu.names import fmi_name
 from flexfmu.variables import states
 from flexmodels.mechanics.plant import Equations
@@ -28,12 +29,19 @@ class Dependencies:
 
 def controller_dependencies(joints: int) -> Dependencies:
     """Of a controller alone: a sample that is due answers at once."""
-    running, initial = {}, {}
+    running: dict[str, Known] = {SAMPLED: frozenset()}
+    initial: dict[str, Known] = {SAMPLED: frozenset()}
     for k in range(1, joints + 1):
         own = {f"joint{k}.{s}" for s in ("r", "tau_ff", "e", *_GAINS)}
-        running[f"joint{k}.tau"] = frozenset(own)
+        running |= dict.fromkeys((f"joint{k}.{s}" for s in ("tau", "stiffness", "damping")), frozenset(own))
         first = {f"joint{k}.{s}" for s in ("r", "tau_ff", "e", "Kp", "tau_max", "I_0")}
-        initial[f"joint{k}.tau"] = frozenset(first)
+        initial |= dict.fromkeys((f"joint{k}.{s}" for s in ("tau", "stiffness", "damping")), frozenset(first))
+        initial[f"joint{k}.damping"] |= {f"joint{k}.Kd"}
+        for seen in ("e", "de"):
+            running[f"joint{k}.{seen}_sampled"] = frozenset([f"joint{k}.{seen}"])
+            initial[f"joint{k}.{seen}_sampled"] = frozenset([f"joint{k}.{seen}"])
+        running[f"joint{k}.tau_rate"] = frozenset(own)
+        initial[f"joint{k}.tau_rate"] = frozenset()  # it needs two samples
     return Dependencies(running, initial)
 
 
@@ -52,6 +60,8 @@ def _torque(eq: Equations) -> list[Known]:
     joints = range(1, eq.joints + 1)
     if eq.servo is not None:
         return [_servo_inputs(eq, k) | {f"joint{k}.e", f"joint{k}.de"} for k in joints]
+    if eq.drives:
+        return [frozenset(law_names(k)) | {SAMPLED, f"joint{k}.e", f"joint{k}.de"} for k in joints]
     if eq.controller is None:
         return [frozenset([f"joint{k}.tau"]) for k in joints]
     return [frozenset(f"joint{k}.{s}" for s in ("r", "tau_ff", "e", *_GAINS)) for k in joints]
@@ -81,6 +91,8 @@ def _following(eq: Equations, state: Mapping[str, Known], torque: Sequence[Known
         out[f"joint{k + 1}.friction_margin"] = braking | levels | speed
         if eq.controller or eq.servo:
             out[f"joint{k + 1}.tau"] = torque[k]
+        if eq.drives:
+            out[f"joint{k + 1}.tau_motor"] = torque[k]
     return out
 
 
@@ -118,6 +130,9 @@ def _first_torque(eq: Equations, force: Sequence[Known]) -> list[Known]:
     if eq.servo is not None:
         joints = range(1, eq.joints + 1)
         return [_servo_inputs(eq, k) | {f"joint{k}.e_0", f"joint{k}.de_0"} for k in joints]
+    if eq.drives:
+        starts = ({f"joint{k}.e_0", f"joint{k}.de_0"} for k in range(1, eq.joints + 1))
+        return [frozenset(law_names(k)) | {SAMPLED} | start for k, start in enumerate(starts, start=1)]
     if eq.controller is None:
         return _torque(eq)
     own = ("start_error", "tau_ff", "Kp", "tau_max")

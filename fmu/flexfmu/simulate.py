@@ -1,4 +1,4 @@
-"""FMU + experiment -> log, for FMUs that follow the log contract; FMPy is imported here and in `fmu_file`."""
+"""FMU + experiment -> log, for FMUs that follow the log contract."""
 
 import ctypes
 import re
@@ -22,6 +22,7 @@ from flexfmu.code.compilation import HOST
 from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.finite import require_finite
 from flexfmu.fmu_file import FmuDescription, first_line
+from flexfmu.foreign.by_fmpy import Course, run_by_fmpy
 from flexfmu.names import fmi_name
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
@@ -104,34 +105,9 @@ class LoadedFmu(FmuDescription):
     ) -> np.ndarray:
         """FMI 3.0 and model exchange, by FMPy's own loop; inputs are linear between samples."""
         names, inputs = self._input_names(experiment), input_values(self.references, experiment)
-        signals = np.zeros(len(inputs), dtype=[(name, float) for name in ("time", *names)])
-        signals["time"] = experiment.time
-        for name, values in zip(names, inputs.T, strict=True):
-            signals[name] = values
-        simulation = self.description.coSimulation
-        events = bool(simulation and simulation.hasEventMode)
-        messages: list[str] = []
-        stop = float(experiment.time[-1])
-        try:
-            result = simulate_fmu(
-                self._folder,
-                fmi_type="CoSimulation" if simulation else "ModelExchange",
-                start_time=float(experiment.time[0]),
-                stop_time=stop,
-                output_interval=float(experiment.time[1] - experiment.time[0]),
-                start_values={fmi_name(name): value for name, value in parameters.items()},
-                input=signals,
-                output=list(logged),
-                relative_tolerance=None if simulation else 1e-8,  # pyright: ignore[reportArgumentType]
-                use_event_mode=events,
-                early_return_allowed=events,
-                logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),
-                step_finished=lambda time, _: not (progress and progress(time / stop)),
-            )
-        except Exception as error:
-            raise SimulationError(messages[-1] if messages else f"the FMU failed ({error})") from None
-        last = np.searchsorted(result["time"], experiment.time + 1e-9) - 1  # after an event at the sample
-        rows = np.column_stack([result[name][last] for name in logged])
+        course = Course(experiment.time, tuple(names), inputs)
+        starts = {fmi_name(name): value for name, value in parameters.items()}
+        rows = run_by_fmpy(self._folder, self.description, course, starts, logged, progress)
         for name, values in zip(names, inputs.T, strict=True):
             rows[:, logged.index(name)] = values
         return rows

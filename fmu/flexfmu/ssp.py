@@ -3,10 +3,11 @@
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from flexfmu.build import export_controller, export_fmu, without_controller
+from flexfmu.build import export_controller, export_fmu, with_drives
 from flexfmu.files.provenance import sign, zip_folder
 from flexfmu.files.units import base_units
 from flexfmu.interface import Interface, controller_interface, plant_interface
+from flexfmu.law import SAMPLED, law_names
 from flexfmu.package import Platforms
 from flexfmu.simulate import constant_run
 from flexfmu.variable import Variable
@@ -26,7 +27,7 @@ def export_ssp(equations: Equations, path: str | Path, platforms: Platforms = "h
     and feed-forward torques are inputs of the component `controller`. The system has no connectors of its own
     and connects no parameters: simple masters know neither.
     """
-    path, plant = Path(path), without_controller(equations)
+    path, plant = Path(path), with_drives(equations)
     with scratch_folder() as root:
         resources = root / "resources"
         resources.mkdir()
@@ -74,10 +75,11 @@ def _structure(equations: Equations, parts: dict[str, Interface]) -> bytes:
         _connectors(component, [v for v in interface.listed if v.causality in ("input", "output")])
     lines = _element(system, "Connections")
     for k in range(1, equations.joints + 1):
-        for start, end, signal in (("plant", "controller", "e"), ("controller", "plant", "tau")):
-            name = of_joint(k, signal)
-            ends = {"startElement": start, "startConnector": name, "endElement": end, "endConnector": name}
-            _element(lines, "Connection", **ends)
+        motion = [("plant", "controller", of_joint(k, signal)) for signal in ("e", "de")]
+        law = [("controller", "plant", name) for name in law_names(k)]
+        for start, end, name in (*motion, *law):
+            _connect(lines, start, end, name)
+    _connect(lines, "controller", "plant", SAMPLED)
     units = _element(root, "Units")
     for unit in sorted({v.unit for part in parts.values() for v in part.listed}):
         element = ET.SubElement(units, f"{{{_SSC}}}Unit", name=unit)
@@ -93,6 +95,11 @@ def _connectors(parent: ET.Element, listed: list[Variable]) -> None:
     for v in listed:
         connector = _element(group, "Connector", name=v.name, kind=v.causality)
         ET.SubElement(connector, f"{{{_SSC}}}Real", unit=v.unit)
+
+
+def _connect(parent: ET.Element, start: str, end: str, name: str) -> None:
+    ends = {"startElement": start, "startConnector": name, "endElement": end, "endConnector": name}
+    _element(parent, "Connection", **ends)
 
 
 def _element(parent: ET.Element, tag: str, **attributes: str) -> ET.Element:

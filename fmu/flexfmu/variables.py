@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from flexfmu.law import law_inputs, law_outputs
 from flexfmu.names import fmi_name
 from flexfmu.variable import Variable
 from flexmodels.coordinate import (
@@ -38,7 +39,9 @@ def variables(equations: Equations) -> list[Variable]:
         begin = [*_start_positions(eq), *_holding(eq), *_start_speeds(eq)]
     gains = _servo(eq) if eq.servo else _gains(eq)
     step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
-    return [*begin, *_states(eq), *_torques(eq), *_results(eq), *_parameters(eq), *gains, step]
+    torques = _held_torques(eq) if eq.drives else _torques(eq)
+    received = law_inputs(eq) if eq.drives else []
+    return [*begin, *_states(eq), *torques, *_results(eq), *_parameters(eq), *gains, step, *received]
 
 
 def controller_variables(equations: Equations, integral: Mapping[str, float]) -> list[Variable]:
@@ -49,6 +52,7 @@ def controller_variables(equations: Equations, integral: Mapping[str, float]) ->
         *_feedforward(eq),
         *_measured(eq),
         *_torques(eq),
+        *law_outputs(eq),
         *_integrals(eq, integral),
         *_gains(eq),
     ]
@@ -114,6 +118,10 @@ def _measured(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Position of motor hinge {k + 1}, read at every sample of the controller"
         yield Variable(motor_of(k + 1), "input", "continuous", _motion_unit(eq, k), text, 0.0)
+    for k in range(eq.joints):
+        text = f"Speed of motor hinge {k + 1}, handed on as joint{k + 1}.de_sampled"
+        unit = f"{_motion_unit(eq, k)}/s"
+        yield Variable(of_joint(k + 1, "de"), "input", "continuous", unit, text, 0.0)
 
 
 def _start_positions(eq: Equations) -> Iterator[Variable]:
@@ -194,6 +202,12 @@ def _torques(eq: Equations) -> Iterator[Variable]:
             continue
         text = f"Motor torque of joint {k}, held until the next sample"
         yield Variable(name, "output", "discrete", unit, text)
+
+
+def _held_torques(eq: Equations) -> Iterator[Variable]:
+    for k in range(eq.joints):
+        text = f"Motor torque of joint {k + 1}, held until the drive receives another law"
+        yield Variable(of_joint(k + 1, "tau_motor"), "output", "discrete", _force_unit(eq, k), text)
 
 
 def _results(eq: Equations) -> Iterator[Variable]:

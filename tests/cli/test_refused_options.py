@@ -2,9 +2,13 @@
 
 import pytest
 from click.testing import CliRunner
+from one_joint import one_joint, swing
 from two_link_logs import TWO_LINK
 
+from flexmodels.files.robot_file import save_robot
 from pyident.cli.main import main
+from pyident.logs.log import Log, write_log
+from pyident.simulation.fmu_runs import simulate_robot
 
 
 @pytest.mark.parametrize(
@@ -29,3 +33,20 @@ def test_they_are_refused(words, sentence, tmp_path, monkeypatch):
     done = CliRunner().invoke(main, [command, str(TWO_LINK), str(log), *options])
     assert done.exit_code == 2, done.output
     assert sentence in " ".join(done.output.split())
+
+
+def test_what_judges_or_settles_an_identification_is_looked_at_before_it(tmp_path, monkeypatch):
+    """Minutes of work are not lost by a path with a slip in it."""
+    monkeypatch.setattr("pyident.verbs.fit._identified", None)
+    log = tmp_path / "log.parquet"
+    write_log(Log(simulate_robot(one_joint(), swing(2.0)), "log"), log)
+    robot = tmp_path / "robot.toml"
+    save_robot(one_joint(), robot)
+    for options, sentence in (
+        (("--holdout", str(tmp_path / "nowhere.csv")), "nowhere.csv"),
+        (("--prior", "nowhere.toml"), "nowhere.toml"),
+        (("--prior", "four_link"), "give a model of the same arm"),
+    ):
+        done = CliRunner().invoke(main, ["identify", str(robot), str(log), *options])
+        assert done.exit_code == 2, done.output
+        assert sentence in " ".join(done.output.split())

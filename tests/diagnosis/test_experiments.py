@@ -8,8 +8,9 @@ from one_joint import one_joint
 
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.motions import Identification, Multisine
-from pyident.diagnosis.motions.separating import Separation, distance, separating, variants
+from pyident.diagnosis.motions.separating import Separation, distance, separating
 from pyident.estimation.identify import identify
+from pyident.excitation.variants import variants
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.simulator import rivals as simulated

@@ -13,8 +13,8 @@ from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.motions.detectable import limits
 from pyident.diagnosis.motions.revealing import revealing
-from pyident.diagnosis.motions.separating import variants
 from pyident.diagnosis.result import Limit
+from pyident.excitation.variants import variants
 from pyident.logs.log import Log
 from pyident.rules.replicas import ReplicaRules
 from pyident.rules.rules import Rules

@@ -9,7 +9,7 @@ from six_axis_logs import ROTOR, arm, made
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
-from pyident.estimation.identify import identified, identify, near
+from pyident.estimation.identify import identified, identify, near, of_the_same_arm
 from pyident.estimation.least_squares import solve
 from pyident.estimation.physical import _distance
 from pyident.logs.log import Log
@@ -69,10 +69,10 @@ def test_the_distance_is_that_of_the_log_determinant():
         assert found == pytest.approx(4 * (s - 1 - np.log(s)), abs=1e-6)
 
 
-def test_a_prior_of_another_arm_is_refused(fitted):
-    _, found = fitted
+def test_a_prior_of_another_arm_is_refused():
     with pytest.raises(RobotError, match="same arm"):
-        near(found, load_robot("emps"))
+        of_the_same_arm(load_robot("emps"), arm())
+    assert of_the_same_arm(arm(), arm()).name == arm().name
 
 
 @pytest.mark.parametrize("estimator", ["wls", "iv"])

@@ -22,7 +22,6 @@ def test_suspects_are_read_and_wrong_ones_refused():
         suspect("backlash")
 
 
-@pytest.mark.slow
 def test_noisy_logs_differ_by_what_was_promised():
     """The wrong one of two friction laws leaves promise² more than the right one."""
     robot = limited()

@@ -1,9 +1,10 @@
-"""The table of docs/importers.md: every tool, both interfaces, FMI 2 and 3, every shipped robot.
+"""The tables of docs/importers.md: every tool, both interfaces, FMI 2 and 3, every shipped robot; the SSP.
 
-    cd tests && python -m importers.matrix [../docs/importers.md] [--robots four_link emps]
+    cd tests && python -m importers.matrix [../docs/importers.md] [--robots four_link emps] [--tables systems]
 
 Robots with a controller run the identification experiment in closed loop; the plants of the others move under
-constant torques that overcome their friction. 2 s in co-simulation, 0.5 s in model exchange.
+constant torques that overcome their friction. 2 s in co-simulation, 0.5 s in model exchange. The SSPs of
+robots with a controller run the same experiment at several communication steps.
 """
 
 import argparse
@@ -15,12 +16,14 @@ from pathlib import Path
 
 import numpy as np
 from importers.environment import CannotInstall
-from importers.tools import TOOLS, Tool, ask
+from importers.tools import TOOLS, Answer, Tool, ask
 
 import pyident as pi
 from flexfmu.foreign.model import FmuModel
 from flexfmu.simulate import LoadedFmu
+from flexfmu.ssp import export_ssp
 from flexmodels.experiment import Experiment, identification
+from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 
 ROBOTS = ("four_link", "parallelogram", "emps", "tx40", "kuka_kr300")
@@ -29,7 +32,9 @@ PERIOD = 0.004  # [s] of the steps of a plant
 MOTOR = {"J_m": 0.5, "coulomb": 5.0, "viscous": 2.0}  # of every hinge without a controller, in SI units
 TORQUE = 15.0  # beyond what holds a hinge, in SI units
 MOVES = 1e-3  # [m or rad]
-BEGIN, END = "<!-- matrix -->", "<!-- end of matrix -->"
+MATRIX, SYSTEMS = "matrix", "systems"  # the tables' marks on the page
+SYSTEM_TOOLS = ("ecos-cs", "libcosim-cs")
+PARTS = (1, 2, 4)  # communication steps of a system in one sample of its controller
 
 
 @dataclass(frozen=True)
@@ -102,6 +107,61 @@ def cell(tool: Tool, version: int, case: Case) -> tuple[str, str]:
     return f"{error:.0e}, {speed:.2g}×{mark}", (new or [""])[0]
 
 
+def system_request(ssp: Path, plan: Experiment, parts: int) -> dict:
+    """Of an SSP: some communication steps per sample of the plan, over which the inputs are held."""
+    steps = parts * (len(plan.time) - 1)
+    pairs = (("r", plan.reference), ("tau_ff", plan.feedforward))
+    return {
+        "fmu": str(ssp),
+        "time": [plan.time[1] / parts * i for i in range(steps + 1)],
+        "inputs": {
+            f"controller::joint{k}.{s}": np.repeat(v, parts)[: steps + 1].tolist()
+            for s, u in pairs
+            for k, v in enumerate(u.T, start=1)
+        },
+        "outputs": [f"plant::tip.{axis}" for axis in "xyz"],
+    }
+
+
+def system_rows(answer: Answer, parts: int) -> np.ndarray:
+    """(N - 1, 3) the tip after each sample of the plan."""
+    return np.column_stack([answer.rows[f"plant::tip.{axis}"] for axis in "xyz"])[parts - 1 :: parts]
+
+
+def systems(robots: tuple[str, ...]) -> Iterator[str]:
+    """Lines of Markdown: the SSP of every robot with a controller, against the single FMU."""
+    loops = [robot for robot in map(pi.load_robot, robots) if robot.controller]
+    yield (
+        "| tool | SSP of | "
+        + " | ".join(f"{parts} step{'s' * (parts > 1)} a sample" for parts in PARTS)
+        + " |"
+    )
+    yield "|---" * (2 + len(PARTS)) + "|"
+    for robot in loops:
+        with tempfile.TemporaryDirectory() as folder:
+            fmu = pi.export_fmu(robot, Path(folder) / "arm.fmu")
+            ssp = export_ssp(equations(robot), Path(folder) / "arm.ssp")
+            plan: Experiment = identification(robot, duration=DURATIONS["CoSimulation"])
+            with LoadedFmu(fmu) as loaded:
+                own = loaded.simulate(plan)[["tip.x", "tip.y", "tip.z"]].to_numpy()[1:]
+            for name in SYSTEM_TOOLS:
+                cells = [_system_cell(TOOLS[name], system_request(ssp, plan, m), own, m) for m in PARTS]
+                yield f"| {TOOLS[name].title} | {robot.name} | " + " | ".join(cells) + " |"
+
+
+def _system_cell(tool: Tool, request: dict, expected: np.ndarray, parts: int) -> str:
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            answer = ask(tool, Path(folder), request)
+        except CannotInstall:
+            return "not here"
+        except AssertionError:
+            return "fails"
+    error = float(np.abs(system_rows(answer, parts) - expected).max())
+    mark = " !" if answer.complaints else ""
+    return f"{1e3 * request['time'][1]:g} ms: {error:.1e}, {request['time'][-1] / answer.seconds:.2g}×{mark}"
+
+
 def table(robots: tuple[str, ...]) -> Iterator[str]:
     """Lines of Markdown."""
     notes: dict[str, str] = {}
@@ -129,15 +189,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("page", nargs="?", type=Path, help="whose table is replaced; none: printed only")
     parser.add_argument("--robots", nargs="+", default=ROBOTS)
+    parser.add_argument("--tables", nargs="+", default=(MATRIX, SYSTEMS), choices=(MATRIX, SYSTEMS))
     given = parser.parse_args()
-    lines = []
-    for line in table(tuple(given.robots)):
-        print(line, flush=True)
-        lines.append(line)
-    if given.page:
-        text = given.page.read_text()
-        before, after = text.split(BEGIN)[0], text.split(END)[1]
-        given.page.write_text(f"{before}{BEGIN}\n" + "\n".join(lines).rstrip() + f"\n{END}{after}")
+    for mark, make in {MATRIX: table, SYSTEMS: systems}.items():
+        if mark not in given.tables:
+            continue
+        lines = []
+        for line in make(tuple(given.robots)):
+            print(line, flush=True)
+            lines.append(line)
+        if given.page:
+            _replace(given.page, mark, "\n".join(lines).rstrip())
+
+
+def _replace(page: Path, mark: str, table: str) -> None:
+    begin, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
+    text = page.read_text()
+    before, after = text.split(begin)[0], text.split(end)[1]
+    page.write_text(f"{before}{begin}\n{table}\n{end}{after}")
 
 
 if __name__ == "__main__":

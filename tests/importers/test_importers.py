@@ -20,6 +20,7 @@ import fmpy
 import numpy as np
 import pytest
 from importers.environment import CannotInstall, scripts_of
+from importers.matrix import SYSTEM_TOOLS, system_request, system_rows
 from importers.tools import EXACT, FMPY, TOOLS, Tool, ask, say
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -161,6 +162,23 @@ def test_fmpy_finds_no_problem(version, fmus):
 @VERSIONS
 def test_fmutool_finds_no_problem(version, fmus):
     assert fmutool_says(version, fmus[version]) == ([], True)
+
+
+@pytest.mark.parametrize("name", SYSTEM_TOOLS)
+@pytest.mark.parametrize("parts", [1, 4])
+def test_the_ssp_stays_stable_under_a_parallel_master(parts, name, four_link, four_link_fmu, tmp_path):
+    """2 s at 4 and 1 ms; without the law's stiffness and damping it left the finite numbers at 4 ms."""
+    plan = identification(four_link, duration=2.0)
+    ssp = export_ssp(equations(four_link), tmp_path / "arm.ssp")
+    try:
+        answer = ask(TOOLS[name], tmp_path, system_request(ssp, plan, parts))
+    except CannotInstall as reason:
+        pytest.skip(str(reason))
+    with LoadedFmu(four_link_fmu) as loaded:
+        expected = tip(loaded.simulate(plan))[1:]
+    assert answer.complaints == ()
+    error = np.abs(system_rows(answer, parts) - expected).max()
+    assert error < 3e-3 / parts  # [m], the tip moves by 1.5 m
 
 
 @pytest.mark.parametrize("part", ["plant", "controller"])

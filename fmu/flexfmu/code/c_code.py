@@ -69,8 +69,10 @@ def prototype(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> s
 
 
 def _dense(function: ca.Function) -> ca.Function:
+    """What outputs share is found in all of them at once: one by one they would no longer share it."""
     symbols = function.sx_in()
-    return ca.Function(function.name(), symbols, [ca.densify(ca.cse(y)) for y in function.call(symbols)])
+    shared = ca.cse(function.call(symbols))
+    return ca.Function(function.name(), symbols, [ca.densify(y) for y in shared])
 
 
 def _pieces(f: ca.Function, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> Iterator[list[str]]:

@@ -20,8 +20,10 @@ LICENSES = Path(str(resources.files("flexfmu") / "licenses"))
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 
 
-def model_sources(equations: Equations, derivatives: bool, lanes: Sequence[str] = ()) -> dict[str, str]:
-    """File name -> text of the generated files.
+def model_sources(
+    equations: Equations, derivatives: bool, adjoint: bool, lanes: Sequence[str] = ()
+) -> dict[str, str]:
+    """File name -> text of the generated files; `adjoint`: with the products of the transposed Jacobian too.
 
     What changes with the parameters' values alone stands apart, in model_tables.c and model_token.h: the rest
     is then an object that has been compiled before.
@@ -35,9 +37,10 @@ def model_sources(equations: Equations, derivatives: bool, lanes: Sequence[str] 
         "model.c": '#include "model.h"\n#include "scalar.h"\n#include "model_rates.h"\n'
         + "\n".join(g.c for g in outside),
     }
-    if derivatives:
-        body = "\n".join(g.c for g in products)
-        files["model_derivatives.c"] = f'#include "model.h"\n#include "scalar.h"\n{body}'
+    for name, wanted in {"model_forward.c": derivatives, "model_adjoint.c": adjoint}.items():
+        if wanted:
+            body = "\n".join(g.c for g in products if (g.name == "adjoint") == (name == "model_adjoint.c"))
+            files[name] = f'#include "model.h"\n#include "scalar.h"\n{body}'
     plant = _plant_header(equations, [*inside, *outside, *products], derivatives, lanes)
     period = equations.servo.period if equations.servo else None
     return {"model.h": _header(interface, plant, period), **_token_file(_token(interface, files))} | files
@@ -97,6 +100,7 @@ extern const double model_starts[];
 
 def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
     kinds = {("parameter", "fixed"): "f", ("parameter", "tunable"): "t", ("input", "continuous"): "i"}
+    kinds["input", "discrete"] = "i"
     listed = interface.listed
     letters = [
         "s" if v.name in interface.states else kinds.get((v.causality, v.variability), "c") for v in listed
@@ -133,6 +137,7 @@ def _plant_header(
 #define N_MEMORIES {len(equations.memories)}
 #define N_STATES (2 * N_COORDINATES + N_MEMORIES)
 #define N_PARAMETERS {len(equations.parameters)}
+{"#define MODEL_DRIVE" if equations.drives else "/* without drives */"}
 #define N_SHOWN {equations.shown.numel_out(0)}
 {"#define MODEL_DERIVATIVES" if derivatives else "/* without derivatives */"}
 {vectors}

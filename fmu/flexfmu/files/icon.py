@@ -1,5 +1,6 @@
 """The FMU's icon: the arm's links as lines, its hinges as discs."""
 
+from collections.abc import Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING
 
@@ -10,17 +11,18 @@ from flexmodels.mechanics.plant import Equations
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ICONS: dict[int, tuple[str, ...]] = {2: ("png",), 3: ("png", "svg")}  # by version of the standard
 _BEND = 1.0  # [rad] so that a stretched arm shows its joints
 _SIZE = 2.56  # [inch]
 
 
-def icons(equations: Equations) -> dict[str, bytes]:
-    """`icon.png` (256 x 256) and `icon.svg`: the view that shows most of the arm."""
+def icons(equations: Equations, kinds: Sequence[str]) -> dict[str, bytes]:
+    """`icon.png` (256 x 256) and `icon.svg`, as far as wanted: the view that shows most of the arm."""
     from matplotlib import rc_context
 
     figure = _drawing(_flattened(equations))
     out = {}
-    for kind in ("png", "svg"):
+    for kind in kinds:
         content = BytesIO()
         metadata = {"Date": None} if kind == "svg" else {"Software": None}
         with rc_context({"svg.hashsalt": equations.name}):

@@ -56,6 +56,7 @@ class FmuModel(FmuDescription):
         if self.interface not in have:
             raise SimulationError(f"{path} has no {self.interface}; it has {' and '.join(have)}")
         self._variables = {v.name: v for v in self.description.modelVariables}
+        self._gives_derivatives = self.interface == "ModelExchange" and _gives_derivatives(self._path)
         listed = (v for v in self.description.modelVariables if not v.dimensions)
         self.quantities = {v.name: _quantity(v) for v in listed if _is_number(str(v.type))}
 
@@ -115,10 +116,8 @@ class FmuModel(FmuDescription):
     def has_sensitivity(self, name: str, inputs: Sequence[str], outputs: Sequence[str]) -> bool:
         """Whether the standard gives the outputs' derivatives by a variable: in model exchange, of listed
         outputs and states by tunable parameters and the start of states, under continuous inputs."""
-        if self.interface != "ModelExchange" or not _gives_derivatives(self._path):
-            return False
         pairs = continuous_states(self.description)
-        if not pairs or any(rate.dimensions for _, rate in pairs):
+        if not self._gives_derivatives or not pairs or any(rate.dimensions for _, rate in pairs):
             return False
         states = {state.valueReference for state, _ in pairs}
         listed = states | {u.variable.valueReference for u in self.description.outputs if u.variable}

@@ -18,6 +18,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ScalarVariable
 
 from flexfmu.fmu_file import continuous_states
+from flexfmu.foreign.access import Access, feed_at_every_instant, linear_feed
 from flexfmu.foreign.parent import REQUEST, RESULT
 from flexfmu.foreign.sensitivities import Course, Structure, sensitivities, start_slopes
 from flexmodels.inputs import SimulationError
@@ -87,8 +88,8 @@ class _Unpacked:
     ) -> np.ndarray:
         """Co-simulation, a step per sample; (N, outputs)."""
         fmu = self._instance(FMU2Slave if self._old else FMU3Slave)
-        write = _Access(fmu, "set", [self.variables[name] for name in self.inputs])
-        read = _Access(fmu, "get", [self.variables[name] for name in self.outputs])
+        write = Access(fmu, "set", [self.variables[name] for name in self.inputs])
+        read = Access(fmu, "get", [self.variables[name] for name in self.outputs])
         try:
             self._initialise(fmu, time, values, lambda _: write.put(inputs[0]))
             rows = np.empty((len(time), len(self.outputs)))
@@ -118,15 +119,7 @@ class _Unpacked:
             signals[name] = column
         stop = float(time[-1])
         fmu = self._instance(FMU2Model if self._old else FMU3Model)
-        feed, set_time = self._feed(fmu, time, inputs), fmu.setTime
-
-        def set_time_and_inputs(now: float) -> Any:
-            """FMPy sets inputs after a step of its solver only, so in between they would be held."""
-            status = set_time(now)
-            feed(now)
-            return status
-
-        vars(fmu)["setTime"] = set_time_and_inputs
+        feed_at_every_instant(fmu, self._feed(fmu, time, inputs))
         result = simulate_fmu(
             str(self.folder),
             validate=False,
@@ -180,9 +173,7 @@ class _Unpacked:
 
     def _feed(self, fmu: Any, time: np.ndarray, inputs: np.ndarray) -> Callable[[float], None]:
         """What sets the continuous inputs, linear between samples, at an instant."""
-        listed = [self.variables[name] for name in self.inputs]
-        moving = [i for i, v in enumerate(listed) if v.variability in (None, "continuous")]
-        return _feed(_Access(fmu, "set", [listed[i] for i in moving]), time, inputs[:, moving])
+        return linear_feed(fmu, [self.variables[name] for name in self.inputs], time, inputs)
 
     @property
     def _old(self) -> bool:
@@ -205,7 +196,7 @@ class _Unpacked:
         self, fmu: Any, time: np.ndarray, values: Mapping[str, float], feed: Callable[[float], None]
     ) -> None:
         early = {name: v for name, v in values.items() if not _is_input(self.variables[name])}
-        start = _Access(fmu, "set", [self.variables[name] for name in early])
+        start = Access(fmu, "set", [self.variables[name] for name in early])
         span = {"startTime": float(time[0]), "stopTime": float(time[-1])}
         if self._old:
             fmu.setupExperiment(**span)
@@ -223,50 +214,6 @@ class _Unpacked:
             if kind == "Boolean"
             else round(value)
         )
-
-
-class _Access:
-    """Set or get some variables of any type by as few calls as their types need."""
-
-    def __init__(self, fmu: Any, verb: str, variables: Sequence[ScalarVariable]):
-        calls: dict[str, list[int]] = {}
-        for place, variable in enumerate(variables):
-            kind = str(variable.type)
-            if kind == "Enumeration":
-                kind = "Integer" if isinstance(fmu, FMU2Slave) else "Int64"
-            calls.setdefault(kind, []).append(place)
-        self._size = len(variables)
-        self._calls = [
-            (getattr(fmu, verb + kind), kind, places, [variables[p].valueReference for p in places])
-            for kind, places in calls.items()
-        ]
-
-    def put(self, values: Sequence[float] | np.ndarray) -> None:
-        for call, kind, places, references in self._calls:
-            listed = [float(values[p]) for p in places]
-            whole = kind not in ("Real", "Float64", "Float32")
-            call(
-                references, [bool(v) if kind == "Boolean" else round(v) for v in listed] if whole else listed
-            )
-
-    def values(self) -> np.ndarray:
-        row = np.empty(self._size)
-        for call, _, places, references in self._calls:
-            row[places] = call(references)
-        return row
-
-
-def _feed(write: _Access, time: np.ndarray, inputs: np.ndarray) -> Callable[[float], None]:
-    """Sets the inputs, linear between samples."""
-    period, last = float(time[1] - time[0]), len(time) - 2
-
-    def feed(t: float) -> None:
-        if inputs.shape[1]:
-            k = min(max(int((t - time[0]) / period), 0), last)
-            part = (t - time[k]) / (time[k + 1] - time[k])
-            write.put((1 - part) * inputs[k] + part * inputs[k + 1])
-
-    return feed
 
 
 def _is_input(variable: ScalarVariable) -> bool:

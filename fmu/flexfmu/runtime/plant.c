@@ -118,6 +118,37 @@ static void start_torque(Plant *s, const double *holding) {
     memcpy(s->value + AT_TORQUE, holding, N_JOINTS * sizeof *holding);
 }
 #else
+static void start_position(const Plant *s, double *x) { memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x); }
+
+#ifdef MODEL_DRIVE
+static Motion motion(const Plant *s) {
+    const double *x = s->value + AT_STATE;
+    Motion now = {s->time, x, x + N_COORDINATES};
+    return now;
+}
+
+/* What the drives receive is sampled where it changes. */
+double plant_next_sample(const Plant *s) { return plant_sample_due(s, s->time) ? s->time : HUGE_VAL; }
+
+int plant_sample_due(const Plant *s, double time) {
+    return (void)time, drive_due(&s->drive, s->value + AT_COMMAND, s->value + AT_TORQUE);
+}
+
+int plant_sample_before(const Plant *s, double time) { return plant_next_sample(s) < time; }
+
+void plant_command(Plant *s, double late) {
+    const Motion now = motion(s);
+    (void)late;
+    drive_take(&s->drive, s->value + AT_COMMAND, &now, s->value + AT_TORQUE);
+    s->unsettled = 1;
+}
+
+static void start_torque(Plant *s, const double *holding) {
+    const Motion now = motion(s);
+    memcpy(s->value + AT_FEEDFORWARD, holding, N_JOINTS * sizeof *holding);
+    drive_start(&s->drive, s->value + AT_COMMAND, &now, s->value + AT_TORQUE);
+}
+#else
 /* The torque is an input: nothing is sampled. */
 double plant_next_sample(const Plant *s) { return (void)s, HUGE_VAL; }
 
@@ -127,11 +158,10 @@ int plant_sample_before(const Plant *s, double time) { return (void)s, (void)tim
 
 void plant_command(Plant *s, double late) { (void)s, (void)late; }
 
-static void start_position(const Plant *s, double *x) { memcpy(x, s->value + AT_REFERENCE, N_JOINTS * sizeof *x); }
-
 static void start_torque(Plant *s, const double *holding) {
     memcpy(s->value + AT_FEEDFORWARD, holding, N_JOINTS * sizeof *holding);
 }
+#endif
 #endif
 
 void plant_sample(Plant *s, double late) {
@@ -171,6 +201,8 @@ int plant_sound(const Plant *s) {
     if (!(s->value[AT_GAIN + PID_PERIOD] > 0) || !pid_sound(&s->pid)) return 0;
 #elif defined MODEL_SERVO
     if (s->servo.ticks < 0) return 0;
+#elif defined MODEL_DRIVE
+    if (!all_finite(s->drive.law, N_COMMAND) || !all_finite(s->drive.torque, N_JOINTS)) return 0;
 #endif
     return all_finite(s->value, N_VALUES) && all_finite(s->input_rate, N_INPUTS) && isfinite(s->time) &&
            s->value[AT_STEP] > 0 && s->refinement > 0 && s->refinement <= 1;

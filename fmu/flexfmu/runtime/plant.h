@@ -9,6 +9,9 @@
 #ifdef MODEL_SERVO
 #include "servo.h"
 #endif
+#ifdef MODEL_DRIVE
+#include "drive.h"
+#endif
 
 /* Every variable has a fixed place in `value`; the place is its FMI value reference. */
 enum {
@@ -44,7 +47,12 @@ enum {
 #else
     AT_STEP = AT_PARAMETER + N_PARAMETERS,
 #endif
-    N_VALUES
+#ifdef MODEL_DRIVE
+    AT_COMMAND = AT_STEP + 1, /* as in drive.h */
+    N_VALUES = AT_COMMAND + N_COMMAND
+#else
+    N_VALUES = AT_STEP + 1
+#endif
 };
 
 #ifdef MODEL_SERVO
@@ -64,6 +72,9 @@ typedef struct {
 #endif
 #ifdef MODEL_SERVO
     Servo servo;
+#endif
+#ifdef MODEL_DRIVE
+    Drive drive;
 #endif
     double time;       /* since the start of the experiment [s] */
     double refinement; /* the solver's step is multiplied by it */

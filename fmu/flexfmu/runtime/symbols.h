@@ -57,6 +57,9 @@
 #define plant_directional MODEL_PREFIXED(plant_directional)
 #define plant_adjoint MODEL_PREFIXED(plant_adjoint)
 
+#define drive_start MODEL_PREFIXED(drive_start)
+#define drive_due MODEL_PREFIXED(drive_due)
+#define drive_take MODEL_PREFIXED(drive_take)
 #define controller_group MODEL_PREFIXED(controller_group)
 #define controller_reset MODEL_PREFIXED(controller_reset)
 #define controller_initialise MODEL_PREFIXED(controller_initialise)

@@ -33,7 +33,7 @@ class Equations:
     tip(x) -> position                        [m]
     shown(x) -> tip velocity, orientation (x, y, z, w), angular velocity; links' positions and velocities
     skeleton(x) -> lines                      3 x 2 lines, from hinge to hinge and to the tip [m]
-    Without a controller the torques u are inputs.
+    Without a controller the torques u are inputs, or (drives) what drives hold of a law that they receive.
     """
 
     name: str
@@ -59,6 +59,7 @@ class Equations:
     tip: ca.Function
     shown: ca.Function
     skeleton: ca.Function
+    drives: bool = False
 
 
 def equations(robot: Robot) -> Equations:

@@ -13,7 +13,7 @@ from pyident.regression.regressor import regressor
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
-_POSES = 6  # of the log at which a joint's inertia is looked at
+_POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
 def signs(of: Balances, source: str) -> Iterator[Defect]:
@@ -49,7 +49,7 @@ def against(of: Balances, k: int) -> str | None:
     if negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
         return "friction would feed energy in"
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
-    return "its inertia would be negative" if negative(_inertia(of, k), least) else None
+    return "its inertia would be negative" if negative(inertia(of, k), least) else None
 
 
 def _estimable(normal: np.ndarray, inverse: np.ndarray, row: np.ndarray) -> bool:
@@ -71,13 +71,13 @@ def _friction(of: Balances, k: int, de: np.ndarray) -> np.ndarray:
     return row
 
 
-def _inertia(of: Balances, k: int) -> np.ndarray:
-    """(P,) joint k's element of the mass matrix, mean over some poses, per unit of the parameters."""
+def inertia(of: Balances, row: int) -> np.ndarray:
+    """(P,) a coordinate's diagonal element of the mass matrix, mean over some poses, per unit of p."""
     signals = of.samples
     at = np.linspace(0, len(signals.q) - 1, _POSES).astype(int)
     rest, ddq = np.zeros((2 * _POSES, signals.q.shape[1])), np.zeros((2 * _POSES, signals.q.shape[1]))
-    ddq[:_POSES, k] = 1.0
+    ddq[:_POSES, row] = 1.0
     tau = np.zeros((2 * _POSES, len(signals.robot.joints)))
     motion = Motion(np.tile(signals.q[at], (2, 1)), rest, ddq, tau, np.arange(2.0 * _POSES))
-    rows = regressor(signals.robot, motion).matrix[:, k]
+    rows = regressor(signals.robot, motion).matrix[:, row]
     return (rows[:_POSES] - rows[_POSES:]).mean(axis=0)

@@ -8,6 +8,7 @@ from flexmodels.coordinate import deformation_of, of_joint
 from flexmodels.joint import parameter_name
 from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
+from pyident.checks.signs import inertia
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
@@ -56,21 +57,31 @@ def _judged(of: Balances, k: int, angle: dict[int, np.ndarray], source: str) -> 
 
 
 def bends(of: Balances, source: str) -> Iterator[Defect]:
-    """Bending that would push the wrong way in the balances of motors and links together."""
+    """Bending that would push the wrong way in the balances of motors and links together.
+
+    A link's balance has no torque in it: a fit may turn the signs of its stiffness and of its inertia
+    together, and nothing but a stiffness below zero beside an inertia above tells of a channel.
+    """
     robot = of.samples.robot
-    bending = [c for c in robot.q if c.side == "link"]
-    if not bending or len(of.joints) < len(robot.joints):
+    if len(of.joints) < len(robot.joints):
         return
     variance = [max(of.variance(k), 1e-300) for k in range(len(robot.joints))]
     normal = sum(of.normal[row] / variance[c.joint - 1] for row, c in enumerate(robot.q))
     right = sum(of.right(k, of.torque[:, k : k + 1])[0] / variance[k] for k in of.joints)
     p, inverse = solved(np.asarray(normal), np.asarray(right))
     energy = max(len(of.joints) - float(np.asarray(right)[:, 0] @ p[:, 0]), 1e-9)
-    spread = energy / (len(of.Phi) * len(robot.q))
-    for c in bending:
-        at = of.columns.index(str(c.stiffness))
-        std = EQUATIONS.coloured * float(np.sqrt(max(inverse[at, at], 0.0) * spread))
-        if p[at, 0] < -LOG_CHECKS.sure * std:
+    spread = EQUATIONS.coloured**2 * energy / (len(of.Phi) * len(robot.q))
+
+    def deviations(row: np.ndarray) -> float:
+        """Of a combination of parameters from zero, in units of its own."""
+        return float(row @ p[:, 0]) / max(float(np.sqrt(max(row @ inverse @ row, 0.0) * spread)), 1e-300)
+
+    for row, c in enumerate(robot.q):
+        if c.side != "link":
+            continue
+        stiffness = np.array([float(name == str(c.stiffness)) for name in of.columns])
+        negative = deviations(stiffness) < -LOG_CHECKS.sure
+        if negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
             yield _negative(source, c.name)
 
 

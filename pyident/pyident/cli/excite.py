@@ -28,6 +28,13 @@ radius_option = click.option(
 floor_option = click.option(
     "--floor", type=float, default=0.0, show_default=True, help="Height of the floor above the base [m]."
 )
+spread_option = click.option(
+    "--spread",
+    type=float,
+    default=0.25,
+    show_default=True,
+    help="Share by which parameters may be off; robots so far off rehearse the motion.",
+)
 no_floor_option = click.option("--no-floor", is_flag=True, help="There is no floor below the robot.")
 
 
@@ -43,6 +50,7 @@ no_floor_option = click.option("--no-floor", is_flag=True, help="There is no flo
 @radius_option
 @floor_option
 @no_floor_option
+@spread_option
 @click.option("--seconds", type=float, default=120.0, show_default=True, help="Time limit of the search [s].")
 @click.option(
     "--evaluations",
@@ -67,6 +75,7 @@ def excite_command(
     radius: float | None,
     floor: float,
     no_floor: bool,
+    spread: float,
     seconds: float,
     evaluations: int,
     seed: int,
@@ -90,6 +99,7 @@ def excite_command(
             noise=noise,
             radius=radius,
             floor=None if no_floor else floor,
+            spread=spread,
             seconds=seconds,
             evaluations=evaluations,
             seed=seed,
@@ -118,6 +128,7 @@ def plan() -> None:
 @radius_option
 @floor_option
 @no_floor_option
+@spread_option
 @effects_option
 @json_option
 @reported
@@ -129,6 +140,7 @@ def check_command(
     radius: float | None,
     floor: float,
     no_floor: bool,
+    spread: float,
     json_file: str | None,
 ) -> None:
     """Check PLAN against the limits and torques of MODEL, its own links and the floor.
@@ -138,7 +150,13 @@ def check_command(
     Example: pyident plan check plan.parquet four_link --limit joint2.torque=400
     """
     found = pi.check_plan(
-        plan_file, model, limits=limits, noise=noise, radius=radius, floor=None if no_floor else floor
+        plan_file,
+        model,
+        limits=limits,
+        noise=noise,
+        radius=radius,
+        floor=None if no_floor else floor,
+        spread=spread,
     )
     show_notes(found.notes)
     show(found.summary())

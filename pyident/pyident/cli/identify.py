@@ -89,7 +89,16 @@ def identify_command(
              pyident identify other.fmu log.csv --parameters k d=0:5
     """
     if is_fmu(model):
-        refuse_robot_options(output=output, mapping=mapping, robust=robust, refine=refine, page=page)
+        refuse_robot_options(
+            output=output,
+            mapping=mapping,
+            robust=robust,
+            refine=refine,
+            estimator=estimator != "iv",
+            prior=prior,
+            holdout=holdout,
+            page=page,
+        )
         with progress_bar("identifying") as progress:
             fit = pi.identify_fmu(
                 model, logs, names, values=parameters, interface=interface, progress=progress

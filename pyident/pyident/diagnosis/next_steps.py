@@ -9,11 +9,12 @@ from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, with_law
 from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
-from pyident.diagnosis.motions.separating import separating, variants
+from pyident.diagnosis.motions.separating import separating
 from pyident.diagnosis.result import Diagnosis, Finding, Named
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import depends_on
+from pyident.excitation.variants import variants
 from pyident.logs.log import LogError
 from pyident.simulation.simulator import OpenPool, rivals
 

@@ -110,16 +110,18 @@ def identified(robot: Robot, reduced: Reduced, solution: Solution) -> Identified
     )
 
 
-def near(found: Identified, prior: Robot) -> Identified:
-    """The same solution; what the data leave open of the written model stays near a prior.
-
-    Raises RobotError where the prior has other links or joints.
-    """
-    unlike = sorted(set(found.reduced.columns) - set(prior.parameters))
+def of_the_same_arm(prior: Robot, robot: Robot) -> Robot:
+    """A prior that has the links and joints of a robot. Raises RobotError where it has others."""
+    unlike = sorted(set(robot.parameters) - set(prior.parameters))
     bodies = [name for name in unlike if name.startswith("link")]
-    if bodies or len(prior.joints) != len(found.robot.joints):
-        what = bodies[0] if bodies else f"{len(found.robot.joints)} joints"
+    if bodies or len(prior.joints) != len(robot.joints):
+        what = bodies[0] if bodies else f"{len(robot.joints)} joints"
         raise RobotError(f"prior {prior.name} has no {what}; give a model of the same arm")
+    return prior
+
+
+def near(found: Identified, prior: Robot) -> Identified:
+    """The same solution; what the data leave open of the written model stays near a prior of the same arm."""
     p = consistent(found.robot, found.reduced, found.solution, prior)
     robot = found.robot.with_parameters(dict(zip(found.reduced.columns, p, strict=True)))
     found, notes = _hinges_of(replace(found, robot=robot), prior)

@@ -13,18 +13,19 @@ from pyident.excitation.capsules import Geometry
 from pyident.excitation.criterion import Along, Yardstick, along, independent, information, yardstick
 from pyident.excitation.followed import followed, torques
 from pyident.excitation.fourier import Family, Reference
+from pyident.excitation.jury import Jury
 from pyident.excitation.limits import Limits
-from pyident.excitation.rehearsal import HIGH, Rehearsal, others_like, violations
+from pyident.excitation.rehearsal import SPREAD, Rehearsal
 from pyident.excitation.search import Best, Budget, best_of
-from pyident.excitation.violations import of_reference, slack
+from pyident.excitation.violations import of_reference
 
 _SHARE, _TORQUE_SHARE = 0.95, 0.8  # of the limits, that a reference may use: the rest is for the loop
 _WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
-_REHEARSED = 48  # robots with every parameter off by the most, up or down
-_DEVIATIONS = 4.0  # by which the others must stay from a limit on average: one of thousands may come there
 _SHRINK = 0.92
 _SMALLEST = 0.05  # of the way from home: below, nothing is left of a motion
 _COARSE = 50.0  # Hz at which candidates are judged
+WAVES = (0.0, 0.5, 1.0)  # shares of the multisine that are tried: it shows inertias and hides friction
+_SEARCH = 0.8  # of the progress; the rest is the rehearsals'
 
 Score = Callable[[Along], float]
 Progress = Callable[[float], None]
@@ -32,7 +33,11 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Task:
-    """A robot with what limits it. noise: channel -> standard deviation of its sensor."""
+    """A robot with what limits it.
+
+    noise    channel -> standard deviation of its sensor
+    spread   share by which its parameters may be off
+    """
 
     robot: Robot
     limits: Limits
@@ -40,6 +45,7 @@ class Task:
     noise: Mapping[str, float]
     duration: float
     rate: float
+    spread: float = SPREAD
     harmonics: int = 5
     repeats: int = 1
 
@@ -71,13 +77,18 @@ class Design:
     """A plan that kept every limit in its rehearsals.
 
     best        the search that led to it;  scale: of the way from home that the rehearsals left
-    rehearsed   how many other robots ran it
+    wave        share of the robot's own multisine that is in it
+    binding     what would not let it be larger, empty where nothing was in its way
+    rehearsed   how many other robots ran it, with parameters off by spread
     """
 
     plan: Experiment
     best: Best
     scale: float
+    wave: float
+    binding: str
     rehearsed: int
+    spread: float
 
 
 class Drawing:
@@ -147,10 +158,12 @@ def designed(
     budget: Budget,
     progress: Progress | None = None,
     rivals: Sequence[Rehearsal] = (),
+    worth: Callable[[Experiment], float] | None = None,
 ) -> Design:
     """The motion with the highest score, made smaller until it and its rehearsals keep the limits.
 
     rivals   whose limits it must keep too
+    worth    of a plan, by simulation, which chooses the share of the robot's own multisine; None: all of it
     Raises RobotError where none does.
     """
 
@@ -158,41 +171,27 @@ def designed(
         reference = drawing.reference(x)
         return -np.inf if reference is None else score(along(task.robot, level, reference))
 
-    best = best_of(judged, starts(drawing.family, 12), budget, progress)
-    others = others_like(task.robot, _REHEARSED, seed=1, low=HIGH)
+    told = progress or (lambda _: None)
+    best = best_of(judged, starts(drawing.family, 12), budget, lambda share: told(_SEARCH * share))
     drawn = drawing.reference(best.x, 1 / task.rate)
     if drawn is None:
         raise RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
-    scale, wave, home = 1.0, 1.0, task.limits.home
+    jury = Jury(task.robot, task.limits, task.geometry, (rehearsal, *rivals), task.spread)
+    wave = 1.0 if worth is None else max(WAVES, key=lambda share: worth(drawing.plan(drawn, share)))
+    scale, home, binding = 1.0, task.limits.home, ""
     while scale > _SMALLEST:
+        told(_SEARCH + (1 - _SEARCH) * np.log(scale) / np.log(_SMALLEST))
         reference = replace(
             drawn, q=home + scale * (drawn.q - home), dq=scale * drawn.dq, ddq=scale * drawn.ddq
         )
-        plan = drawing.plan(reference, wave)
-        if _kept(task, plan, rehearsal, rivals, others):
-            return Design(plan, best, scale, len(others))
-        scale, wave = scale * _SHRINK, wave * _SHRINK
-    raise RobotError(f"robot {task.robot.name}: the motion found breaks its limits in every rehearsal")
-
-
-def _kept(
-    task: Task,
-    plan: Experiment,
-    rehearsal: Rehearsal,
-    rivals: Sequence[Rehearsal],
-    others: Sequence[Robot],
-) -> bool:
-    """Whether robot and rivals keep the limits, and others do by far more than they differ."""
-    try:
-        if violations(rehearsal, task.limits, task.geometry, plan):
-            return False
-        if any(violations(rival, task.limits, task.geometry, plan) for rival in rivals):
-            return False
-        frames = rehearsal.others(plan, others)
-    except SimulationError:
-        return False
-    left = np.array([slack(task.robot, task.limits, task.geometry, frame) for frame in frames])
-    return bool((left.mean(axis=0) - _DEVIATIONS * left.std(axis=0) >= 0).all() and (left >= 0).all())
+        plan = drawing.plan(reference, scale * wave)
+        if not (broken := jury.broken(plan)):
+            return Design(plan, best, scale, wave, binding, len(jury.others), task.spread)
+        scale, binding = scale * _SHRINK, broken
+    raise RobotError(
+        f"robot {task.robot.name}: not even a small motion keeps a limit of {binding} with parameters "
+        f"{100 * task.spread:g} % off; give a smaller spread, or the robot a loop that allows for it"
+    )
 
 
 def starts(family: Family, count: int) -> list[np.ndarray]:

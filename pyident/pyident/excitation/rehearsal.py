@@ -22,7 +22,8 @@ from pyident.simulation.fmu_runs import fmu_here
 
 _FEWEST = 3  # samples of a plan: accelerations are their second differences
 
-LOW, HIGH = 0.10, 0.25  # by which the parameters of the others are off
+SPREAD = 0.25  # by which the parameters of the others are off at most
+_LEAST = 0.4  # of the spread, by which they are off at least
 
 
 @dataclass(frozen=True)
@@ -101,12 +102,17 @@ def plan_frame(plan: Experiment) -> pd.DataFrame:
     return pd.DataFrame(frame)
 
 
-def others_like(robot: Robot, count: int, seed: int = 0, low: float = LOW) -> list[Robot]:
-    """Robots whose masses, centres of mass, inertias and laws are off by `low` to 25 %, bodies physical."""
+def others_like(
+    robot: Robot, count: int, seed: int = 0, spread: float = SPREAD, least: float = _LEAST
+) -> list[Robot]:
+    """Robots whose masses, centres of mass, inertias and laws are off by up to a share, bodies physical.
+
+    spread   the largest share;  least  of it, that everything is off by at least
+    """
     rng = np.random.default_rng(seed)
 
     def off() -> float:
-        return 1 + float(rng.choice([-1, 1]) * rng.uniform(low, HIGH))
+        return 1 + float(rng.choice([-1, 1]) * rng.uniform(least * spread, spread))
 
     out = []
     for _ in range(count):

@@ -11,10 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.experiment import Experiment
+from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.weak_form import condition
 from pyident.excitation.criterion import Along, Yardstick
+from pyident.excitation.rehearsal import Rehearsal
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.spectrum import Equations, equations
@@ -157,6 +160,17 @@ def distance(rivals: Rivals, own: int, log: Log, level: Yardstick) -> float:
     forces = mine.A @ np.array(list(robot.linear_parameters.values()))
     grid = [{}] if rival is None else rivals.grids(log)[1 - own]
     return float(np.sqrt(min(_refitted(other, rival, values, log, forces, level) for values in grid)))
+
+
+def simulated_distance(
+    rivals: Rivals, rehearsals: Sequence[Rehearsal], plan: Experiment, level: Yardstick
+) -> float:
+    """The closer of the two ways round of a plan that both rivals run; 0 where one of them cannot."""
+    sides = [i for i, who in enumerate(rivals.suspects) if who is not None]
+    try:
+        return min(distance(rivals, i, rehearsals[i].log(plan), level) for i in sides)
+    except SimulationError:
+        return 0.0
 
 
 def _refitted(

@@ -76,19 +76,21 @@ def of_run(
     ]
 
 
-def slack(robot: Robot, limits: Limits, geometry: Geometry, frame: pd.DataFrame) -> np.ndarray:
-    """(K,) how far a run stays from every limit: shares of ranges, speeds and torques, then distances [m]."""
+def slack(robot: Robot, limits: Limits, geometry: Geometry, frame: pd.DataFrame) -> pd.Series:
+    """How far a run stays from every limit, by name: shares of ranges, speeds and torques, distances [m]."""
     time = frame["time"].to_numpy()
     q = frame[[motor_of(k) for k, _ in robot.numbered]].to_numpy()
     tau = frame[[torque_of(k) for k, _ in robot.numbered]].to_numpy()
     span = limits.upper - limits.lower
-    shares = [
-        (limits.upper - q.max(axis=0)) / span,
-        (q.min(axis=0) - limits.lower) / span,
-        1 - np.abs(np.gradient(q, time, axis=0)).max(axis=0) / limits.speed,
-        1 - np.abs(tau).max(axis=0) / limits.torque,
-    ]
-    return np.array([*np.concatenate(shares), *(c.distance.min() for c in clearances(geometry, frame))])
+    shares = {
+        "upper end": (limits.upper - q.max(axis=0)) / span,
+        "lower end": (q.min(axis=0) - limits.lower) / span,
+        "speed": 1 - np.abs(np.gradient(q, time, axis=0)).max(axis=0) / limits.speed,
+        "torque": 1 - np.abs(tau).max(axis=0) / limits.torque,
+    }
+    left = {f"the {of} of joint{k}": share[k - 1] for of, share in shares.items() for k, _ in robot.numbered}
+    near = {f"the distance of {c.what}": c.distance.min() for c in clearances(geometry, frame)}
+    return pd.Series(left | near, dtype=float)
 
 
 def _ranges(robot: Robot, limits: Limits, time: np.ndarray, q: np.ndarray, of: str) -> Iterator[Violation]:

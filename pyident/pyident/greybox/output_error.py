@@ -188,12 +188,17 @@ def _variances(
         run = LongRun(rows.shape[2], _lags(m))
         run.add((rows * noise[:, :, None]).sum(axis=1))
         uneven += run.sum
-        steady = Rows(rows, rows, noise, np.ones_like(noise))
-        of_spectrum = spectral(lambda steady=steady: [steady], np.ones(m.shape[1]))
-        even += of_spectrum(np.eye(rows.shape[2]), np.zeros(rows.shape[2]))
+        even += _even_scatter(rows, noise)
     count, P = len(slopes), slopes.shape[1]
     variances = [np.diag(bread @ scatter @ bread) for scatter in (uneven, even)]
     return np.max(variances, axis=0) * count / max(count - P, 1) / scale**2, seen
+
+
+def _even_scatter(rows: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(P, P) of the scores rows (N, S, P) times noise (N, S), whose spectrum is the same all the time."""
+    outputs, P = rows.shape[1:]
+    log = [Rows(rows, rows, noise, np.ones_like(noise))]
+    return spectral(lambda: log, np.ones(outputs))(np.eye(P), np.zeros(P))
 
 
 def _lags(residual: np.ndarray) -> int:

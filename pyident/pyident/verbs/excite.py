@@ -7,12 +7,12 @@ from pathlib import Path
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.criterion import Yardstick
+from pyident.excitation.criterion import Yardstick, yardstick
 from pyident.excitation.design import Design, Drawing, Task, designed, informative, measure, starts
 from pyident.excitation.limits import Limits, limits_of
 from pyident.excitation.prediction import predicted
-from pyident.excitation.rehearsal import Rehearsal, others_like, rehearsal, violations
-from pyident.excitation.rivals import Rivals, Suspect, distance, having, suspect
+from pyident.excitation.rehearsal import SPREAD, Rehearsal, others_like, rehearsal, violations
+from pyident.excitation.rivals import Rivals, Suspect, having, simulated_distance, suspect
 from pyident.excitation.search import Budget
 from pyident.excitation.tables import write_table
 from pyident.simulation.references import load_experiment
@@ -41,6 +41,7 @@ def excite(
     noise: Mapping[str, float] | None = None,
     radius: float | None = None,
     floor: float | None = 0.0,
+    spread: float = SPREAD,
     evaluations: int = 1500,
     seconds: float = 120.0,
     seed: int = 0,
@@ -56,6 +57,7 @@ def excite(
     limits      `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque` beside the file's, SI units
     noise       channel -> standard deviation of its sensor, beside an encoder noise of 1e-5
     radius      [m] of the links as capsules;  floor  its height [m] over the base, None: there is none
+    spread      share by which the model's parameters may be off; robots so far off keep the limits, too
     evaluations, seconds   what the search may cost; an interrupt ends it with the best so far
     Raises RobotError, SimulationError, BuildError.
     """
@@ -68,7 +70,7 @@ def excite(
     pair: Pair | None = (asked[0], asked[1]) if asked else None
     if reveal:
         pair = (suspect(reveal), None)
-    task = _task(robot, duration, rate, limits, noise, radius, floor)
+    task = _task(robot, duration, rate, limits, noise, radius, floor, spread)
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
@@ -91,21 +93,23 @@ def check_plan(
     noise: Mapping[str, float] | None = None,
     radius: float | None = None,
     floor: float | None = 0.0,
+    spread: float = SPREAD,
     others: int = _OTHERS,
     allow_effects: bool = False,
 ) -> Checked:
     """Whether a robot may run a plan: limits, torques in simulation, its own links and the floor.
 
     plan     an Experiment, or what `simulate` takes as one
-    others   robots with parameters off by 10 to 25 % that rehearse it too
+    others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`
     The others as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
     rate = 1 / float(read.time[1] - read.time[0])
-    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor)
+    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread)
     with rehearsal(robot) as own:
-        found = violations(own, task.limits, task.geometry, read, others_like(robot, others, seed=2))
+        like = others_like(robot, others, seed=2, spread=spread)
+        found = violations(own, task.limits, task.geometry, read, like)
         prediction = predicted(robot, own.log(read), task.noise)
     return Checked(robot, tuple(found), _notes(task), prediction, others)
 
@@ -147,11 +151,21 @@ def _apart(
     score = rivals.score(rivals.grids(log))
     with ExitStack() as stack:
         theirs = [stack.enter_context(rehearsal(robot)) for robot in rivals.robots]
-        found = designed(task, drawing, score, level, own, budget, progress, rivals=theirs)
-        sides = [i for i, who in enumerate(pair) if who is not None]
-        sigmas = min(distance(rivals, i, theirs[i].log(found.plan), level) for i in sides)
+        found = designed(
+            task,
+            drawing,
+            score,
+            level,
+            own,
+            budget,
+            progress,
+            rivals=theirs,
+            worth=lambda plan: simulated_distance(rivals, theirs, plan, level),
+        )
+        there = yardstick(task.robot, own.log(found.plan), task.noise)
+        sigmas = simulated_distance(rivals, theirs, found.plan, there)
     names = ["nothing" if who is None else who.name for who in pair]
-    return found, Promise((names[0], names[1]), sigmas)
+    return found, Promise((names[0], names[1]), sigmas, rivals.robots)
 
 
 def _task(
@@ -162,12 +176,15 @@ def _task(
     noise: Mapping[str, float] | None,
     radius: float | None,
     floor: float | None,
+    spread: float,
 ) -> Task:
     driven = robot.controller or robot.servo
     own = 1 / driven.period if driven else _RATE
     if rate is not None and driven and abs(rate - own) > 1e-6 * own:
         raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the plan at that rate")
     _require(duration, rate or own, radius, floor, noise or {})
+    if not 0 < spread < 1:
+        raise RobotError(f"parameters cannot be off by {100 * spread:g} %; give a spread above 0 and below 1")
     allowed: Limits = limits_of(robot, limits)
     known = {name: ENCODER for name in robot.coordinates}
     if robot.controller is None:
@@ -179,7 +196,7 @@ def _task(
             f"robot {robot.name} has no sensor {min(unknown)}; they are {robot.coordinates[0]} and so on"
         )
     shape: Geometry = geometry_of(robot, radius, floor)
-    return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own)
+    return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own, spread)
 
 
 def _require(

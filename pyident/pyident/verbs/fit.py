@@ -7,7 +7,7 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot, RobotError
 from pyident.estimation.estimator import reweighted, weighted
-from pyident.estimation.identify import Identified, near, without_intervals
+from pyident.estimation.identify import Identified, near, of_the_same_arm, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
@@ -52,18 +52,18 @@ def identify(
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
     prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
-    heldout   further logs, whose torque the written model is judged on
+    heldout   further logs, checked like the others, whose torque the written model is judged on
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
     Hinges that the logs say nothing of are locked, which `notes` says. Raises RobotError, LogError.
     """
-    read = opened(robot_of(model, allow_effects=allow_effects), logs, mapping, force)
+    robot = robot_of(model, allow_effects=allow_effects)
+    cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
+    read = opened(robot, logs, mapping, heldout, force)
     found = _identified(read, "irls" if robust else estimator, progress)
-    cad = None if prior is None else robot_of(prior, allow_effects=allow_effects)
     found = found if cad is None else near(found, cad)
-    unseen = read_logs(read.robot, heldout, mapping_of(mapping))
-    errors = {log.source: torque_error(found.robot, log) for log in unseen}
+    errors = {log.source: torque_error(found.robot, log) for log in read.heldout}
     if progress:
         progress(1.0)
     return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)

@@ -43,6 +43,7 @@ class Opened:
 
     robot: Robot
     logs: tuple[Log | LogFile, ...]
+    heldout: tuple[Log, ...]
     notes: tuple[str, ...]
 
 
@@ -102,17 +103,21 @@ def given(
     return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled))
 
 
-def opened(robot: Robot, logs: Logs, mapping: Columns | None = None, force: bool = False) -> Opened:
-    """The same, but long logs stay on disk. Raises LogError."""
+def opened(
+    robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = (), force: bool = False
+) -> Opened:
+    """The same, but long logs stay on disk, except those held out. Raises LogError."""
     columns = mapping_of(mapping)
     read = [_on_disk(log, robot, columns) for log in _listed(logs)]
+    unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not read:
         raise LogError("there is no log; give one or more")
-    robot, notes = _reduced(robot, read, force)
-    in_memory = [log for log in read if isinstance(log, Log)]
+    robot, notes = _reduced(robot, [*read, *unseen], force)
+    in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     whole, modelled = with_loop_torque(robot, in_memory)
     known = {id(old): new for old, new in zip(in_memory, whole, strict=True)}
-    return Opened(robot, tuple(known.get(id(log), log) for log in read), (*notes, *modelled))
+    fitted = tuple(known.get(id(log), log) for log in read)
+    return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *modelled))
 
 
 def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:

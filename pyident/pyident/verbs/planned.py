@@ -23,15 +23,29 @@ ENOUGH = 5.0  # standard deviations that settle a question
 
 @dataclass(frozen=True)
 class Promise:
-    """How far apart two rivals will be, in standard deviations of the sensors' noise, after a refit."""
+    """How far apart two rivals will be, in standard deviations of the sensors' noise, after a refit.
+
+    robots   the models that were compared: what is promised holds for effects of their values
+    """
 
     rivals: tuple[str, str]
     sigmas: float
+    robots: "tuple[Robot, Robot]"
 
     @property
     def sentence(self) -> str:
         which = "which settles it" if self.sigmas >= ENOUGH else "which does not settle it"
         return f"{' and '.join(self.rivals)} will differ by {self.sigmas:.3g} standard deviations, {which}"
+
+    @property
+    def supposed(self) -> dict[str, dict[str, float]]:
+        """Rival -> the parameters of its law, by name; none of one that is no effect."""
+        found: dict[str, dict[str, float]] = {}
+        for name, robot in zip(self.rivals, self.robots, strict=True):
+            effect, at, joint = name.partition("@")
+            if at:
+                found[name] = dict(robot.joints[int(joint) - 1].values[effect])
+        return found
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,11 +85,15 @@ class Planned(Result):
             "evaluations": self.design.best.evaluations,
             "stopped": self.design.best.stopped,
             "scale": self.design.scale,
+            "multisine": self.design.wave,
+            "binding": self.design.binding,
+            "spread": self.design.spread,
             "rehearsed": self.design.rehearsed,
             "notes": list(self.notes),
         }
         if self.promise is not None:
-            found |= {"separation": {"rivals": list(self.promise.rivals), "sigmas": self.promise.sigmas}}
+            separation = {"rivals": list(self.promise.rivals), "sigmas": self.promise.sigmas}
+            found |= {"separation": separation | {"supposed": self.promise.supposed}}
         return found
 
     def headline(self) -> str:
@@ -85,11 +103,20 @@ class Planned(Result):
     def summary(self) -> Text:
         search = self.design.best
         lines = [wrapped(self.headline(), "  ")] if self.promise else []
+        for name, values in (self.promise.supposed if self.promise else {}).items():
+            listed = ", ".join(f"{of} = {value:.3g}" for of, value in values.items())
+            lines.append(wrapped(f"supposed of {name}: {listed} (SI units)", "  "))
         lines.append(_told(self.robot, self.prediction))
         ended = ", stopped early" if search.stopped else ""
         lines.append(
             f"{search.evaluations} motions tried{ended}; rehearsed by {self.design.rehearsed} robots with "
-            f"every parameter 25 % off, at {100 * self.design.scale:.0f} % of its first size"
+            f"every parameter {100 * self.design.spread:g} % off, at {100 * self.design.scale:.0f} % of its "
+            "first size"
+            + (
+                f", as far as {self.design.binding} allows; a smaller --spread leaves more"
+                if self.design.binding
+                else ""
+            )
         )
         return Text("\n".join(lines))
 

@@ -18,9 +18,9 @@ from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import gains_of, replicated, whitened
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.motions.detectable import limit_of
-from pyident.diagnosis.motions.separating import variants
 from pyident.diagnosis.result import Limit
 from pyident.diagnosis.search.search import Search
+from pyident.excitation.variants import variants
 from pyident.regression.candidate_columns import nonlinear_grid
 from pyident.regression.spectrum import floor
 from pyident.simulation.replica import Repeat

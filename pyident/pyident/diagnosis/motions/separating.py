@@ -14,19 +14,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from flexmodels.experiment import Experiment, identification
+from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, RobotError
+from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.projection import solve_base
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, equations
-from pyident.simulation.replay import replay_of
 from pyident.simulation.simulator import SimulateRivals
 
-DURATION = 8.0  # s: of every variant
-LARGER, SMALLER = 1.5, 0.5  # of the multisine
 _SMOOTH = 31  # bins over which the noise of an equation is averaged
 
 
@@ -44,37 +41,6 @@ class Separation:
         if self.score < 1:
             return "none of the motions tried would separate them"
         return f"run {self.name}: there they differ by {self.score:.3g} standard deviations of sensor noise"
-
-
-def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -> dict[str, Experiment]:
-    """Phrase -> experiment: slower, with more or less multisine, one joint at a time.
-
-    Of the robot's own identification experiment, or of a log's references where it has none; no variant goes
-    further or faster than that. Raises RobotError, and LogError for a log without references.
-    """
-    if robot.settings.identification is not None:
-        whole, name = identification(robot), "the identification experiment"
-    elif log is not None:
-        whole, name = replay_of(robot, log).plan, f"the motion of {log.source}"
-    else:
-        raise RobotError(
-            f"robot {robot.name} has no [identification] experiment and no log was given; add one"
-        )
-    plan = _first(whole, duration)
-    found = {
-        name: plan,
-        f"{name} at half the speed": _slower(whole, plan, 0.5),
-        f"{name} at a quarter of the speed": _slower(whole, plan, 0.25),
-    }
-    if plan.feedforward.any():
-        found |= {
-            f"{name} with a multisine {LARGER:g} times as large": _wave(plan, LARGER),
-            f"{name} with a multisine {SMALLER:g} times as large": _wave(plan, SMALLER),
-            f"{name} without its multisine": _wave(plan, 0.0),
-        }
-    if len(robot.joints) > 1:
-        found |= {f"{name} with joint {k} alone": _alone(plan, k - 1) for k, _ in robot.numbered}
-    return found
 
 
 def separating(
@@ -148,27 +114,3 @@ def _noise_level(
     power = (left[:, : band.bins] ** 2 + left[:, band.bins :] ** 2) / 2
     rms = np.sqrt(uniform_filter1d(power, min(_SMOOTH, band.bins), axis=1, mode="nearest"))
     return np.tile(np.maximum(rms, 1e-9 * rms.max()), (1, 2))
-
-
-def _first(plan: Experiment, duration: float) -> Experiment:
-    kept = plan.time <= duration * (1 + 1e-9)
-    return Experiment(plan.time[kept], plan.reference[kept], plan.feedforward[kept])
-
-
-def _slower(whole: Experiment, plan: Experiment, speed: float) -> Experiment:
-    """The same way, later; the multisine keeps its frequencies."""
-    reference = [np.interp(plan.time * speed, whole.time, r) for r in whole.reference.T]
-    return replace(plan, reference=np.column_stack(reference))
-
-
-def _wave(plan: Experiment, share: float) -> Experiment:
-    return replace(plan, feedforward=share * plan.feedforward)
-
-
-def _alone(plan: Experiment, joint: int) -> Experiment:
-    """The others stay where they start."""
-    still = np.broadcast_to(plan.reference[:1], plan.reference.shape).copy()
-    still[:, joint] = plan.reference[:, joint]
-    wave = np.zeros_like(plan.feedforward)
-    wave[:, joint] = plan.feedforward[:, joint]
-    return Experiment(plan.time, still, wave)

@@ -1,0 +1,149 @@
+"""Does a designed motion tell two explanations apart, as far as it promised, and better than any variant of
+the experiment at hand? Nobody chooses the pairs: they are drawn from the laws that can act at a joint."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import pyident as pi
+from flexmodels.experiment import Experiment, identification
+from flexmodels.files.robot_file import load_robot
+from flexmodels.inputs import SimulationError
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot, RobotError
+from pyident.excitation.criterion import Yardstick, yardstick
+from pyident.excitation.rehearsal import Rehearsal, rehearsal
+from pyident.excitation.rivals import Rivals, Suspect, fall, having, simulated_distance
+from pyident.excitation.variants import variants
+from pyident.logs.log import Log
+from pyident.simulation.replica import with_noise
+from pyident.sweep.studies import StudyResult, row
+
+CASES = 6
+DURATION = 8.0  # s, of every motion
+SECONDS = 45.0  # of each search
+SPREAD = 0.1
+NOISE = 1e-5  # rad, of every encoder
+LOGS = 6  # noisy ones of each rival
+LAWS = ("stribeck", "presliding", "nonlinear_viscous", "load_dependent_friction", "asymmetric_coulomb",
+        "backlash", "nonlinear_stiffness", "gravity_spring", "torque_ripple")  # fmt: skip
+LARGER, SETTLED, WITHIN = 5.0, 5.0, 0.2
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two suspects at joints of a robot, each of the size that the experiment at hand leaves open."""
+
+    robot: Robot
+    pair: tuple[Suspect, Suspect]
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return " or ".join(who.name for who in self.pair)
+
+
+def run(folder: Path, progress: Callable[[float], None], cases: int = CASES) -> StudyResult:
+    """Design, simulate and score `cases` pairs on four_link; the table goes to `folder`."""
+    table = []
+    for number, case in enumerate(drawn(load_robot("four_link"), cases)):
+        table.append(scored(case))
+        progress((number + 1) / cases)
+        pd.DataFrame(table).to_csv(folder / "next_experiment.csv", index=False)
+    found = pd.DataFrame(table)
+    notes = [f"{name}: {why}" for name, why in zip(found["case"], found["failure"], strict=True) if why]
+    return StudyResult(rows(found), [folder / "next_experiment.csv"], notes)
+
+
+def drawn(robot: Robot, count: int) -> Iterator[Case]:
+    """Pairs of laws at one joint, drawn at random, of sizes that the robot's own experiment hardly shows."""
+    rng, made = np.random.default_rng(2026), 0
+    with rehearsal(robot) as own:
+        log = own.log(identification(robot, duration=DURATION))
+    while made < count:
+        joint = int(rng.integers(1, len(robot.joints) + 1))
+        laws = [str(law) for law in rng.choice(LAWS, 2, replace=False)]
+        try:
+            pair = tuple(_sized(robot, Suspect(law, joint), log) for law in laws)
+        except RobotError:
+            continue  # a law that cannot act there
+        yield Case(robot, (pair[0], pair[1]), made)
+        made += 1
+
+
+def _sized(robot: Robot, who: Suspect, log: Log) -> Suspect:
+    extended = having(robot, who, log)
+    first = extended.joints[who.joint - 1].law(who.effect).linear[0].name
+    return replace(who, size=extended.parameters[parameter_name(who.joint, who.effect, first)])
+
+
+def scored(case: Case) -> dict[str, object]:
+    """What the designed motion promises and noisy logs keep, beside the best of the variants."""
+    noise = dict.fromkeys(case.robot.coordinates, NOISE)
+    words = [f"{who.name}={who.size!r}" for who in case.pair]
+    try:
+        planned = pi.excite(case.robot, separate=words, duration=DURATION, noise=noise, spread=SPREAD,
+                            seconds=SECONDS, seed=case.seed)  # fmt: skip
+    except (RobotError, SimulationError) as error:
+        return {"case": case.name, "failure": str(error)}
+    assert planned.promise is not None
+    with ExitStack() as stack:
+        own = stack.enter_context(rehearsal(case.robot))
+        rivals = Rivals(case.robot, case.pair, planned.promise.robots)
+        theirs = [stack.enter_context(rehearsal(robot)) for robot in rivals.robots]
+        level = yardstick(case.robot, own.log(planned.plan), noise)
+        motions = variants(case.robot, duration=DURATION)
+        library = {name: simulated_distance(rivals, theirs, plan, level) for name, plan in motions.items()}
+        kept = achieved(rivals, theirs, planned.plan, level, noise)
+    best = max(library, key=lambda name: library[name])
+    return {
+        "case": case.name,
+        "promised": planned.promise.sigmas,
+        "achieved": kept,
+        "best_variant": library[best],
+        "variant": best,
+        "size_percent": 100 * planned.design.scale,
+        "multisine": planned.design.wave,
+        "failure": "",
+    }
+
+
+def achieved(
+    rivals: Rivals, theirs: list[Rehearsal], plan: Experiment, level: Yardstick, noise: dict[str, float]
+) -> float:
+    """The same of logs with the encoders' noise in the loop: the root of what the wrong rival leaves more."""
+    rng, sides = np.random.default_rng(7), []
+    for i, one in enumerate(theirs):
+        falls = []
+        for _ in range(LOGS):
+            white = {name: sigma * rng.standard_normal(len(plan.time)) for name, sigma in noise.items()}
+            falls.append(fall(rivals, i, Log(with_noise(one.fmu.simulate, plan, white)), level))
+        sides.append(np.mean(falls))
+    return float(np.sqrt(max(min(sides), 0.0)))
+
+
+def rows(found: pd.DataFrame) -> list[dict[str, str]]:
+    """The shares that the study is judged by."""
+    ran = found.loc[found["failure"] == ""]
+    promised, achieved, best = (
+        ran[name].to_numpy(float) for name in ("promised", "achieved", "best_variant")
+    )
+    if not len(ran):
+        return [row("motions designed", "0", str(len(found)), False)]
+    ratio, near = promised / best, np.abs(achieved / promised - 1) <= WITHIN
+    settled, middle = achieved >= SETTLED, float(np.median(ratio))
+    return [
+        row("motions designed", f"{len(ran)} of {len(found)}", str(len(found)), len(ran) == len(found)),
+        row("over the best variant, median", f"{middle:.3g}", f">= {LARGER:g}", middle >= LARGER),
+        row("over the best variant, least", f"{ratio.min():.3g}"),
+        row("achieved within 20 % of the promise", _share(near), "80 %", bool(near.mean() >= 0.8)),
+        row("told apart by 5 deviations", _share(settled), "80 %", bool(settled.mean() >= 0.8)),
+    ]
+
+
+def _share(holds: np.ndarray) -> str:
+    return f"{np.count_nonzero(holds)} of {len(holds)}"
