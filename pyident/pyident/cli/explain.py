@@ -27,6 +27,9 @@ from pyident.cli.common.shared import (
 @click.option(
     "--span", nargs=2, type=float, metavar="FROM TO", help="Start and end of the stretch [s].  [default: all]"
 )
+@click.option(
+    "--band", nargs=2, type=float, metavar="FROM TO", help="Frequencies that count [Hz].  [default: all]"
+)
 @click.option("--holdout", multiple=True, metavar="LOG", help="Log to which nothing is fitted; repeatable.")
 @effects_option
 @mapping_option
@@ -39,6 +42,7 @@ def explain_command(
     chosen: str | None,
     equation: str | None,
     span: tuple[float, float] | None,
+    band: tuple[float, float] | None,
     holdout: tuple[str, ...],
     mapping: str | None,
     force: bool,
@@ -53,6 +57,8 @@ def explain_command(
     """
     if span and not span[0] < span[1]:
         raise RobotError(f"--span {span[0]:g} {span[1]:g} is empty; give the earlier time first")
+    if band and not 0 <= band[0] < band[1]:
+        raise RobotError(f"--band {band[0]:g} {band[1]:g} is empty; give the lower frequency first")
     with progress_bar("comparing, asking every law") as progress:
         explained = pi.explain(
             model,
@@ -60,6 +66,7 @@ def explain_command(
             log=chosen,
             coordinate=equation,
             span=span,
+            band=band,
             heldout=holdout,
             mapping=mapping,
             force=force,

@@ -13,10 +13,10 @@ from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
-from pyident.comparison.traces import Bump, Trace, bumps, traces
+from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
 from pyident.comparison.without_simulation import parts_without_simulation, sentence_without_simulation
 from pyident.conditioning.filters import thin
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.regression.spectrum import Floor
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
@@ -50,6 +50,20 @@ class Comparison:
     def bumps(trace: Trace) -> list[Bump]:
         """Where a trace leaves what replicas show, the largest first."""
         return bumps(trace)
+
+    def trace(self, log: str, coordinate: str, band: tuple[float, float] | None = None) -> Trace:
+        """One equation on one log; band: of frequencies [Hz]. Raises LogError for a band without any."""
+        found = next(t for t in self.traces if (t.log, t.coordinate) == (log, coordinate))
+        if band is None or self.floor is None:
+            return found
+        top = float(self.floor.frequencies[-1])
+        if np.count_nonzero((self.floor.frequencies >= band[0]) & (self.floor.frequencies <= band[1])) < 2:
+            sentence = (
+                f"no frequencies from {band[0]:g} to {band[1]:g} Hz; the equations hold up to {top:.3g} Hz"
+            )
+            raise LogError(f"{log}: {sentence}")
+        row = [t.coordinate for t in self.traces if t.log == log].index(coordinate)
+        return in_band(found, self.floor, row, band)
 
     def json(self) -> dict[str, Any]:
         """The contract of `compare --json`, and more."""

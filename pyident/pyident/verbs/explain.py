@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 _LISTED = 12  # laws of a summary
+NOTHING = "The residual is no larger there than its floor: there is nothing to explain."
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,6 +33,9 @@ class Explained(Result):
     def headline(self) -> str:
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.4g} to {r.span[1]:.4g} s"
+        where += f", {r.band[0]:.4g} to {r.band[1]:.4g} Hz" if r.band else ""
+        if r.over_floor <= 1:
+            return f"{where}: {NOTHING}"
         if not r.shares:
             return f"{where}: no law of the catalogue acts there."
         best = " or ".join(s.law.name for s in r.tie)
@@ -60,6 +64,8 @@ class Explained(Result):
             "log": r.log,
             "coordinate": r.coordinate,
             "span": list(r.span),
+            "band": list(r.band) if r.band else None,
+            "over_floor": r.over_floor,
             "own_laws_percent": r.own_percent,
             "laws": laws,
             "notes": list(self.notes),
@@ -69,6 +75,8 @@ class Explained(Result):
         shares = self.ranking.shares[:_LISTED]
         rows = [(s.law.name, f"{s.percent:.0f} %", "like the best" if s.tied else "") for s in shares]
         own = f"New values of the model's own laws take {self.ranking.own_percent:.0f} % of it."
+        if self.ranking.over_floor <= 1:
+            own = NOTHING
         least = (
             "A ranking of one stretch is no verdict; pyident diagnose judges all equations on unseen data."
         )
@@ -83,6 +91,7 @@ def explain(
     log: str | None = None,
     coordinate: str | None = None,
     span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
     heldout: Logs = (),
     mapping: Columns | None = None,
     allow_effects: bool = False,
@@ -94,6 +103,7 @@ def explain(
     log          where the stretch is, as given or its file's name; none: the first
     coordinate   of the equation; none: the one that fails most
     span         from and to [s]; none: the whole log
+    band         from and to [Hz]; none: up to where the equation stands above its floor
     heldout      logs that may be asked about, but to which nothing is fitted
     The others as in `compare`. Raises RobotError, LogError, SimulationError.
     """
@@ -110,7 +120,7 @@ def explain(
     worst = compared.comparison.where
     trace = compared.comparison.traces[0]
     name = coordinate or (worst.coordinate if worst else trace.coordinate)
-    return explained(compared, waves, log or trace.log, name, span)
+    return explained(compared, waves, log or trace.log, name, span, band)
 
 
 def _later(told: Progress, share: float) -> None:
@@ -143,18 +153,24 @@ def waves_of(
 
 
 def explained(
-    compared: Compared, waves: "Waves", log: str, coordinate: str, span: tuple[float, float] | None = None
+    compared: Compared,
+    waves: "Waves",
+    log: str,
+    coordinate: str,
+    span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
 ) -> Explained:
-    """One stretch of a comparison. log: as given or its file's name; span [s], None: all of it.
+    """One stretch of a comparison. log: as given or its file's name; span [s], band [Hz], None: all.
 
-    Raises LogError where there is no such log or equation.
+    Raises LogError where there is no such log, equation or frequency.
     """
     from pyident.diagnosis.stretches.ranking import ranking
 
     traces = compared.comparison.traces
     _require([t.log for t in traces], log, [t.coordinate for t in traces], coordinate)
-    named = (t for t in traces if log in (t.log, Path(t.log).name) and t.coordinate == coordinate)
-    return Explained(ranking(waves, next(named), span), compared.notes)
+    named = next(t.log for t in traces if log in (t.log, Path(t.log).name))
+    trace = compared.comparison.trace(named, coordinate, band)
+    return Explained(ranking(waves, trace, span), compared.notes)
 
 
 def _require(
