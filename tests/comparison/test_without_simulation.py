@@ -69,3 +69,11 @@ def test_it_stands_beside_one_that_can(log):
 def test_a_simulator_that_refuses_says_so():
     with pytest.raises(SimulationError):
         Unsimulated().simulate()
+
+
+def test_what_would_explain_it_is_not_asked(log, monkeypatch):
+    from pyident.verbs import judge
+
+    monkeypatch.setattr(judge, "FmuRuns", Refusing)
+    with pytest.raises(SimulationError, match="cannot be simulated"):
+        pi.explain(one_joint(), log)
