@@ -11,6 +11,7 @@ from pyident.cli.common.shared import (
     mapping_option,
     progress_bar,
     reported,
+    set_option,
     show,
     show_notes,
     write_json,
@@ -32,6 +33,7 @@ from pyident.cli.common.shared import (
 )
 @click.option("--holdout", multiple=True, metavar="LOG", help="Log to which nothing is fitted; repeatable.")
 @effects_option
+@set_option
 @mapping_option
 @force_option
 @json_option
@@ -44,6 +46,7 @@ def explain_command(
     span: tuple[float, float] | None,
     band: tuple[float, float] | None,
     holdout: tuple[str, ...],
+    parameters: dict[str, float],
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -69,6 +72,7 @@ def explain_command(
             band=band,
             heldout=holdout,
             mapping=mapping,
+            parameters=parameters,
             force=force,
             progress=progress,
         )

@@ -1,6 +1,6 @@
 """Which law would take a stretch of a residual: asked of one bump, where `diagnose` judges all logs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -95,6 +95,7 @@ def explain(
     band: tuple[float, float] | None = None,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -110,7 +111,7 @@ def explain(
     """
     from pyident.verbs.judge import compare
 
-    robot = robot_of(model, allow_effects=allow_effects)
+    robot = robot_of(model, parameters, allow_effects)
     read = given(robot, logs, mapping, heldout, force)
     told = progress or (lambda _: None)
     every = [*read.logs, *read.heldout]

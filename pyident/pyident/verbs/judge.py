@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from flexmodels.coordinate import joint_name
+from flexmodels.named_values import with_settings
+from flexmodels.robot import Robot, RobotError
 from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
@@ -45,6 +47,7 @@ def diagnose(
     *,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     draft: bool = False,
     allow_effects: bool = False,
     force: bool = False,
@@ -53,11 +56,12 @@ def diagnose(
     """Which effect a model lacks in its logs; its own dynamic parameters are never used.
 
     model, logs, mapping   as in `identify`
-    heldout   logs to judge on; none: the last of several, or the last third of the only one
-    draft     look for a formula where no law explains the residual (needs flexident[symbolic])
+    heldout      logs to judge on; none: the last of several, or the last third of the only one
+    parameters   what is known of the servos in these logs, such as {"servo.kp": 400}
+    draft        look for a formula where no law explains the residual (needs flexident[symbolic])
     Raises RobotError, LogError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
+    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
     found = diagnosed(read.robot, parts.fitted, FmuRuns, parts.unseen, progress or _silent, draft)
     notes = (*read.notes, *found.notes)
@@ -72,18 +76,30 @@ def add_effect(
     *,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Added:
     """The model with one more effect at `joint` (from 1), fitted, and judged on data that were held out.
 
-    heldout   as in `diagnose`; the others as in `identify`
+    heldout, parameters   as in `diagnose`; the others as in `identify`
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
+    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
     return Added(found, read.notes)
+
+
+def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:
+    """The model with what is known of its drives. Raises RobotError for what is fitted anyway."""
+    robot = robot_of(model, allow_effects=allow_effects)
+    fitted = sorted(set(parameters or {}) & set(robot.parameters))
+    if fitted:
+        raise RobotError(
+            f"{fitted[0]} is fitted to the logs, so no value can be set for it; servo.kp and the like can"
+        )
+    return with_settings(robot, parameters) if parameters else robot
 
 
 def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
