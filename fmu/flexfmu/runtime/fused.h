@@ -4,7 +4,7 @@
 
 #include "model.h"
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(NOT_FUSED)
 #define HAS_FUSED
 void fused_rates(const double *x, const double *u, const double *p, const double *mode, double *dx, double *imbalance,
                  double *friction);
