@@ -100,6 +100,29 @@ def test_a_wrong_law_is_refused_with_its_numbers(tab, project):
     assert not list(project.glob("with_*.toml"))
 
 
+def test_a_cell_of_the_map_ranks_its_own_band(tab, project):
+    with served(project) as url:
+        compared(tab, url)
+        tab.get_by_test_id("map").locator(".nsewdrag").first.click(position={"x": 5, "y": 5})
+        band = tab.get_by_test_id("band")
+        band.wait_for()
+        low, high = re.findall(r"from ([\d.]+) to ([\d.]+) Hz", band.inner_text())[0]
+        assert "low=" in tab.url
+        assert f"--band {low} {high}" in tab.get_by_test_id("told").inner_text()
+        tab.get_by_test_id("place-why").click()
+        tab.get_by_test_id("stretch").wait_for()
+        assert tab.get_by_test_id("stretch").inner_text().endswith(f"{low} to {high} Hz")
+        assert tab.get_by_test_id("law-1").count() == 1
+        pictured(tab, "why_band")
+        tab.get_by_test_id("place-where").click()
+        tab.get_by_test_id("band").wait_for()
+        pictured(tab, "where_band")
+        tab.get_by_test_id("all-frequencies").click()
+        tab.get_by_test_id("band").wait_for(state="detached")
+        assert "low=" not in tab.url
+        assert tab.errors == []
+
+
 def test_what_is_brushed_in_one_panel_is_marked_in_all(tab, project):
     with served(project) as url:
         compared(tab, url)

@@ -57,9 +57,28 @@ def test_nothing_missing_ends_in_0(run, tmp_path):
 
 
 def test_what_belongs_to_an_fmu_is_refused_with_a_robot(run):
-    done, _ = run("diagnose", None, "diagnose", "four_link", "a.csv", "--set", "k=1")
+    done, _ = run("diagnose", None, "diagnose", "four_link", "a.csv", "--parameters", "k")
     assert done.exit_code == 2
-    assert "--parameters, --interface and --set belong to an FMU as the model" in done.output
+    assert "--parameters and --interface belong to an FMU as the model" in done.output
+
+
+def test_what_is_known_of_a_drive_goes_to_every_judge(run):
+    _, asked = run(
+        "diagnose", Diagnosed(DIAGNOSIS, ()), "diagnose", "m.toml", "a.csv", "--set", "servo.kp=400"
+    )
+    assert asked["parameters"] == {"servo.kp": 400.0}
+    words = ["add", "m.toml", "stribeck", "--joint", "1", "a.csv", "-o", "x.toml", "--set", "servo.kp=200"]
+    _, asked = run("add_effect", Added(replace(ADDED, reason="no"), ()), *words)
+    assert asked["parameters"] == {"servo.kp": 200.0}
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "add"])
+def test_a_parameter_that_is_fitted_cannot_be_set(tmp_path, verb):
+    law = ["stribeck", "--joint", "1"] if verb == "add" else []
+    words = [verb, "four_link", *law, "a.csv", "--set", "joint1.coulomb=1"]
+    done = CliRunner().invoke(main, [*words, *(["-o", str(tmp_path / "x.toml")] if law else [])])
+    assert done.exit_code == 2
+    assert "joint1.coulomb is fitted to the logs, so no value can be set" in " ".join(done.output.split())
 
 
 @pytest.mark.parametrize("reason", ["", "the error rises by 3 %"])

@@ -19,7 +19,7 @@ from pyident.simulation.fmu_runs import simulate_robot
         (("identify", "--robust", "--refine"), "--refine does without them"),
         (("identify", "--prior", "--refine"), "--refine does not use it"),
         (("identify", "--holdout", "x.csv", "--refine"), "--holdout judges the regression's torques"),
-        (("diagnose", "--parameters", "k"), "--parameters, --interface and --set belong to an FMU"),
+        (("diagnose", "--parameters", "k"), "--parameters and --interface belong to an FMU"),
     ],
 )
 def test_they_are_refused(words, sentence, tmp_path, monkeypatch):

@@ -1,15 +1,17 @@
 """What laws take of a stretch of a residual, against closed forms and a law that is known to be there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from two_link_logs import hidden, loaded, made_log, two_link
 
-from pyident.comparison.traces import Trace, low_passed
+from pyident.comparison.traces import Trace, in_band, low_passed
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.stretches.ranking import ranking
 from pyident.diagnosis.stretches.waves import LawWave, Waves, waves
-from pyident.regression.spectrum import equations, floor
+from pyident.regression.spectrum import Floor, equations, floor
 
 N, RATE = 4000, 1000.0
 TIME = np.arange(N) / RATE
@@ -54,6 +56,42 @@ def test_a_tie_is_what_replicas_would_hide(trace):
     best = law("best", trace.residual)
     asked = ranking(Waves((far, near, best), {KEY: trace.residual}), trace)
     assert [s.law.effect for s in asked.tie] == ["best", "near"]
+
+
+def test_only_the_frequencies_of_a_band_count(trace):
+    """A strong slow sine and a weak fast one: each law takes one of them whole."""
+    fast = 0.1 * np.sin(2 * np.pi * 40 * TIME)
+    both = replace(trace, residual=trace.residual + fast, measured=trace.residual + fast, modelled=0 * TIME)
+    level = Floor(np.linspace(0, 100, 201), np.full((1, 201), 0.001))
+    laws = Waves((law("fast", fast), law("slow", trace.residual)), {KEY: both.residual})
+    assert ranking(laws, both).shares[0].law.effect == "slow"
+    asked = ranking(laws, in_band(both, level, 0, (20.0, 60.0)), (0.5, 3.5))
+    assert asked.band == (20.0, 60.0)
+    assert [s.law.effect for s in asked.shares] == ["fast", "slow"]
+    assert asked.shares[0].percent == pytest.approx(100, abs=0.5)
+    assert abs(asked.shares[1].percent) < 1
+
+
+def test_what_is_not_used_is_not_in_a_band(trace):
+    """Where friction is not known, a large residual means nothing: not beside it either."""
+    spoilt = np.where(TIME < 0.2, 50.0, trace.residual)
+    masked = replace(trace, measured=spoilt, modelled=0 * TIME, used=TIME >= 0.2)
+    clean = replace(masked, measured=np.where(TIME < 0.2, 0.0, trace.residual))
+    level = Floor(np.linspace(0, 100, 201), np.full((1, 201), 0.001))
+    found, expected = (in_band(t, level, 0, (0.0, 5.0)).residual for t in (masked, clean))
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("band", [(0.0, 30.0), (50.0, 150.0), (300.0, 500.0), (0.0, 500.0)])
+def test_the_ribbon_of_a_band_is_what_noise_has_in_it(trace, band):
+    """White noise of 0.3 N m, of which a band holds its share of the Nyquist frequency."""
+    noise = 0.3 * np.random.default_rng(1).standard_normal(N)
+    level = Floor(np.linspace(0, RATE / 2, 2001), np.full((1, 2001), 0.3))
+    found = in_band(replace(trace, measured=noise, modelled=0 * noise), level, 0, band)
+    expected = 0.3 * np.sqrt((band[1] - band[0]) / (RATE / 2))
+    assert found.high == pytest.approx(1.645 * expected, rel=1e-3)
+    assert found.residual.std() == pytest.approx(expected, rel=0.1)
+    np.testing.assert_array_equal(found.passed(noise), found.residual)
 
 
 def test_a_span_without_samples_is_one_sentence(trace):

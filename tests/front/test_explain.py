@@ -8,7 +8,7 @@ from one_joint_logs import recorded
 
 from pyident.cli.main import main
 from pyident.diagnosis.stretches.ranking import Ranking
-from pyident.verbs.explain import Explained
+from pyident.verbs.explain import NOTHING, Explained
 
 
 @pytest.fixture(scope="module")
@@ -41,11 +41,23 @@ def test_the_hidden_law_leads_on_the_stretch(folder):
     assert "A ranking of one stretch is no verdict" in run.output
 
 
+def test_a_band_of_frequencies_is_ranked_by_itself(folder):
+    file = folder / "band.json"
+    run = explain(folder, "--equation", "joint1.e", "--band", "0.2", "3", "--json", str(file))
+    assert run.exit_code == 0, run.output
+    content = json.loads(file.read_text())
+    assert content["band"] == [0.2, 3.0]
+    assert content["laws"][0]["share_percent"] > 90
+    assert ", 0.2 to 3 Hz" in " ".join(run.output.split())
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
         (("--equation", "joint9.e"), "there is no equation joint9.e to explain; there are joint1.e"),
         (("--log", "c.parquet"), "there is no log c.parquet to explain; there are "),
+        (("--band", "3", "2"), "--band 3 2 is empty; give the lower frequency first"),
+        (("--band", "900", "901"), "no frequencies from 900 to 901 Hz; the equations hold up to"),
         (("--span", "3", "2"), "--span 3 2 is empty; give the earlier time first"),
     ],
 )
@@ -57,6 +69,9 @@ def test_what_is_not_there_is_one_sentence(folder, words, sentence):
 
 def test_nothing_to_rank_is_said():
 
-    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), 0.0, ()))
+    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), None, 2.0, 0.0, ()))
     assert empty.headline() == "joint1.e of a.parquet, 0 to 1 s: no law of the catalogue acts there."
     assert empty.to_frame().empty
+    below = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), (0.0, 2.0), 0.9, 0.0, ()))
+    assert below.headline().endswith("0 to 2 Hz: " + NOTHING)
+    assert "there is nothing to explain" in below.summary()

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pyident.comparison.bins import Bin
 from pyident.kinematics.skeleton import segments, skeleton
 from pyident.workbench import figures
 from pyident.workbench.thinned import thinned, thinned_band, window
@@ -47,7 +48,20 @@ def test_a_view_survives_its_url():
     from urllib.parse import parse_qsl
 
     assert view_of(dict(parse_qsl(view.query))) == view
-    assert view_of({"place": "elsewhere", "from": "x"}) == View()
+    banded = View("why", coordinate="joint1.e", band=(0.5, 12.0))
+    assert view_of(dict(parse_qsl(banded.query))) == banded
+    assert view_of({"place": "elsewhere", "from": "x", "low": "3", "high": "2"}) == View()
+
+
+def test_a_cell_of_the_map_is_its_band():
+    listed = [
+        Bin(c, "motor", "frequency", "", low, high, "Hz", 2.0, 3.0, 0.1, 0.1)
+        for c in ("joint1.e", "joint2.e")
+        for low, high in ((0.0, 0.5), (0.5, 12.3456))
+    ]
+    label = figures.band_map(listed)["data"][0]["x"][1]
+    assert figures.band_of(listed, "joint2.e", label) == (0.5, 12.3456)
+    assert figures.band_of(listed, "joint3.e", label) is None
 
 
 def test_the_skeleton_turns_about_the_first_axis(four_link):

@@ -166,6 +166,16 @@ class Effect:
         law = self.forces.get(signals.e, sympy.S.Zero)
         return bool(law.has(sympy.sign(signals.de)))
 
+    @cached_property
+    def is_friction(self) -> bool:
+        """Whether the law acts on the motor hinge alone, without memory, and makes no torque at rest.
+
+        Such a law can only take power: what gives some has a store, or a supply, and acts at rest as well.
+        """
+        if set(self.forces) != {signals.e} or self.states:
+            return False
+        return self.forces[signals.e].subs(signals.de, 0) == 0
+
     @property
     def has_modes(self) -> bool:
         """Whether the law changes its form where the joint reverses."""

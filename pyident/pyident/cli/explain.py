@@ -11,6 +11,7 @@ from pyident.cli.common.shared import (
     mapping_option,
     progress_bar,
     reported,
+    set_option,
     show,
     show_notes,
     write_json,
@@ -27,8 +28,12 @@ from pyident.cli.common.shared import (
 @click.option(
     "--span", nargs=2, type=float, metavar="FROM TO", help="Start and end of the stretch [s].  [default: all]"
 )
+@click.option(
+    "--band", nargs=2, type=float, metavar="FROM TO", help="Frequencies that count [Hz].  [default: all]"
+)
 @click.option("--holdout", multiple=True, metavar="LOG", help="Log to which nothing is fitted; repeatable.")
 @effects_option
+@set_option
 @mapping_option
 @force_option
 @json_option
@@ -39,7 +44,9 @@ def explain_command(
     chosen: str | None,
     equation: str | None,
     span: tuple[float, float] | None,
+    band: tuple[float, float] | None,
     holdout: tuple[str, ...],
+    parameters: dict[str, float],
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -53,6 +60,8 @@ def explain_command(
     """
     if span and not span[0] < span[1]:
         raise RobotError(f"--span {span[0]:g} {span[1]:g} is empty; give the earlier time first")
+    if band and not 0 <= band[0] < band[1]:
+        raise RobotError(f"--band {band[0]:g} {band[1]:g} is empty; give the lower frequency first")
     with progress_bar("comparing, asking every law") as progress:
         explained = pi.explain(
             model,
@@ -60,8 +69,10 @@ def explain_command(
             log=chosen,
             coordinate=equation,
             span=span,
+            band=band,
             heldout=holdout,
             mapping=mapping,
+            parameters=parameters,
             force=force,
             progress=progress,
         )

@@ -151,14 +151,15 @@ def diagnose_command(
         show(fmu.summary())
         write_json(json_file, fmu.to_dict())
         sys.exit(fmu.verdict != "nothing_detectable")
-    if names or interface or parameters:
-        raise click.UsageError("--parameters, --interface and --set belong to an FMU as the model")
+    if names or interface:
+        raise click.UsageError("--parameters and --interface belong to an FMU as the model")
     with progress_bar("fitting, replicas, search") as progress:
         found = pi.diagnose(
             model,
             logs,
             heldout=holdout,
             mapping=mapping,
+            parameters=parameters,
             force=force,
             draft=draft is not None,
             progress=progress,
@@ -185,6 +186,7 @@ def diagnose_command(
 @_holdout
 @output_option(ROBOT)
 @effects_option
+@set_option
 @mapping_option
 @scheduler_option
 @force_option
@@ -197,6 +199,7 @@ def add_command(
     logs: tuple[str, ...],
     holdout: tuple[str, ...],
     output: str,
+    parameters: dict[str, float],
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -214,7 +217,15 @@ def add_command(
     effect, joint, logs = _what(model, effect, joint, logs)
     with progress_bar(f"{effect} at joint {joint}") as progress:
         found = pi.add_effect(
-            model, effect, joint, logs, heldout=holdout, mapping=mapping, force=force, progress=progress
+            model,
+            effect,
+            joint,
+            logs,
+            heldout=holdout,
+            mapping=mapping,
+            parameters=parameters,
+            force=force,
+            progress=progress,
         )
     show_notes(found.notes)
     show(found.summary())

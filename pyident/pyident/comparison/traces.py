@@ -6,15 +6,19 @@ replicas alike.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
+from pyident.regression.spectrum import Floor
 from pyident.rules.bins import BINS
 from pyident.rules.rules import RULES
+
+HALF_RIBBON = 1.645  # standard deviations from the middle to the 5 and 95 % of a normal distribution
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,7 @@ class Trace:
     measured   the right-hand side, motor torque, or zero for a deformation;  modelled: Φ p
     residual   measured less modelled, below `cutoff` [Hz];  low, high: where 5 to 95 % of the replicas' lie
     used       whether the sample counts (dry friction is not known at reversals)
+    band       from and to [Hz], where only these frequencies are shown; None: all below `cutoff`
     """
 
     log: str
@@ -41,6 +46,14 @@ class Trace:
     high: np.ndarray
     used: np.ndarray
     cutoff: float
+    band: tuple[float, float] | None = None
+
+    def passed(self, values: np.ndarray) -> np.ndarray:
+        """(N,) those frequencies of other values of this equation that are shown of its residual."""
+        period = float(self.time[1] - self.time[0])
+        if self.band is not None:
+            return band_passed(values * self.used, period, self.band)
+        return low_passed(values, period, self.cutoff)
 
 
 @dataclass(frozen=True)
@@ -134,6 +147,24 @@ def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
     if relative >= 0.9 or len(values) < 64:
         return values
     return np.asarray(sosfiltfilt(butter(2, relative, output="sos"), values))
+
+
+def in_band(trace: Trace, level: Floor, row: int, band: tuple[float, float]) -> Trace:
+    """The same equation at the frequencies of a band [Hz] alone; row: of the coordinate in the floor."""
+    period = float(trace.time[1] - trace.time[0])
+    inside = (level.frequencies >= band[0]) & (level.frequencies <= band[1])
+    square = 2 * period * float(np.trapezoid(level.rms[row][inside] ** 2, level.frequencies[inside]))
+    edge = np.full(len(trace.time), HALF_RIBBON * np.sqrt(square))
+    shown = replace(trace, low=-edge, high=edge, band=band)
+    return replace(shown, residual=shown.passed(trace.measured - trace.modelled))
+
+
+def band_passed(values: np.ndarray, period: float, band: tuple[float, float]) -> np.ndarray:
+    """(N,) of the lines of the spectrum between two frequencies [Hz], as a floor counts them."""
+    length = int(next_fast_len(len(values), real=True))  # pyright: ignore[reportArgumentType]
+    frequencies = np.arange(length // 2 + 1) / (length * period)
+    lines = np.asarray(rfft(values, length)) * ((frequencies >= band[0]) & (frequencies <= band[1]))
+    return np.asarray(irfft(lines, length))[: len(values)]
 
 
 def _ribbon(replicas: Sequence[np.ndarray], samples: int, period: float) -> tuple[np.ndarray, np.ndarray]:

@@ -116,6 +116,12 @@ class SearchRules:
     foreign_kept: float = rule(
         0.5, "a law's gain that is left beside the foreign signal", "imitators", _TUNING
     )
+    power: float = rule(
+        0.1,
+        "energy that a joint's friction takes: with a further law it may put in no more than that",
+        "friction cannot drive; an inexact fit near rest may say so for a few samples",
+        "by reason, after a difference of 83 N m between directions was named beside 15 N m of friction",
+    )
     trace_explained: float = rule(
         0.5,
         "excess that a law's simulated trace has, too",
@@ -134,7 +140,7 @@ class SearchRules:
 
     def __post_init__(self) -> None:
         shares = ("level", "part", "own", "whole", "order", "tie", "apart", "changes", "imitated")
-        in_range(self, "search", 0, 1, *shares, "block", "block_gain", "block_force")
+        in_range(self, "search", 0, 1, *shares, "block", "block_gain", "block_force", "power")
         in_range(self, "search", 1, 100, "most")
         if list(self.explained) != sorted(self.explained) or not all(0 < x <= 1 for x in self.explained):
             raise RulesError("rules: search.explained must rise, with shares between 0 and 1")

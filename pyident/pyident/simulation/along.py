@@ -2,8 +2,8 @@
 
 A stand-in controller moves otherwise than the robot did, and its floor would be its own doing. So nothing is
 simulated: the motion is the measured one without its noise, the torques are those that the model needs for
-it (inverse dynamics), and noise is put on both. Every replica has parameters of its own, drawn from the
-fit's covariance.
+it (inverse dynamics), and noise is put on both: white on the motion, on the torques with the spectrum that
+theirs has in the log. Every replica has parameters of its own, drawn from the fit's covariance.
 
 The motion is what a low pass leaves whose corner is where the spectrum of a coordinate meets its noise.
 """
@@ -15,9 +15,13 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import generalised_forces, regressor_blocks
+from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
+from pyident.simulation.repetition import period_of
+from pyident.simulation.sensor_noise import channel_noise
 
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _WIDER = 1.5  # times the highest frequency of the motion: the corner of the low pass
@@ -30,6 +34,7 @@ class AlongMotion:
 
     motion    the smooth one
     steps     coordinate or torque -> its resolution, 0: none
+    noise     coordinate or torque -> its noise, rounding apart
     spread    (P, R): a draw of R standard normal numbers becomes a change of the parameters
     """
 
@@ -37,12 +42,11 @@ class AlongMotion:
     robot: Robot
     motion: Motion
     steps: Mapping[str, float]
+    noise: Mapping[str, NoiseSpectrum]
     spread: np.ndarray
 
-    def replicas(
-        self, parameters: Mapping[str, float], noise: Mapping[str, float], seeds: Sequence[int]
-    ) -> list[Log]:
-        """The log's motion with the torques of a model, one per seed; noise: signal -> standard deviation."""
+    def replicas(self, parameters: Mapping[str, float], seeds: Sequence[int]) -> list[Log]:
+        """The log's motion with the torques of a model, one per seed."""
         chance = [np.random.default_rng(seed) for seed in seeds]
         p = np.array([parameters[name] for name in self.robot.linear_parameters])
         drawn = [p + self.spread @ rng.standard_normal(self.spread.shape[1]) for rng in chance]
@@ -51,41 +55,61 @@ class AlongMotion:
             [(Phi @ P)[:, :joints] for _, Phi in regressor_blocks(self.robot, self.motion)]
         )
         return [
-            self._noisy(torque, noise, rng)
-            for torque, rng in zip(torques.transpose(2, 0, 1), chance, strict=True)
+            self._noisy(torque, rng) for torque, rng in zip(torques.transpose(2, 0, 1), chance, strict=True)
         ]
 
-    def _noisy(self, torque: np.ndarray, noise: Mapping[str, float], rng: np.random.Generator) -> Log:
+    def _noisy(self, torque: np.ndarray, rng: np.random.Generator) -> Log:
         """The log with the smooth motion and `torque` (N, joints), noise on both."""
         frame = self.log.frame.copy()
         made = dict(zip(self.robot.coordinates, self.motion.q.T, strict=True))
         made |= dict(zip(self.robot.torques, torque.T, strict=True))
         for name, values in made.items():
-            noisy = values + noise.get(name, 0.0) * rng.standard_normal(len(values))
+            noisy = values + self.noise[name].draw(len(values), rng)
             step = self.steps.get(name, 0.0)
             frame[name] = np.round(noisy / step) * step if step > 0 else noisy
         return Log(frame, f"replica of {self.log.source}")
 
 
-def along(
-    robot: Robot, log: Log, noise: Mapping[str, float], covariance: np.ndarray | None = None
-) -> AlongMotion:
-    """`robot` is fitted and rigid; covariance (P, P) of its linear parameters, none: they are exact.
-
-    noise   signal -> standard deviation of its sensor
-    """
+def along(robot: Robot, log: Log, p: np.ndarray, covariance: np.ndarray | None = None) -> AlongMotion:
+    """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact."""
     measured = log.signals(robot.coordinates)
     tau = log.signals(robot.torques)
     time = log.signals(["time"])[:, 0]
-    q = np.column_stack(
-        [smooth(x, noise.get(name, 0.0)) for x, name in zip(measured.T, robot.coordinates, strict=True)]
-    )
-    wide = _extended(q)
-    q, dq, ddq = central_differences(wide, log.period)
+    noise = np.array([channel_noise(x) for x in measured.T])
+    q = smooth_motion(robot, log)
+    q, dq, ddq = central_differences(_extended(q), log.period)
     names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
     motion = Motion(q, dq, ddq, tau, time - time[0])
-    return AlongMotion(log, robot, motion, steps, _spread(covariance, len(robot.linear_parameters)))
+    white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
+    spectra = dict(zip(robot.coordinates, white, strict=True))
+    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise))
+    apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
+    return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
+
+
+def _torque_noise(
+    robot: Robot, log: Log, motion: Motion, p: np.ndarray, repeats: float | None
+) -> dict[str, NoiseSpectrum]:
+    """Torque -> its noise; repeats: samples after which the motion comes back."""
+    joints = len(robot.joints)
+    left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
+    at = np.arange(len(left))
+    out = {}
+    for k, name in enumerate(robot.torques):
+        speed = motion.dq[:, k]
+        moving = away_from_rest(speed, float(np.mean(speed**2)))
+        known = np.interp(at, at[moving], left[moving, k]) if moving.any() else left[:, k]
+        found = None if repeats else between_reversals(known, moving, log.period)
+        if repeats:
+            found = repeated_spectrum(known, repeats, log.period)
+        out[name] = found or NoiseSpectrum.white(channel_noise(known), log.period)
+    return out
+
+
+def smooth_motion(robot: Robot, log: Log) -> np.ndarray:
+    """(N, n) coordinates of a log without their sensors' noise."""
+    return np.column_stack([smooth(x, channel_noise(x)) for x in log.signals(robot.coordinates).T])
 
 
 def smooth(x: np.ndarray, noise: float) -> np.ndarray:

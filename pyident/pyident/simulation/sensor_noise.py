@@ -85,12 +85,25 @@ def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
     return {name: float(np.sqrt(np.mean(np.square(each)))) for name, each in found.items()}
 
 
+def channel_noise(values: np.ndarray) -> float:
+    """Standard deviation of the white noise that fills a smooth channel's highest frequencies.
+
+    By the mean power: where periods are alike they round alike, and the noise is a few lines.
+    """
+    return float(np.sqrt(_top(values).mean()))
+
+
 def _white(values: np.ndarray, least: float) -> float:
     """Standard deviation of white noise in a smooth signal, by its highest frequencies; 0 below least."""
+    sigma = float(np.sqrt(np.median(_top(values)) / np.log(2)))
+    return sigma if sigma > least else 0.0
+
+
+def _top(values: np.ndarray) -> np.ndarray:
+    """Power of a signal at its highest frequencies, as the variance of white noise that has it."""
     window = np.hanning(len(values))
     S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
-    sigma = float(np.sqrt(np.median(S[int(_WHITE_FROM * len(S)) :]) / np.log(2)))
-    return sigma if sigma > least else 0.0
+    return S[int(_WHITE_FROM * len(S)) :]
 
 
 def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]]) -> np.ndarray:

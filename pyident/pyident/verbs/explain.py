@@ -1,11 +1,12 @@
 """Which law would take a stretch of a residual: asked of one bump, where `diagnose` judges all logs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexmodels.inputs import SimulationError
 from pyident.logs.log import LogError
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Compared
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 _LISTED = 12  # laws of a summary
+NOTHING = "The residual is no larger there than its floor: there is nothing to explain."
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,6 +34,9 @@ class Explained(Result):
     def headline(self) -> str:
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.4g} to {r.span[1]:.4g} s"
+        where += f", {r.band[0]:.4g} to {r.band[1]:.4g} Hz" if r.band else ""
+        if r.over_floor <= 1:
+            return f"{where}: {NOTHING}"
         if not r.shares:
             return f"{where}: no law of the catalogue acts there."
         best = " or ".join(s.law.name for s in r.tie)
@@ -60,6 +65,8 @@ class Explained(Result):
             "log": r.log,
             "coordinate": r.coordinate,
             "span": list(r.span),
+            "band": list(r.band) if r.band else None,
+            "over_floor": r.over_floor,
             "own_laws_percent": r.own_percent,
             "laws": laws,
             "notes": list(self.notes),
@@ -69,6 +76,8 @@ class Explained(Result):
         shares = self.ranking.shares[:_LISTED]
         rows = [(s.law.name, f"{s.percent:.0f} %", "like the best" if s.tied else "") for s in shares]
         own = f"New values of the model's own laws take {self.ranking.own_percent:.0f} % of it."
+        if self.ranking.over_floor <= 1:
+            own = NOTHING
         least = (
             "A ranking of one stretch is no verdict; pyident diagnose judges all equations on unseen data."
         )
@@ -83,8 +92,10 @@ def explain(
     log: str | None = None,
     coordinate: str | None = None,
     span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
@@ -94,23 +105,26 @@ def explain(
     log          where the stretch is, as given or its file's name; none: the first
     coordinate   of the equation; none: the one that fails most
     span         from and to [s]; none: the whole log
+    band         from and to [Hz]; none: up to where the equation stands above its floor
     heldout      logs that may be asked about, but to which nothing is fitted
     The others as in `compare`. Raises RobotError, LogError, SimulationError.
     """
     from pyident.verbs.judge import compare
 
-    robot = robot_of(model, allow_effects=allow_effects)
+    robot = robot_of(model, parameters, allow_effects)
     read = given(robot, logs, mapping, heldout, force)
     told = progress or (lambda _: None)
     every = [*read.logs, *read.heldout]
     _require([one.source for one in every], log, read.robot.coordinates, coordinate)
     compared = compare(robot, every, force=force, progress=lambda share: told(0.8 * share))
+    if not compared.comparison.traces:
+        raise SimulationError(compared.comparison.sentence)
     after = partial(_later, told)
     waves = waves_of(compared, robot, read.logs, heldout=read.heldout, force=force, progress=after)
     worst = compared.comparison.where
     trace = compared.comparison.traces[0]
     name = coordinate or (worst.coordinate if worst else trace.coordinate)
-    return explained(compared, waves, log or trace.log, name, span)
+    return explained(compared, waves, log or trace.log, name, span, band)
 
 
 def _later(told: Progress, share: float) -> None:
@@ -143,18 +157,24 @@ def waves_of(
 
 
 def explained(
-    compared: Compared, waves: "Waves", log: str, coordinate: str, span: tuple[float, float] | None = None
+    compared: Compared,
+    waves: "Waves",
+    log: str,
+    coordinate: str,
+    span: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
 ) -> Explained:
-    """One stretch of a comparison. log: as given or its file's name; span [s], None: all of it.
+    """One stretch of a comparison. log: as given or its file's name; span [s], band [Hz], None: all.
 
-    Raises LogError where there is no such log or equation.
+    Raises LogError where there is no such log, equation or frequency.
     """
     from pyident.diagnosis.stretches.ranking import ranking
 
     traces = compared.comparison.traces
     _require([t.log for t in traces], log, [t.coordinate for t in traces], coordinate)
-    named = (t for t in traces if log in (t.log, Path(t.log).name) and t.coordinate == coordinate)
-    return Explained(ranking(waves, next(named), span), compared.notes)
+    named = next(t.log for t in traces if log in (t.log, Path(t.log).name))
+    trace = compared.comparison.trace(named, coordinate, band)
+    return Explained(ranking(waves, trace, span), compared.notes)
 
 
 def _require(

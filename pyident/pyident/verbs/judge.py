@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from flexmodels.coordinate import joint_name
+from flexmodels.named_values import with_settings
+from flexmodels.robot import Robot, RobotError
 from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
@@ -31,7 +33,8 @@ def compare(
 
     model, logs, mapping   as in `identify`
     parameters             values that replace the model's own, by name, in SI units
-    Raises RobotError, LogError, SimulationError, BuildError.
+    A model that cannot be simulated is judged by its equations alone.
+    Raises RobotError, LogError, BuildError.
     """
     read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
     outcome = compared(read.robot, read.logs, FmuRuns, progress or _silent)
@@ -44,6 +47,7 @@ def diagnose(
     *,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     draft: bool = False,
     allow_effects: bool = False,
     force: bool = False,
@@ -52,11 +56,12 @@ def diagnose(
     """Which effect a model lacks in its logs; its own dynamic parameters are never used.
 
     model, logs, mapping   as in `identify`
-    heldout   logs to judge on; none: the last of several, or the last third of the only one
-    draft     look for a formula where no law explains the residual (needs flexident[symbolic])
+    heldout      logs to judge on; none: the last of several, or the last third of the only one
+    parameters   what is known of the servos in these logs, such as {"servo.kp": 400}
+    draft        look for a formula where no law explains the residual (needs flexident[symbolic])
     Raises RobotError, LogError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
+    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
     found = diagnosed(read.robot, parts.fitted, FmuRuns, parts.unseen, progress or _silent, draft)
     notes = (*read.notes, *found.notes)
@@ -71,18 +76,30 @@ def add_effect(
     *,
     heldout: Logs = (),
     mapping: Columns | None = None,
+    parameters: Mapping[str, float] | None = None,
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Added:
     """The model with one more effect at `joint` (from 1), fitted, and judged on data that were held out.
 
-    heldout   as in `diagnose`; the others as in `identify`
+    heldout, parameters   as in `diagnose`; the others as in `identify`
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
-    read = given(robot_of(model, allow_effects=allow_effects), logs, mapping, heldout, force)
+    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
     return Added(found, read.notes)
+
+
+def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:
+    """The model with what is known of its drives. Raises RobotError for what is fitted anyway."""
+    robot = robot_of(model, allow_effects=allow_effects)
+    fitted = sorted(set(parameters or {}) & set(robot.parameters))
+    if fitted:
+        raise RobotError(
+            f"{fitted[0]} is fitted to the logs, so no value can be set for it; servo.kp and the like can"
+        )
+    return with_settings(robot, parameters) if parameters else robot
 
 
 def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
@@ -91,6 +108,8 @@ def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
     ratios = {k: [b.ratio for b in whole if b.joint == joint_name(k)] for k, _ in read.robot.numbered}
     over_floor = {k: max(listed) for k, listed in ratios.items() if listed}
     for log, errors in zip(read.logs, outcome.logs, strict=True):
+        if not errors.missed:  # nothing was simulated
+            continue
         yield moving(read.robot, log.source, log.frame, errors.time, errors.missed, over_floor)
 
 

@@ -145,8 +145,8 @@ class Bench:
         """Fit the model's parameters to the logs."""
         inputs, file = self.inputs, self._file("identify")
         output = self._next_model("identified")
-        names = [Path(inputs.model).name, *inputs.log_names(), "-o", output.name, "--json", file]
-        line = self.told = command("identify", names)
+        names = [Path(inputs.model).name, *inputs.log_names()]
+        line = self.told = command("identify", names, inputs.options(), "-o", output.name, "--json", file)
         self._pending = Version(output.name, self.project.model, "identified", line)
         self.start("identify", "identifying", work.identified, inputs, str(output), self._path(file))
 

@@ -29,11 +29,13 @@ def inspecting(inputs: Inputs, log: str, mapping: str = "") -> str:
     return command("log", "inspect", log, robot, ["-o", mapping] if mapping else [])
 
 
-def explaining(inputs: Inputs, log: str, coordinate: str, span: Span) -> str:
+def explaining(inputs: Inputs, log: str, coordinate: str, span: Span, band: Span = None) -> str:
     """Which law would take a stretch of an equation."""
     words = ["--log", Path(log).name, "--equation", coordinate]
     if span:
         words += ["--span", *(f"{t:.6g}" for t in span)]
+    if band:
+        words += ["--band", *(f"{f:.6g}" for f in band)]
     return command("explain", _model(inputs), inputs.log_names(), words, inputs.options())
 
 

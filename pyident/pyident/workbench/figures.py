@@ -45,6 +45,12 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
     return {"data": [heat], "layout": layout, "config": {"displayModeBar": False, "responsive": True}}
 
 
+def band_of(bins: Sequence[Any], coordinate: str, label: str) -> tuple[float, float] | None:
+    """The band [Hz] of a cell of the map, by its row and column; None where there is no such cell."""
+    cells = (b for b in bins if b.kind == "frequency" and b.coordinate == coordinate and _band(b) == label)
+    return next(((b.low, b.high) for b in cells), None)
+
+
 def equation(trace: Any, span: tuple[float, float] | None, bumps: Sequence[Any]) -> dict[str, Any]:
     """Position, speed, deformation, torque measured and modelled, and the residual in its ribbon.
 

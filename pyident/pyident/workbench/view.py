@@ -13,6 +13,7 @@ PLACES: tuple[Place, ...] = ("data", "model", "where", "why", "next")
 class View:
     """place; log: its name; coordinate: of the equation; span: of time [s], None for all.
 
+    band      of frequencies [Hz], None for all
     version   number of the model's version; None: whichever is in use
     """
 
@@ -20,6 +21,7 @@ class View:
     log: str = ""
     coordinate: str = ""
     span: tuple[float, float] | None = None
+    band: tuple[float, float] | None = None
     version: int | None = None
 
     def at(self, **changes: Any) -> "View":
@@ -32,6 +34,8 @@ class View:
         words = {"place": self.place, "log": self.log, "coordinate": self.coordinate}
         if self.span is not None:
             words["from"], words["to"] = (f"{t:.6g}" for t in self.span)
+        if self.band is not None:
+            words["low"], words["high"] = (f"{f:.6g}" for f in self.band)
         if self.version is not None:
             words["version"] = str(self.version)
         return urlencode({key: value for key, value in words.items() if value})
@@ -40,10 +44,16 @@ class View:
 def view_of(query: Mapping[str, str]) -> View:
     """What a URL asks for; what makes no sense in it is left out."""
     place: Place = next((p for p in PLACES if p == query.get("place")), "data")  # pyright: ignore[reportAssignmentType]
-    try:
-        span = (float(query["from"]), float(query["to"]))
-    except (KeyError, ValueError):
-        span = None
+    span, band = _pair(query, "from", "to"), _pair(query, "low", "high")
+    if band is not None and not 0 <= band[0] < band[1]:
+        band = None
     number = query.get("version", "")
     version = int(number) if number.isascii() and number.isdigit() and len(number) < 5 else None
-    return View(place, query.get("log", ""), query.get("coordinate", ""), span, version)
+    return View(place, query.get("log", ""), query.get("coordinate", ""), span, band, version)
+
+
+def _pair(query: Mapping[str, str], first: str, second: str) -> tuple[float, float] | None:
+    try:
+        return float(query[first]), float(query[second])
+    except (KeyError, ValueError):
+        return None

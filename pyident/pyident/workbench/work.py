@@ -83,10 +83,16 @@ def added(inputs: Inputs, effect: str, joint: int, output: str, json_file: str, 
 
 
 def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) -> Any:
-    """The model with parameters from the logs, written to `output`."""
+    """The model with parameters from the logs, judged on those held out, written to `output`."""
     import pyident as pi
 
-    fit = pi.identify(inputs.model, list(inputs.logs), mapping=inputs.mapping or None, progress=progress)
+    fit = pi.identify(
+        inputs.model,
+        list(inputs.logs),
+        heldout=list(inputs.heldout),
+        mapping=inputs.mapping or None,
+        progress=progress,
+    )
     fit.save(output)
     _write(json_file, fit.to_dict())
     return fit

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition_every_sample
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
+from pyident.diagnosis.base.denoised import denoised_every_sample
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import (
@@ -26,6 +27,7 @@ from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
 from pyident.simulation.simulator import Simulator, Workers
 
+_WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
 _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
@@ -69,6 +71,21 @@ class Examination:
     def floor_energies(self) -> np.ndarray:
         """(n,) energy that replicas leave on each equation, on average."""
         return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
+
+    @cached_property
+    def bands(self) -> list[np.ndarray]:
+        """Per log (E, bands): 1 where an equation lies in a band."""
+        return [_in_band(log.band)[:, None] == np.arange(len(EDGES)) for log in self.logs]
+
+    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
+        """Energy that a base leaves on some equations beyond what replicas leave, band by band.
+
+        A floor that is too high in one band, where it costs nothing, must not hide what is left in another.
+        """
+        listed = list(rows)
+        left = sum(np.square(r[listed]) @ inside for r, inside in zip(base.residual, self.bands, strict=True))
+        floor = (self.replica_energy.mean(axis=0) * self.count)[listed]
+        return float(np.maximum(left - floor, 0.0).sum())
 
     @property
     def most_over_floor(self) -> np.ndarray:
@@ -145,12 +162,23 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
 def replicated(
     fmu: Simulator, setting: Setting, seeds: Sequence[int]
 ) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
-    """Per replica its logs, their bands and the residuals that the regression leaves."""
-    level, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
+    """Per replica its logs, their bands and the residuals that the regression leaves, weighted as the data's.
+
+    With one weight for all frequencies the noise of encoders, which differences amplify, would bend the
+    parameters at high ones, and what that leaves at low ones would be a floor that drowns the physics there.
+    So the weights are of what the replica leaves at each frequency, found in rounds.
+    """
+    flat, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
     for made in judged_replicas(fmu, setting, seeds):
         logs = _equations(setting.robot, made)
-        left = residuals_of([e.over(np.repeat(level[:, None], e.y.shape[1], axis=1)) for e in logs])
-        found.append((made, [e.band for e in logs], [r * level[:, None] for r in left]))
+        bands = [e.band for e in logs]
+        levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in logs]
+        for last in (*[False] * _WEIGHTINGS, True):
+            left = [r * at for r, at in zip(residuals_of(_over(logs, levels)), levels, strict=True)]
+            if not last:
+                own = floor(bands, left)
+                levels = [own.at(band) for band in bands]
+        found.append((made, bands, left))
     return found
 
 
@@ -195,8 +223,12 @@ def _columns_and_bounds(
 
 
 def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    parts = [condition_every_sample(log, robot) for log in logs]
+    parts = [denoised_every_sample(robot, log) for log in logs]
     return equations(robot, parts, [log.period for log in logs])
+
+
+def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
+    return [e.over(level) for e, level in zip(logs, levels, strict=True)]
 
 
 def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
@@ -211,11 +243,16 @@ def gains_of(
     return gains(base, *_columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data]))
 
 
+def _in_band(band: Band) -> np.ndarray:
+    """(E,) number of the band of EDGES in which each equation lies."""
+    return np.digitize(np.tile(band.frequencies, 2), EDGES) - 1
+
+
 def energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
     """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
     total, number = 0.0, 0.0
     for e, r in zip(data, base.residual, strict=True):
-        at = np.digitize(np.tile(e.band.frequencies, 2), EDGES) - 1
+        at = _in_band(e.band)
         total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(EDGES))]).T
         number = number + np.array([np.sum(at == b) for b in range(len(EDGES))])
     return np.asarray(total) / np.maximum(number, 1), np.asarray(number)

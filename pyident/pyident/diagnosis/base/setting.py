@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.denoised import denoised
 from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
@@ -23,6 +23,7 @@ from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 from pyident.simulation.workers import inline
 
+_FITTED = "_identified"  # behind the name of a robot
 _TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
 
 
@@ -61,22 +62,42 @@ def set_up(
     robot: Robot, logs: Sequence[Log], rules: Rules = RULES, estimator: Estimator = weighted
 ) -> Setting:
     """Fit the robot to the logs and prepare its replicas. Raises LogError."""
-    found = estimator(Problem(robot, tuple(condition(log, robot) for log in logs)))
+    found = estimator(Problem(robot, tuple(denoised(robot, log) for log in logs)))
     reduced, solution = found.reduced, found.solution
-    fitted = identified(robot, reduced, solution).robot
-    noise = sensor_noise(fitted, logs, solution.p)
-    own = {log.source: torque_noise(fitted, [log]) for log in logs}
-    setting = Setting(fitted, fitted, (), noise, reduced, solution, {}, own, rules, estimator)
-    loop_is_known = all(loop_of(fitted, log) is None for log in logs)
-    if loop_is_known or any(joint.flexible for joint in fitted.joints):
-        return in_closed_loop(setting, logs)
-    own = {log.source: sensor_noise(fitted, [log], solution.p) for log in logs}
-    paths = tuple(along(fitted, log, own[log.source], solution.covariance) for log in logs)
-    return replace(setting, repeats=paths, own_noise=own)
+    setting = Setting(robot, robot, (), {}, reduced, solution, {}, {}, rules, estimator)
+    if robot.controller or robot.servo or any(joint.flexible for joint in robot.joints):
+        fitted = identified(robot, reduced, solution).robot
+        loop_is_known = all(loop_of(fitted, log) is None for log in logs)
+        if loop_is_known or any(joint.flexible for joint in robot.joints):
+            noise = sensor_noise(fitted, logs, solution.p)
+            own = {log.source: torque_noise(fitted, [log]) for log in logs}
+            return _repeated(replace(setting, robot=fitted, noise=noise, own_noise=own), logs)
+    fitted = _as_found(robot, reduced, solution)
+    paths = tuple(along(fitted, log, solution.p, solution.covariance) for log in logs)
+    each = [{name: spectrum.std for name, spectrum in path.noise.items()} for path in paths]
+    noise = {name: float(np.mean([own[name] for own in each])) for name in each[0]}
+    own = {path.log.source: of for path, of in zip(paths, each, strict=True)}
+    return replace(setting, robot=fitted, simulated=fitted, repeats=paths, noise=noise, own_noise=own)
+
+
+def _as_found(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
+    """The robot with the parameters of a solution, physical or not: whose torques are needed, not its motion.
+
+    Where a model lacks something, the nearest bodies that can be may be far from what the logs say.
+    """
+    name = robot.name if robot.name.endswith(_FITTED) else f"{robot.name}{_FITTED}"
+    return robot.with_parameters(dict(zip(reduced.columns, solution.p.tolist(), strict=True)), name)
 
 
 def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
+    return _repeated(
+        replace(setting, robot=identified(setting.robot, setting.reduced, setting.solution).robot), logs
+    )
+
+
+def _repeated(setting: Setting, logs: Sequence[Log]) -> Setting:
+    """In closed loop; the robot is one that can be simulated."""
     simulated, made_again = repeats(setting.robot, logs)
     return replace(setting, simulated=simulated, repeats=made_again)
 
@@ -107,7 +128,10 @@ def unbiased(
         refits = [p for job in jobs for p in job.result()]
         change = seen(setting.solution, found - np.mean(refits, axis=0))
         solution = replace(setting.solution, p=put_in + change)
-        robot = identified(setting.robot, setting.reduced, solution).robot
+        if setting.simulates:
+            robot = identified(setting.robot, setting.reduced, solution).robot
+        else:
+            robot = _as_found(setting.robot, setting.reduced, solution)
         simulated = setting.simulated.with_parameters(robot.parameters)
         setting = replace(setting, robot=robot, simulated=simulated)
     return setting
@@ -147,7 +171,7 @@ def replicas_of(
     for r, own in zip(repeats, drawn.T.tolist(), strict=True):
         noise = {**setting.noise, **setting.own_noise.get(r.log.source, {})}
         if isinstance(r, AlongMotion):
-            made.append(r.replicas(parameters, noise, own))
+            made.append(r.replicas(parameters, own))
         else:
             made.append(r.replicas(fmu, parameters, noise, own))
     return list(zip(*made, strict=True)) or [()] * len(seeds)
@@ -157,6 +181,6 @@ def _refitted(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[np
     """What the regression finds in replicas."""
     robot, found = setting.robot, []
     for logs in replicas_of(fmu, setting, setting.repeats, seeds):
-        problem = Problem(robot, tuple(condition(log, robot) for log in logs))
+        problem = Problem(robot, tuple(denoised(robot, log) for log in logs))
         found.append(setting.estimator(problem, setting.solution).solution.p)
     return found

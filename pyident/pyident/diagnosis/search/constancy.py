@@ -38,10 +38,15 @@ def changes_with(search: Search, candidate: Candidate) -> str:
 
 
 def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
-    """By coefficients of their own above the median, of what exceeds the floor on the law's equations."""
+    """By coefficients of their own above the median, of what exceeds the floor on the law's equations.
+
+    Where that is less than what the law itself takes, as a floor that is too high at other frequencies makes
+    it, of the latter.
+    """
     logs = search.examination.logs
     values = [quantity(log, candidate.joint - 1) for log in logs]
     middle = np.median(np.concatenate(values))
     high = [(v > middle).astype(float) for v in values]
     X = columns(search.robot, candidate, logs, search.levels, high)
-    return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), 1e-300)
+    own = search.without(candidate).gain_of(candidate).energy
+    return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), own, 1e-300)

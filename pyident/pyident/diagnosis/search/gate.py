@@ -58,6 +58,8 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"replicas without it show as much (p = {p_value:.2g})"
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
+    elif (driven := search.drives(candidates)) > rules.power:
+        reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
     elif unseen is not None and not held.holds(unseen, share, rules):

@@ -11,6 +11,7 @@ from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.search.families import Families, families_of
+from pyident.diagnosis.search.power import energy_put_in, is_friction
 from pyident.rules.search import SearchRules
 
 
@@ -148,7 +149,19 @@ class Search:
                 return candidates[i], gains[i]
         return candidates[by_gain[0]], replace(gains[by_gain[0]], energy=0.0)
 
+    def drives(self, further: Sequence[Candidate]) -> float:
+        """Energy that friction puts in at the first's joint, over what it takes, beside all the others."""
+        listed = [*self.chosen, *further]
+        if not is_friction(self.robot, further[0]):
+            return 0.0
+        p, x = self.fitted(listed)
+        ends = np.cumsum([len(law_of(self.robot, c).linear) for c in listed])[:-1]
+        laws = list(zip(listed, np.split(x, ends), strict=True))
+        return energy_put_in(self.robot, self.examination.logs, p, laws, further[0].joint)
+
     def _proper(self, candidate: Candidate, explained: Gain) -> bool:
+        if self.drives([candidate]) > self.rules.power:
+            return False
         if law_of(self.robot, candidate).proper is None:
             return True
         p, _ = self.fitted([*self.chosen, candidate])
@@ -255,8 +268,7 @@ class Search:
 
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         """Energy that a base leaves on some equations beyond what replicas leave."""
-        left = sum(float(np.square(r[list(rows)]).sum()) for r in base.residual)
-        return max(left - self.floor_energy_on(rows), 0.0)
+        return self.examination.beyond_floor(base, rows)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.families.mean[family])

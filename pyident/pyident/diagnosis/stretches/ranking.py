@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.comparison.traces import Trace, low_passed
+from pyident.comparison.traces import HALF_RIBBON, Trace
 from pyident.diagnosis.stretches.waves import LawWave, Waves
 from pyident.logs.log import LogError
-
-_HALF_RIBBON = 1.645  # standard deviations from the middle to the 5 and 95 % of a normal distribution
 
 
 @dataclass(frozen=True)
@@ -37,11 +35,17 @@ class Share:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Of one stretch. own_percent: what new values of the model's own laws take of its excess."""
+    """Of one stretch. own_percent: what new values of the model's own laws take of its excess.
+
+    band         of frequencies [Hz] that count, None: all that are shown
+    over_floor   rms of the residual there, over that of replicas: from 1 on there is something to explain
+    """
 
     coordinate: str
     log: str
     span: tuple[float, float]
+    band: tuple[float, float] | None
+    over_floor: float
     own_percent: float
     shares: tuple[Share, ...]
 
@@ -58,24 +62,21 @@ def ranking(waves: Waves, trace: Trace, span: tuple[float, float] | None = None)
     if not at.any():
         raise LogError(f"{trace.coordinate} of {trace.log} has no samples from {span[0]:g} to {span[1]:g} s")
     key = trace.log, trace.coordinate
-    period = float(trace.time[1] - trace.time[0])
-
-    def smooth(values: np.ndarray) -> np.ndarray:
-        return low_passed(values.astype(float), period, trace.cutoff)
-
-    refitted = smooth(waves.refitted[key])
+    refitted = trace.passed(waves.refitted[key].astype(float))
     floor = float(np.mean(_replicas_square(trace)[at]))
     before, own = float(np.mean(trace.residual[at] ** 2)), float(np.mean(refitted[at] ** 2))
     shares = []
     for law in waves.laws:
         if key in law.taken:
-            taken = smooth(law.taken[key])
+            taken = trace.passed(law.taken[key].astype(float))
             left = refitted - taken
             percent = 100 * (own - float(np.mean(left[at] ** 2))) / max(own - floor, 1e-9 * own, 1e-300)
             shares.append(Share(law, percent, taken, left))
     shares.sort(key=lambda share: -share.percent)
+    over_floor = float(np.sqrt(before / max(floor, 1e-300)))
     own_percent = 100 * (before - own) / max(before - floor, 1e-9 * before, 1e-300)
-    return Ranking(trace.coordinate, trace.log, span, own_percent, _tied(shares, at, floor))
+    tied = _tied(shares, at, floor)
+    return Ranking(trace.coordinate, trace.log, span, trace.band, over_floor, own_percent, tied)
 
 
 def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share, ...]:
@@ -89,4 +90,4 @@ def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share,
 
 def _replicas_square(trace: Trace) -> np.ndarray:
     """(N,) mean square of the replicas, from their ribbon."""
-    return ((trace.high + trace.low) / 2) ** 2 + ((trace.high - trace.low) / 2 / _HALF_RIBBON) ** 2
+    return ((trace.high + trace.low) / 2) ** 2 + ((trace.high - trace.low) / 2 / HALF_RIBBON) ** 2

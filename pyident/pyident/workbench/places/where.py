@@ -27,6 +27,8 @@ def show(page: "Page") -> None:
         return
     comparison = compared.comparison
     ui.label(comparison.sentence).classes("text-base").props('data-testid="where-sentence"')
+    if not comparison.traces:  # it could not be simulated: the sentence says so
+        return
     equation = _Equation(page, compared)
     with ui.row().classes("w-full no-wrap max-lg:flex-wrap items-start"):
         with ui.column().classes("grow min-w-0"):
@@ -69,7 +71,7 @@ class _Equation:
         """Show another span of time; the rest of the page stays."""
         at = self.trace.log, self.trace.coordinate
         self.page.look(span=span, log=at[0], coordinate=at[1])
-        self.page.tell(commands.explaining(self.page.bench.inputs, *at, span))
+        self.page.tell(commands.explaining(self.page.bench.inputs, *at, span, self.trace.band))
         self.traces.update_figure(figures.equation(self.trace, span, self.bumps))
         self.states.update_figure(figures.states(self.trace, span))
         self.whole.set_visibility(span is not None)
@@ -108,7 +110,11 @@ def chosen_trace(page: "Page", comparison: Any) -> Any:
     listed = listed or list(comparison.traces)
     worst = comparison.where.coordinate if comparison.where else listed[0].coordinate
     coordinate = page.view.coordinate or worst
-    return next((t for t in listed if t.coordinate == coordinate), listed[0])
+    found = next((t for t in listed if t.coordinate == coordinate), listed[0])
+    try:
+        return comparison.trace(found.log, found.coordinate, page.view.band)
+    except ValueError:  # a band from the URL in which there is nothing
+        return found
 
 
 def _map(page: "Page", comparison: Any) -> None:
@@ -116,10 +122,12 @@ def _map(page: "Page", comparison: Any) -> None:
     plot.props('data-testid="map" role="figure" aria-label="rms over floor by equation and band"')
 
     def chosen(event: events.GenericEventArguments) -> None:
-        coordinate = str(event.args["points"][0]["y"])
-        page.go(coordinate=coordinate, span=None)
+        point = event.args["points"][0]
+        coordinate = str(point["y"])
+        band = figures.band_of(comparison.bins, coordinate, str(point["x"]))
+        page.go(coordinate=coordinate, span=None, band=band)
         log = chosen_trace(page, comparison).log
-        page.tell(commands.explaining(page.bench.inputs, log, coordinate, None))
+        page.tell(commands.explaining(page.bench.inputs, log, coordinate, None, band))
 
     plot.on("plotly_click", chosen)
 
@@ -136,6 +144,13 @@ def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
                 names,
                 value=value,
                 label="equation" if key == "coordinate" else "log",
-                on_change=lambda e, k=key: page.go(**{k: e.value, "span": None}),
+                on_change=lambda e, k=key: page.go(**{k: e.value, "span": None, "band": None}),
             ).props(f'data-testid="{key}"').classes("w-40")
-        ui.label(f"residual shown below {chosen.cutoff:.3g} Hz").classes("text-sm")
+        if chosen.band is None:
+            ui.label(f"residual shown below {chosen.cutoff:.3g} Hz").classes("text-sm")
+            return
+        words = f"residual shown from {chosen.band[0]:.3g} to {chosen.band[1]:.3g} Hz"
+        ui.label(words).classes("text-sm").props('data-testid="band"')
+        ui.button("all frequencies", on_click=lambda: page.go(band=None)).props(
+            'data-testid="all-frequencies" flat dense no-caps'
+        )

@@ -30,7 +30,7 @@ def show(page: "Page") -> None:
         _finding(page, i, finding)
     _outcome(page)
     compared, waves = bench.result("compare"), bench.result("ask")
-    if compared is None or waves is None:
+    if compared is None or waves is None or not compared.comparison.traces:
         words = "Compare model and logs in place 3; then every law can be asked what it would take."
         ui.label(words).props('data-testid="no-ranking"')
         return
@@ -52,19 +52,24 @@ class _Stretch:
 
         self.page, self.diagnosis = page, diagnosis
         self.trace = chosen_trace(page, compared.comparison)
-        span = page.view.span
-        self.asked = explained(compared, waves, self.trace.log, self.trace.coordinate, span)
+        span, band = page.view.span, self.trace.band
+        self.asked = explained(compared, waves, self.trace.log, self.trace.coordinate, span, band)
         self.ranking = self.asked.ranking
 
     def show(self) -> None:
         """Draw it."""
         r = self.ranking
         where = f"{r.coordinate} of {Path(r.log).name}, {r.span[0]:.2f} to {r.span[1]:.2f} s"
+        where += f", {r.band[0]:.3g} to {r.band[1]:.3g} Hz" if r.band else ""
         ui.label(f"What each law would take of {where}").classes("font-bold mt-2").props(
             'data-testid="stretch"'
         )
         words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
         own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
+        if r.over_floor <= 1:
+            from pyident.verbs.explain import NOTHING
+
+            own = NOTHING
         ui.label(f"{words} {own}").classes("text-sm")
         ui.label(self._command()).classes("font-mono text-xs").props('data-testid="explain-command"')
         if not r.shares:
@@ -82,7 +87,7 @@ class _Stretch:
     def _command(self) -> str:
         """The command line that ranks the same."""
         r = self.ranking
-        return commands.explaining(self.page.bench.inputs, r.log, r.coordinate, r.span)
+        return commands.explaining(self.page.bench.inputs, r.log, r.coordinate, r.span, r.band)
 
     def _rows(self) -> None:
         tie = self.ranking.tie

@@ -1,0 +1,51 @@
+"""The equations of a log whose motion has lost its sensors' noise.
+
+Differences amplify the noise of encoders, and in a regressor noise is no residual: it bends the parameters
+(errors in variables), differently along every motion. What that leaves is a floor at low frequencies, where
+physics is, and an error of prediction on held-out logs. Where the loop of a rigid robot is unknown and its
+file names no cutoff, the motion is therefore taken as a low pass leaves it whose corner is where its spectrum
+meets the noise. The torques keep all their frequencies.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.samples import Conditioned
+from pyident.conditioning.weak_form import condition, condition_every_sample
+from pyident.logs.log import Log
+from pyident.simulation.along import smooth_motion
+
+_ENDS = 0.01  # of the samples, at either end, where the low pass continues a motion that nobody knows
+
+
+def denoised(robot: Robot, log: Log) -> Conditioned:
+    """As `condition`, of the motion without its noise. Raises LogError."""
+    return _without_ends(robot, condition(_smooth(robot, log), robot))
+
+
+def denoised_every_sample(robot: Robot, log: Log) -> Conditioned:
+    """As `condition_every_sample`. Raises LogError."""
+    return _without_ends(robot, condition_every_sample(_smooth(robot, log), robot))
+
+
+def _applies(robot: Robot) -> bool:
+    rigid = not any(joint.flexible for joint in robot.joints)
+    return rigid and robot.controller is None and robot.settings.processing.cutoff is None
+
+
+def _smooth(robot: Robot, log: Log) -> Log:
+    if not _applies(robot):
+        return log
+    frame = log.frame.copy()
+    frame[list(robot.coordinates)] = smooth_motion(robot, log)
+    return replace(log, frame=frame)
+
+
+def _without_ends(robot: Robot, part: Conditioned) -> Conditioned:
+    if not _applies(robot):
+        return part
+    use, ends = part.use.copy(), int(np.ceil(_ENDS * len(part.use)))
+    use[:ends], use[-ends:] = 0.0, 0.0
+    return replace(part, use=use)

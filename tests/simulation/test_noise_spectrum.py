@@ -1,0 +1,85 @@
+"""Spectra of a torque's noise against those that it was made with."""
+
+import numpy as np
+import pytest
+
+from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
+from pyident.simulation.repetition import period_of
+
+PERIOD, POLE = 0.01, 0.9
+SLOW = np.array([0.1, 0.3])  # Hz, where the motion is
+
+
+def noise(count: int, seed: int, coloured: float = 1.0, white: float = 0.5) -> np.ndarray:
+    """White noise beside an autoregression of first order, (count,)."""
+    rng = np.random.default_rng(seed)
+    steps, x = rng.standard_normal(count), np.zeros(count)
+    for i in range(1, count):
+        x[i] = POLE * x[i - 1] + np.sqrt(1 - POLE**2) * steps[i]
+    return coloured * x + white * rng.standard_normal(count)
+
+
+def true(f: np.ndarray, coloured: float = 1.0, white: float = 0.5) -> np.ndarray:
+    """Its density, in closed form."""
+    low_passed = (1 - POLE**2) / np.abs(1 - POLE * np.exp(-2j * np.pi * f * PERIOD)) ** 2
+    return 2 * PERIOD * (coloured**2 * low_passed + white**2)
+
+
+def course(time: np.ndarray) -> np.ndarray:
+    """Joint angles that come back after 7.77 s, which is no whole number of samples."""
+    turns = 2 * np.pi * time / 7.7734
+    return np.column_stack([np.sin(turns) + 0.3 * np.cos(3 * turns), np.cos(2 * turns)])
+
+
+def mean_of(found: list[NoiseSpectrum], f: np.ndarray) -> np.ndarray:
+    return np.mean([np.interp(f, s.frequencies, s.density) for s in found], axis=0)
+
+
+def test_the_period_of_a_motion_is_found_between_samples():
+    q = course(np.arange(6000) * PERIOD)
+    assert period_of(q, np.zeros(2)) == pytest.approx(777.34, abs=0.02)
+    rounded = np.round(q / 1e-3) * 1e-3
+    assert period_of(rounded, np.full(2, 1e-3 / np.sqrt(12))) == pytest.approx(777.34, abs=0.1)
+
+
+def test_a_motion_that_does_not_come_back_has_none():
+    time = np.arange(6000) * PERIOD
+    q = np.sin(2 * np.pi * np.outer(time, [0.31, 0.17]) * (1 + 0.004 * time[:, None]))
+    assert period_of(q, np.zeros(2)) is None
+    assert period_of(course(time)[:2000], np.zeros(2)) is None  # it comes back twice
+    assert period_of(np.zeros((6000, 2)), np.zeros(2)) is None
+
+
+def test_what_repeats_and_what_drifts_is_no_noise():
+    """A law that the model lacks leaves ten times the noise, and falls in the course of the log."""
+    time = np.arange(6000) * PERIOD
+    angle = course(time)[:, 0]
+    law = 10 * np.tanh(np.gradient(angle, PERIOD) / 0.2) * angle**2 * (1 - 0.2 * time / time[-1])
+    found = [repeated_spectrum(law + noise(6000, seed), 777.34, PERIOD) for seed in range(8)]
+    f = np.array([*SLOW, 3.0, 40.0])
+    assert mean_of(found, f) == pytest.approx(true(f), rel=0.25)
+
+
+def test_between_reversals_a_spectrum_goes_on_below_what_stretches_resolve():
+    """A law that is smooth there adds nothing; the noise's corner is at 1.7 Hz."""
+    time = np.arange(12000) * PERIOD
+    moving = np.abs(np.sin(2 * np.pi * 0.23 * time)) > 0.05
+    law = 30 * np.sin(2 * np.pi * 0.23 * time)
+    found = []
+    for seed in range(8):
+        spectrum = between_reversals(law + noise(12000, seed), moving, PERIOD)
+        assert spectrum is not None
+        found.append(spectrum)
+    f = np.array([*SLOW, 3.0, 40.0])
+    assert mean_of(found, f) == pytest.approx(true(f), rel=0.3)
+    assert between_reversals(law, moving & (np.arange(12000) % 20 > 0), PERIOD) is None
+
+
+def test_noise_is_drawn_with_its_spectrum():
+    f = np.linspace(0, 50, 400)
+    spectrum = NoiseSpectrum(f, true(f), PERIOD)
+    drawn = [spectrum.draw(6000, np.random.default_rng(seed)) for seed in range(10)]
+    assert np.mean([np.var(x) for x in drawn]) == pytest.approx(1.25, rel=0.05)
+    assert spectrum.std == pytest.approx(np.sqrt(1.25), rel=0.02)
+    assert np.mean([np.corrcoef(x[1:], x[:-1])[0, 1] for x in drawn]) == pytest.approx(0.9 / 1.25, abs=0.02)
+    assert NoiseSpectrum.white(0.3, PERIOD).white_part == pytest.approx(0.3)
