@@ -9,9 +9,11 @@ from six_axis_logs import ROTOR, arm, made
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
-from pyident.estimation.identify import identify, near, of_the_same_arm
+from pyident.estimation.identify import identified, identify, near, of_the_same_arm
+from pyident.estimation.least_squares import solve
 from pyident.estimation.physical import _distance
 from pyident.logs.log import Log
+from pyident.regression.reduced import reduce
 from pyident.simulation.fmu_runs import simulate_robot
 
 MASSES = [f"link{k}.m" for k in range(1, 7)]
@@ -81,3 +83,30 @@ def test_data_without_noise_leave_a_prior_its_right(estimator):
     found = pi.identify(robot, log, estimator=estimator, prior=robot).robot.parameters
     assert found["link1.m"] == pytest.approx(2.0, rel=1e-2)
     assert found["joint1.viscous"] == pytest.approx(2.0, rel=1e-2)
+
+
+def test_a_hinge_that_the_data_give_no_stiffness_keeps_that_of_the_prior():
+    """The deformation is noise alone, so that least squares finds a stiffness near zero, of either sign."""
+    robot = load_robot("four_link")
+    names = list(robot.linear_parameters)
+    found = identified_of(robot, {"joint1.k[1]": -150.0, "joint1.d[1]": -20.0})
+    assert "joint1.k[1]" in found.at_bound
+    prior = robot.with_parameters({"joint1.k[1]": 7e4, "joint1.d[1]": 30.0}, "cad")
+    close = near(found, prior)
+    assert close.robot.parameters["joint1.k[1]"] == 7e4
+    assert close.robot.parameters["joint1.d[1]"] == 30.0
+    assert "joint1.k[1] keeps the 70000 N m/rad of cad" in " ".join(close.notes)
+    k2 = names.index("joint2.k[1]")
+    assert close.robot.parameters["joint2.k[1]"] == pytest.approx(found.solution.p[k2], rel=1e-2)
+    assert "joint2.k[1]" not in " ".join(close.notes)
+
+
+def identified_of(robot, changed):
+    """What equations ask for whose parameters are the robot's but for the changed ones."""
+    rng = np.random.default_rng(2)
+    p = np.array(list((robot.linear_parameters | changed).values()))
+    n = len(robot.coordinates)
+    A = rng.standard_normal((200, n, len(p))) / np.maximum(np.abs(p), 1e-3)
+    y = A @ p + 0.05 * rng.standard_normal((200, n))
+    reduced = reduce([(A, y)], robot.coordinates, tuple(robot.linear_parameters))
+    return identified(robot, reduced, solve(reduced))

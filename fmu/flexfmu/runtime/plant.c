@@ -1,6 +1,7 @@
 #include "plant.h"
 
 #include "equilibrium.h"
+#include "fused.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,7 +9,14 @@
 /* ---- mechanics ------------------------------------------------------------------------------- */
 
 void plant_rates(const Plant *s, const double *x, double *dx, double *imbalance, double *friction) {
-    model_rates(x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode, dx, imbalance, friction);
+    const double *u = s->value + AT_TORQUE, *p = s->value + AT_PARAMETER;
+#ifdef HAS_FUSED
+    if (fused_here()) {
+        fused_rates(x, u, p, s->mode, dx, imbalance, friction);
+        return;
+    }
+#endif
+    model_rates(x, u, p, s->mode, dx, imbalance, friction);
 }
 
 /* How far each hinge is from leaving its mode; negative when it has left it. */

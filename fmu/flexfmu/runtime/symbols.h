@@ -57,6 +57,8 @@
 #define plant_directional MODEL_PREFIXED(plant_directional)
 #define plant_adjoint MODEL_PREFIXED(plant_adjoint)
 
+#define fused_rates MODEL_PREFIXED(fused_rates)
+#define fused_breakaway MODEL_PREFIXED(fused_breakaway)
 #define drive_start MODEL_PREFIXED(drive_start)
 #define drive_due MODEL_PREFIXED(drive_due)
 #define drive_take MODEL_PREFIXED(drive_take)

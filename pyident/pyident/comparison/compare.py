@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from flexmodels.coordinate import deformation_of, is_deformation, is_motor, is_torque, joint_number, motor_of
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
 from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
+from pyident.comparison.without_simulation import parts_without_simulation, sentence_without_simulation
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log, LogError
 from pyident.regression.spectrum import Floor
@@ -83,12 +85,23 @@ def compare(
 
     open_pool   robot -> context manager of processes that hold its FMU (`pipeline.FmuRuns`)
     rules          every threshold
-    Raises LogError, and what the simulation raises.
+    A model that cannot be simulated is judged by its equations alone. Raises LogError, BuildError.
     """
     trial = on_trial(robot, logs)
-    with open_pool(trial.simulated) as workers:
-        data, made = run_trial(trial, workers, progress, rules.comparison.replicas)
+    try:
+        with open_pool(trial.simulated) as workers:
+            data, made = run_trial(trial, workers, progress, rules.comparison.replicas)
+    except SimulationError as error:
+        return _by_equations(trial, str(error))
     return compared(trial, data, made, rules.comparison)
+
+
+def _by_equations(trial: Trial, reason: str) -> Comparison:
+    """Of a model that cannot be simulated, and why it cannot."""
+    data = parts_without_simulation(trial)
+    errors = tuple(log_errors(trial, i, part, []) for i, part in enumerate(data))
+    sentence = sentence_without_simulation(reason, errors)
+    return Comparison(trial.robot.name, sentence, None, False, errors, (), (), trial.tracks)
 
 
 def compared(
@@ -253,6 +266,9 @@ def _slides(robot: Robot, name: str) -> bool:
 
 
 def _rms(values: Any) -> float:
+    """nan of nothing."""
+    if len(values) == 0:
+        return float("nan")
     return float(np.sqrt(np.mean(np.square(values))))
 
 

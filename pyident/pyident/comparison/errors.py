@@ -10,7 +10,10 @@ from flexmodels.coordinate import is_motor, joint_name, joint_number
 
 @dataclass(frozen=True)
 class Error:
-    """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves."""
+    """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves.
+
+    floor   nan where the model cannot be simulated, and so is that over it
+    """
 
     rmse: float
     signal: float
@@ -34,8 +37,8 @@ class Error:
             "rmse": self.rmse,
             "unit": self.unit,
             "nrmse_percent": self.nrmse_percent,
-            "floor_percent": self.floor_percent,
-            "over_floor": self.ratio,
+            "floor_percent": _known(self.floor_percent),
+            "over_floor": _known(self.ratio),
         }
 
 
@@ -65,3 +68,7 @@ class LogErrors:
             "deformation_balance": balances,
             "simulation": tip | {"e_rmse": e_rmse, "signals": signals},
         }
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else value

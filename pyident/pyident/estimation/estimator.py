@@ -14,8 +14,9 @@ from pyident.conditioning.weak_form import REACH
 from pyident.estimation.least_squares import Solution, solve, solve_weighted
 from pyident.estimation.newey_west import LongRun
 from pyident.estimation.total_least_squares import total_least_squares
-from pyident.regression.equations import Problem, predicted
+from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
+from pyident.regression.regressor import predicted
 
 _ROBUST_ROUNDS = 5
 

@@ -124,10 +124,28 @@ def near(found: Identified, prior: Robot) -> Identified:
     """The same solution; what the data leave open of the written model stays near a prior of the same arm."""
     p = consistent(found.robot, found.reduced, found.solution, prior)
     robot = found.robot.with_parameters(dict(zip(found.reduced.columns, p, strict=True)))
+    found, notes = _hinges_of(replace(found, robot=robot), prior)
     kept = [name for name, text in found.support.items() if text == "no"]
     note = f"what the data leave open stays near {prior.name}"
     note += f"; they say nothing of {', '.join(kept)}" if kept else ""
-    return replace(found, robot=robot, notes=(*found.notes, note))
+    return replace(found, notes=(*found.notes, note, *notes))
+
+
+def _hinges_of(found: Identified, prior: Robot) -> tuple[Identified, list[str]]:
+    """With the prior's hinge where the data ask for one without stiffness, and a sentence about each.
+
+    A hinge must have stiffness: what asks for none is noise in the measured deformation, or too little load.
+    """
+    bound, known = found.at_bound, prior.parameters
+    soft = [name for name in bound if ".k[" in name and known.get(name, 0.0) > 0]
+    damping = [name.replace(".k[", ".d[") for name in soft]
+    values = {name: known[name] for name in (*soft, *damping) if name in known}
+    notes = [
+        f"{name} keeps the {known[name]:.6g} N m/rad of {prior.name}, and so does its damping: the logs ask "
+        "for none, which is noise in the deformation or too little load to tell"
+        for name in soft
+    ]
+    return replace(found, robot=found.robot.with_parameters(values)), notes
 
 
 def without_intervals(found: Identified) -> Identified:

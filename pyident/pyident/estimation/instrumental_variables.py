@@ -17,8 +17,12 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmodels.threads import gathered
 from pyident.estimation.least_squares import ROUNDING, Directions, Solution, solution_of
-from pyident.regression.reduced import Reduced, reduce
+from pyident.regression.machine.threads import each
+from pyident.regression.reduced import Reduced, absent
+from pyident.regression.regressor import predicted
+from pyident.regression.triangle import Triangle
 
 FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
@@ -41,17 +45,24 @@ class Rows:
         """Per equation those of A and Z that are not zero."""
         return acting(self.A, self.Z)
 
+    @cached_property
+    def instruments(self) -> list[np.ndarray]:
+        """Per equation the `columns` of Z, (columns, N)."""
+        return [self.Z[:, c].T[own] for c, own in enumerate(self.columns)]
+
     def residual(self, p: np.ndarray) -> np.ndarray:
         """y - A p, (N, n)."""
-        left = self.y.copy()
-        for c, own in enumerate(self.columns):
-            left[:, c] -= self.A[:, c][:, own] @ p[own]
-        return left
+        return self.y - predicted(self.A, p)
 
     def turned(self, c: int, turn: np.ndarray) -> np.ndarray:
-        """(N, r) instruments of equation c in directions turn (P, r)."""
-        own = self.columns[c]
-        return self.Z[:, c][:, own] @ turn[own]
+        """(r, N) instruments of equation c in directions turn (P, r)."""
+        return turn[self.columns[c]].T @ self.instruments[c]
+
+    def sums(self, c: int, values: np.ndarray) -> np.ndarray:
+        """(P,) sums of instruments of equation c times values (N,)."""
+        out = np.zeros(self.A.shape[2])
+        out[self.columns[c]] = self.instruments[c] @ values
+        return out
 
 
 def acting(*matrices: np.ndarray) -> list[np.ndarray]:
@@ -101,10 +112,8 @@ class MomentEquations:
         b = np.zeros(len(self.B))
         for number, rows in enumerate(self.logs()):
             y = rows.y if targets is None else targets[number]
-            sums = np.zeros(len(self.turn))
-            for c, own in enumerate(rows.columns):
-                sums[own] += rows.Z[:, c][:, own].T @ (self.weights[c] ** 2 * rows.share[:, c] * y[:, c])
-            b += self.turn.T @ sums
+            counted = self.weights**2 * rows.share * y
+            b += self.turn.T @ sum(rows.sums(c, values) for c, values in enumerate(counted.T))
         return b
 
     def solve(self, scatter: Scatter, rank: int | None = None) -> Solution:
@@ -139,17 +148,28 @@ class MomentEquations:
 
 def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> MomentEquations:
     """The directions that the instruments span, and the moment equations in them."""
-    blocks = ((r.Z * r.share[:, :, None], 0 * r.y) for r in logs())
-    S, _ = reduce(blocks, reduced.rows, reduced.columns).stacked(weights)
+    S = _instruments(logs, weights, len(reduced.columns))
     scale = np.linalg.norm(S, axis=0)
-    absent = scale == 0
-    scale[absent] = 1.0
+    nothing = absent(scale, reduced.columns)
+    scale[nothing] = 1.0
     _, s, Vt = np.linalg.svd(S / scale, full_matrices=False)
     r = int((s > ROUNDING * s[0]).sum())
-    Vt[:r, absent] = 0.0
+    Vt[:r, nothing] = 0.0
     turn = (Vt[:r].T / s[:r]) / scale[:, None]
     B = turn.T @ _products(logs, weights) @ (Vt[:r].T / scale[:, None])
     return MomentEquations(logs, reduced, weights, s, Vt, scale, turn, B)
+
+
+def _instruments(logs: Logs, weights: np.ndarray, parameters: int) -> np.ndarray:
+    """(K, P) of the same sums of squares as the weighted instruments of all logs."""
+    triangles = [Triangle(parameters) for _ in weights]
+    for rows in logs():
+
+        def fold(c: int, rows: Rows = rows) -> None:
+            triangles[c].fold_columns(rows.columns[c], rows.instruments[c] * (weights[c] * rows.share[:, c]))
+
+        each(fold, range(len(weights)))
+    return np.concatenate([triangle.full[:-1, :-1] for triangle in triangles])
 
 
 def solve_instrumental(
@@ -176,8 +196,8 @@ def _products(logs: Logs, weights: np.ndarray) -> np.ndarray:
     for rows in logs():
         products = np.zeros((rows.A.shape[2],) * 2)
         for c, own in enumerate(rows.columns):
-            U = rows.Z[:, c][:, own] * (weights[c] ** 2 * rows.share[:, c, None])
-            products[np.ix_(own, own)] += U.T @ rows.A[:, c][:, own]
+            U = rows.instruments[c] * (weights[c] ** 2 * rows.share[:, c])
+            products[np.ix_(own, own)] += U @ rows.A[:, c].T[own].T
         total = total + products
     return np.asarray(total)
 
@@ -226,27 +246,37 @@ def _spectral(
     p: np.ndarray,
     counted: Sequence[np.ndarray] | None,
 ) -> np.ndarray:
-    total = np.zeros((turn.shape[1], turn.shape[1]))
+    def of_log(log: tuple[int, Rows]) -> np.ndarray:
+        number, rows = log
+        return _spectral_of(rows, weights, turn, p, None if counted is None else counted[number])
+
+    return np.sum(gathered(of_log, enumerate(logs())), axis=0)
+
+
+def _spectral_of(
+    rows: Rows, weights: np.ndarray, turn: np.ndarray, p: np.ndarray, counted: np.ndarray | None
+) -> np.ndarray:
+    residual = rows.residual(p) * rows.share * weights
+    N = transform_length(len(residual))
+    v = np.fft.fft(residual, N, axis=0)
+    half = N // 2 + 1
+    if counted is not None:
+        v *= np.concatenate([counted, counted[1 : N - half + 1][::-1]])
+    X = np.empty((len(weights), turn.shape[1], half), complex)
+    for c, weight in enumerate(weights):
+        np.conj(np.fft.rfft(weight * rows.turned(c, turn), N), out=X[c])
+    twice = np.full(half, 2.0)
+    twice[0] = 1.0
+    if N % 2 == 0:
+        twice[-1] = 1.0
     window = 1 - np.abs(np.arange(-_BINS, _BINS + 1)) / (_BINS + 1)
-    window /= window.sum()
-    for number, rows in enumerate(logs()):
-        residual = rows.residual(p) * rows.share * weights
-        N = transform_length(len(residual))
-        v = np.fft.fft(residual, N, axis=0)
-        half = N // 2 + 1
-        if counted is not None:
-            v *= np.concatenate([counted[number], counted[number][1 : N - half + 1][::-1]])
-        X = np.empty((half, turn.shape[1], len(weights)), complex)
-        for c, weight in enumerate(weights):
-            X[:, :, c] = np.fft.rfft(weight * rows.turned(c, turn), N, axis=0).conj()
-        twice = np.full(half, 2.0)
-        twice[0] = 1.0
-        if N % 2 == 0:
-            twice[-1] = 1.0
-        near = np.stack([np.roll(v, -shift, axis=0)[:half] for shift in range(-_BINS, _BINS + 1)], axis=2)
-        near *= np.sqrt(twice[:, None] * window)[:, None, :] / N
-        for at in range(0, half, _LINES):
-            lines = slice(at, at + _LINES)
-            scores = np.moveaxis(X[lines] @ near[lines], 1, 0).reshape(turn.shape[1], -1)
-            total += scores.real @ scores.real.T + scores.imag @ scores.imag.T
+    near = np.stack([np.roll(v, -shift, axis=0)[:half] for shift in range(-_BINS, _BINS + 1)], axis=2)
+    near *= np.sqrt(twice[:, None] * window / window.sum())[:, None, :] / N
+    total = np.zeros((turn.shape[1], turn.shape[1]))
+    for at in range(0, half, _LINES):
+        lines = slice(at, at + _LINES)
+        products = np.ascontiguousarray(X[:, :, lines].transpose(2, 1, 0)) @ near[lines]
+        scores = np.ascontiguousarray(products.transpose(1, 0, 2)).view(float)  # real, imaginary
+        scores = scores.reshape(turn.shape[1], -1)
+        total += scores @ scores.T
     return total

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.regression.reduced import Reduced
+from pyident.regression.reduced import Reduced, absent
 
 ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
 _ABSENT = 1e-3  # entry of a scaled null direction below which a parameter is not in it
@@ -85,10 +85,10 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     weights = np.ones(len(reduced.rows)) if weights is None else weights
     A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
-    absent = scale == 0
-    scale[absent] = 1.0
+    nothing = absent(scale, reduced.columns)
+    scale[nothing] = 1.0
     U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
-    Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0  # else rounding: taken for a direction later
+    Vt[: np.count_nonzero(s > ROUNDING * s[0]), nothing] = 0.0  # else rounding: taken for a direction later
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)
     rank = _rank(s, coefficients, float(y @ y), equations)

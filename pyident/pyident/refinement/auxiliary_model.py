@@ -31,8 +31,10 @@ from pyident.estimation.instrumental_variables import (
 from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
+from pyident.refinement.fixed_point import FixedPoint
 from pyident.refinement.instrumental_covariance import (
     ringing,
+    simulation_slope,
     through_simulation,
     with_covariance,
     without_intervals_of,
@@ -47,17 +49,20 @@ from pyident.refinement.simulated_rows import (
     in_memory,
     rows_of,
     simulable,
+    simulated,
     simulations,
 )
 from pyident.refinement.stand_in import driven, smoothed
-from pyident.regression.equations import Problem, predicted
+from pyident.regression.equations import Problem
+from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
 NAME = "instrumental variables with a simulated model"
 START = "instrumental variables with filtered signals"
 _ROUNDS = 8
-_SETTLED = 0.1  # of a standard deviation: change at which the rounds end
+_NEAR = 3  # round from which on the steps are Newton's: there the simulation's own slope is measured
+_SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _LOW = (0.15, 0.04)  # of the Nyquist frequency: pass the first instruments; the better start is taken
 _SHIFTS = 10.0  # times as much as scatter counts in a weight what samples do: it does not average out
 _FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
@@ -82,12 +87,12 @@ def identify_by_instruments(
     starts = [identified(robot, reduced, solution) for solution in solutions]
     starts = starts or [identified(robot, reduced, plain.solution)]
     best = starts[0]
-    simulated, again = repeats(best.robot, logs)
+    followed, again = repeats(best.robot, logs)
     if not driven(robot):
         again = tuple(smoothed(r) for r in again)
     notes = tuple(r.note for r in again[:1] if r.note)
     try:
-        with open_pool(simulated) as workers:
+        with open_pool(followed) as workers:
             best = _nearest(starts, again, workers)
             solution, reason = _rounds(Repeated(robot, data, again, reduced), best, workers, progress)
     except SimulationError as error:
@@ -110,12 +115,14 @@ def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers
     """The start whose simulation follows the logs best. Raises SimulationError when none can be made."""
     errors: list[float] = []
     failure = None
-    for start in starts:
-        columns, values = start.reduced.columns, start.robot.linear_parameters.values()
-        quiet = simulable(start.robot, columns, np.array(list(values)))
-        put_in = start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
+    sets = [_put_in(start) for start in starts]
+    try:
+        runs = iter(workers.submit(simulated, again, sets).result())
+    except SimulationError:  # of one of them
+        runs = None
+    for parameters in sets:
         try:
-            frames = simulations(again, workers, put_in)
+            frames = next(runs) if runs else simulations(again, workers, parameters)
             errors.append(max(_missed(r, frame) for r, frame in zip(again, frames, strict=True)))
         except SimulationError as error:
             errors.append(float("inf"))
@@ -123,6 +130,13 @@ def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers
     if failure is not None and not np.isfinite(errors).any():
         raise failure
     return starts[int(np.argmin(errors))]
+
+
+def _put_in(start: Identified) -> dict[str, float]:
+    """Every parameter of a simulation of the start."""
+    columns, values = start.reduced.columns, start.robot.linear_parameters.values()
+    quiet = simulable(start.robot, columns, np.array(list(values)))
+    return start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
 
 
 def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Solution:
@@ -150,7 +164,7 @@ def _rounds(
     solution, rows, put_in = best.solution, [], {}
     values, std = np.array(list(best.robot.linear_parameters.values())), best.solution.std
     fixed = {n: v for n, v in best.robot.parameters.items() if n not in best.robot.linear_parameters}
-    held = np.zeros(len(values), bool)
+    held, quiet, slope, newton = np.zeros(len(values), bool), values, None, None
     for number in range(_ROUNDS):
         quiet = simulable(robot, reduced.columns, values)
         put_in = fixed | dict(zip(reduced.columns, quiet.tolist(), strict=True))
@@ -172,13 +186,20 @@ def _rounds(
         else:
             solution = equations.solve(unknown, solution.rank)
         step = seen(solution, solution.p - values)
+        if number == _NEAR:
+            slope = simulation_slope(logs, equations, solution, std, workers, put_in, held)
+            newton = FixedPoint(np.eye(len(slope)) - np.where(held, 0.0, slope), std)
+        if newton is not None:
+            step = newton.step(step)
         values = values + step
         if progress:
             progress((number + 1) / _ROUNDS)
         if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
             break
     known = with_covariance(logs, rows, equations, solution)
-    return through_simulation(logs, equations, known, workers, put_in, held), None
+    if slope is None:
+        slope = simulation_slope(logs, equations, known, known.std, workers, put_in, held)
+    return through_simulation(known, slope, quiet, held), None
 
 
 def _rows_of(robot: Robot, p: np.ndarray, log: tuple[Data, pd.DataFrame]) -> Rows:

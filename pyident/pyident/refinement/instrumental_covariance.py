@@ -28,8 +28,8 @@ from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
 from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, left_of, simulated
 from pyident.refinement.stand_in import driven
-from pyident.regression.equations import predicted
 from pyident.regression.natural_frequencies import natural_frequencies
+from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat
 from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Simulator, Workers, runs_at_once
@@ -47,14 +47,11 @@ def with_covariance(
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
-        parts = gathered(
-            lambda log: noise_scatter(
-                robot, log[0].part, log[1], p, solution.weights, turn, noise, log[2].log.period
-            ),
-            list(zip(logs.data, rows, logs.again, strict=True)),
-        )
         beyond = _beyond(logs, rows, p, noise)
-        return np.sum(parts, axis=0) + spectral(every(rows), solution.weights, beyond)(turn, p)
+        total = spectral(every(rows), solution.weights, beyond)(turn, p)
+        for d, r, a in zip(logs.data, rows, logs.again, strict=True):
+            total += noise_scatter(robot, d.part, r, p, solution.weights, turn, noise, a.log.period)
+        return total
 
     return equations.solve(scatter, solution.rank)
 
@@ -76,23 +73,27 @@ def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, fl
     return out
 
 
-def through_simulation(
+def simulation_slope(
     logs: Repeated,
     equations: MomentEquations,
     solution: Solution,
+    std: np.ndarray,
     workers: Workers,
     put_in: Mapping[str, float],
     held: np.ndarray,
-) -> Solution:
-    """The covariance of the fixed point p̂ = g(p̂), where `solution` has that of g.
+) -> np.ndarray:
+    """(P, P) derivative of g, whose value at `put_in` is `solution`, by the parameters of the simulation.
 
+    std      (P,) standard deviations: the steps of the differences
     put_in   every parameter of the simulation that gave the instruments
     held     (P,) which of them the simulation had otherwise than they were estimated
     Of what is simulated, the dampings of hinges change g: they say how much rings between the samples.
+    Raises SimulationError.
     """
-    names, std = logs.reduced.columns, solution.std
+    names = logs.reduced.columns
+    slope = np.zeros((len(names), len(names)))
     if not driven(logs.robot):  # then nothing of the simulation's equations is in the targets
-        return solution
+        return slope
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
     steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
@@ -101,15 +102,24 @@ def through_simulation(
         workers.submit(_shifts, logs.robot, logs.again, changed[at : at + together])
         for at in range(0, len(changed), together)
     ]
-    slope = np.zeros((len(names), len(names)))
     shifts = [shift for job in jobs for shift in job.result()]
     for (j, step), shift in zip(steps.items(), shifts, strict=True):
         there = equations.change([d.y - s for d, s in zip(logs.data, shift, strict=True)], solution.rank)
         slope[:, j] = seen(solution, there - solution.p) / step
-    growth = np.linalg.inv(np.eye(len(names)) - np.where(held, 0.0, slope))
-    gap = np.array([put_in[name] for name in names]) - solution.p
-    error = np.where(held, gap**2 + np.diag(solution.covariance), 0.0)
-    covariance = growth @ (solution.covariance + (slope * error) @ slope.T) @ growth.T
+    return slope
+
+
+def through_simulation(
+    solution: Solution, slope: np.ndarray, put_in: np.ndarray, held: np.ndarray
+) -> Solution:
+    """The covariance of the fixed point p̂ = g(p̂), where `solution` has that of g.
+
+    slope, held   as of `simulation_slope`
+    put_in        (P,) linear parameters of the simulation
+    """
+    grown = np.linalg.inv(np.eye(len(slope)) - np.where(held, 0.0, slope))
+    error = np.where(held, (put_in - solution.p) ** 2 + np.diag(solution.covariance), 0.0)
+    covariance = grown @ (solution.covariance + (slope * error) @ slope.T) @ grown.T
     return replace(solution, covariance=covariance)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmodels.robot import Robot
+from flexmodels.threads import gathered
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import REACH, derivatives_of
@@ -37,14 +38,11 @@ def noise_scatter(
 ) -> np.ndarray:
     """(r, r) covariance of the sums of instrument times residual in a log; noise: channel -> std."""
     U = np.array(
-        [w**2 * rows.share[:, c, None] * rows.turned(c, turn) for c, w in enumerate(weights)]
+        [w**2 * rows.share[:, c, None] * rows.turned(c, turn).T for c, w in enumerate(weights)]
     )  # (n, N, r)
-    stencils, total = _stencils(robot, period), np.zeros((turn.shape[1], turn.shape[1]))
-    base = generalised_forces(robot, part.motion, p)
-    for j, name in enumerate(robot.coordinates):
-        sigma = noise.get(name, 0.0)
-        if sigma == 0.0:
-            continue
+    stencils, base = _stencils(robot, period), generalised_forces(robot, part.motion, p)
+
+    def of_coordinate(j: int) -> np.ndarray:
         back = np.zeros((U.shape[1] + 2 * REACH, turn.shape[1]))
         for field, stencil in stencils.items():
             slope = _slope(robot, part.motion, field, j, p, base)
@@ -52,7 +50,10 @@ def noise_scatter(
             for offset, weight in enumerate(stencil):
                 if weight:
                     back[offset : offset + len(driven)] += weight * driven
-        total += sigma**2 * back.T @ back
+        return noise[robot.coordinates[j]] ** 2 * back.T @ back
+
+    noisy = [j for j, name in enumerate(robot.coordinates) if noise.get(name, 0.0) > 0]
+    total = np.zeros((turn.shape[1], turn.shape[1])) + sum(gathered(of_coordinate, noisy))
     for k, _ in robot.numbered:
         sigma = noise.get(f"joint{k}.tau", 0.0)
         if sigma:

@@ -15,8 +15,9 @@ from pyident.estimation.instrumental_variables import Logs, Rows, acting, fading
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.stand_in import driven
-from pyident.regression.equations import Problem, predicted
+from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
+from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers
 

@@ -10,7 +10,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.samples import Piece
 from pyident.regression.reduced import Reduced, reduce
-from pyident.regression.regressor import regressor_blocks
+from pyident.regression.regressor import predicted, regressor_blocks
 
 Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)
 
@@ -65,11 +65,6 @@ class Problem:
                     _weigh(A, y, weights[at : at + len(y)])
                     at += len(y)
                 yield A, y
-
-
-def predicted(A: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """A p of a block, (B, n)."""
-    return np.einsum("bcp,p->bc", A, p, optimize=False)
 
 
 def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:

@@ -3,13 +3,15 @@
 Blocks of rows go into one triangular factor per coordinate (QR), so memory does not grow with the log.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pyident.regression.machine.threads import each
 from pyident.regression.triangle import Triangle
+
+_ROUNDING = 1e-12  # of the longest column of the same unit
 
 
 @dataclass(frozen=True)
@@ -44,3 +46,20 @@ def reduce(
         samples += len(A)
         each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
     return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)
+
+
+def absent(lengths: np.ndarray, columns: Sequence[str]) -> np.ndarray:
+    """(P,) which columns of these lengths (P,) are zero, some of them but for rounding.
+
+    What cancels in the sums of a link's forces, such as a moment about a vertical axis, leaves some 1e-16 of
+    what the same parameters of other links have; scaled to one it would pass for a direction that is seen.
+    """
+    largest: dict[str, float] = {}
+    for name, length in zip(columns, lengths.tolist(), strict=True):
+        largest[_unit(name)] = max(largest.get(_unit(name), 0.0), length)
+    return lengths <= _ROUNDING * np.array([largest[_unit(name)] for name in columns])
+
+
+def _unit(name: str) -> str:
+    """Of a link's parameter `m`, `ms` or `J`, which all links share; any other is alone with its unit."""
+    return name.partition(".")[2].partition("[")[0] if name.startswith("link") else name

@@ -47,8 +47,13 @@ def generalised_forces(robot: Robot, motion: Motion, p: np.ndarray) -> np.ndarra
     """
     forces = np.empty((len(motion.q), len(robot.coordinates)))
     for part, Phi in regressor_blocks(robot, motion):
-        np.einsum("bcp,p->bc", Phi, p, out=forces[part])
+        forces[part] = predicted(Phi, p)
     return forces
+
+
+def predicted(A: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """A p of equations A (B, n, P), (B, n)."""
+    return np.matmul(p, A.transpose(1, 2, 0)).T
 
 
 def residual_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:

@@ -25,6 +25,16 @@ class Triangle:
         block = np.empty((len(self.columns), len(y)))  # transposed: LAPACK stores column by column
         np.take(A.T, self.columns[:-1], axis=0, out=block[:-1], mode="clip")
         block[-1] = y
+        self._reflect(block)
+
+    def fold_columns(self, columns: np.ndarray, values: np.ndarray) -> None:
+        """Add rows that are zero in all but some columns, with y = 0: values (columns, B)."""
+        self._admit(columns)
+        block = np.zeros((len(self.columns), values.shape[1]))
+        block[np.searchsorted(self.columns, columns)] = values
+        self._reflect(block)
+
+    def _reflect(self, block: np.ndarray) -> None:
         inner = min(_INNER, len(block))
         self.R = _tpqrt(0, inner, self.R, block.T, overwrite_a=True, overwrite_b=True)[0]  # pyright: ignore
 

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from flexmodels.atomic import replacing
 from pyident.comparison.bins import Bin
 from pyident.comparison.compare import Comparison
-from pyident.comparison.errors import LogErrors
+from pyident.comparison.errors import Error, LogErrors
 from pyident.report.interactive import element, in_script, library
 from pyident.report.moving_arm import MovingArm, script
 from pyident.report.moving_arm import element as element_of
@@ -28,6 +28,7 @@ _KINDS = {
     "time": "Time in the log",
     "log": "Log",
 }
+_UNKNOWN = Error(np.nan, np.nan, np.nan, "")  # of a model that could not be simulated
 _POINTS = 2000  # of a curve
 _NUMBERS = 100_000  # in the curves of all signals and logs, half a megabyte
 
@@ -45,6 +46,8 @@ def write_comparison(
     """
     sections = [("Errors beside their floor", [_waterfall(models, found)])]
     for model, c in zip(models, found, strict=True):
+        if not c.bins:  # it could not be simulated: the sentence says so
+            continue
         of = f" of {model}" if len(models) > 1 else ""
         sections.append((f"Equations{of}: where they fail", [_map(c), *_bars(c)]))
         sections.append((f"Simulation{of}: what it misses", [_curves(log, _points(c)) for log in c.logs]))
@@ -79,12 +82,16 @@ def _html(figure: go.Figure, cursor: bool) -> Markup:
 def _waterfall(models: Sequence[str], found: Sequence[Comparison]) -> go.Figure:
     """Percent of the signal, per model, beside the floor of the last one."""
     figure = go.Figure()
-    listed = [(log.log, n) for log in found[0].logs for n in _told(log)]
-    labels = [f"{escape(Path(log).name)} {n}" if len(found[0].logs) > 1 else n for log, n in listed]
+    several = len(found[0].logs) > 1
+
+    def bars(c: Comparison, floor: bool = False) -> dict[str, list[Any]]:
+        told = [(log.log, n, v) for log in c.logs for n, v in _told(log, floor).items()]
+        labels = [f"{escape(Path(log).name)} {n}" if several else n for log, n, _ in told]
+        return {"x": labels, "y": [v for _, _, v in told]}
+
     for model, c in zip(models, found, strict=True):
-        figure.add_bar(name=escape(model), x=labels, y=[_told(log)[n] for log in c.logs for n in _told(log)])
-    floors = [_told(log, floor=True)[n] for log in found[-1].logs for n in _told(log)]
-    figure.add_bar(name="floor", x=labels, y=floors, marker={"color": "#bbb"})
+        figure.add_bar(name=escape(model), **bars(c))
+    figure.add_bar(name="floor", **bars(found[-1], floor=True), marker={"color": "#bbb"})
     figure.update_layout(title="Error, % of the signal's rms", yaxis={"type": "log", "title": "%"})
     return figure
 
@@ -192,12 +199,18 @@ def _curves(log: LogErrors, points: int) -> go.Figure:
     return figure
 
 
+def _cell(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"
+
+
 def _table(models: Sequence[str], found: Sequence[Comparison], i: int) -> dict[str, Any]:
     rows = []
     for kind in ("equations", "simulation"):
-        for name in getattr(found[0].logs[i], kind):
-            errors = [getattr(c.logs[i], kind)[name] for c in found]
-            cells = [f"{v:.4g}" for e in errors for v in (e.rmse, e.nrmse_percent, e.ratio)]
-            rows.append([kind, name, errors[0].unit, *cells, f"{errors[-1].floor_percent:.4g}"])
+        told = [getattr(c.logs[i], kind) for c in found]
+        for name in dict.fromkeys(n for errors in told for n in errors):
+            errors = [t.get(name, _UNKNOWN) for t in told]
+            unit = next(t[name].unit for t in told if name in t)
+            cells = [_cell(v) for e in errors for v in (e.rmse, e.nrmse_percent, e.ratio)]
+            rows.append([kind, name, unit, *cells, _cell(errors[-1].floor_percent)])
     heads = [h for m in models for h in (f"rmse {m}", "% of signal", "times the floor")]
     return {"title": found[0].logs[i].log, "heads": ["", "", "unit", *heads, "floor %"], "rows": rows}

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexmodels.inputs import SimulationError
 from pyident.logs.log import LogError
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Compared
@@ -116,6 +117,8 @@ def explain(
     every = [*read.logs, *read.heldout]
     _require([one.source for one in every], log, read.robot.coordinates, coordinate)
     compared = compare(robot, every, force=force, progress=lambda share: told(0.8 * share))
+    if not compared.comparison.traces:
+        raise SimulationError(compared.comparison.sentence)
     after = partial(_later, told)
     waves = waves_of(compared, robot, read.logs, heldout=read.heldout, force=force, progress=after)
     worst = compared.comparison.where

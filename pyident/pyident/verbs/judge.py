@@ -33,7 +33,8 @@ def compare(
 
     model, logs, mapping   as in `identify`
     parameters             values that replace the model's own, by name, in SI units
-    Raises RobotError, LogError, SimulationError, BuildError.
+    A model that cannot be simulated is judged by its equations alone.
+    Raises RobotError, LogError, BuildError.
     """
     read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
     outcome = compared(read.robot, read.logs, FmuRuns, progress or _silent)
@@ -107,6 +108,8 @@ def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
     ratios = {k: [b.ratio for b in whole if b.joint == joint_name(k)] for k, _ in read.robot.numbered}
     over_floor = {k: max(listed) for k, listed in ratios.items() if listed}
     for log, errors in zip(read.logs, outcome.logs, strict=True):
+        if not errors.missed:  # nothing was simulated
+            continue
         yield moving(read.robot, log.source, log.frame, errors.time, errors.missed, over_floor)
 
 

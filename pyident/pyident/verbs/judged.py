@@ -203,13 +203,21 @@ def side_by_side(models: Sequence[str], found: Sequence[Compared]) -> Text:
         heads += [f"rmse{model}", f"% of signal{model}", f"x floor{model}"]
     heads.append("floor %")
     for i, log in enumerate(found[0].comparison.logs):
+        told = [dict(_told(c.comparison.logs[i])) for c in found]
         rows = []
-        for per_model in zip(*(_told(c.comparison.logs[i]) for c in found), strict=True):
-            (name, error), errors = per_model[0], [e for _, e in per_model]
-            cells = [f"{v:.3g}" for e in errors for v in (e.rmse, e.nrmse_percent, e.ratio)]
-            rows.append([name, error.unit, *cells, f"{errors[-1].floor_percent:.3g}"])
+        for name in dict.fromkeys(name for errors in told for name in errors):
+            errors = [t.get(name) for t in told]
+            unit = next(e.unit for e in errors if e)
+            values = [(e.rmse, e.nrmse_percent, e.ratio) if e else (None,) * 3 for e in errors]
+            cells = [_cell(v) for three in values for v in three]
+            rows.append([name, unit, *cells, _cell(errors[-1] and errors[-1].floor_percent)])
         parts.append(table(heads, rows, title=log.log, numbers=range(2, len(heads))))
     return Text("\n".join(parts))
+
+
+def _cell(value: float | None) -> str:
+    """Three digits; a dash for what is not known."""
+    return "-" if value is None or value != value else f"{value:.3g}"
 
 
 def _told(log: Any) -> list[tuple[str, Any]]:

@@ -27,6 +27,8 @@ def show(page: "Page") -> None:
         return
     comparison = compared.comparison
     ui.label(comparison.sentence).classes("text-base").props('data-testid="where-sentence"')
+    if not comparison.traces:  # it could not be simulated: the sentence says so
+        return
     equation = _Equation(page, compared)
     with ui.row().classes("w-full no-wrap max-lg:flex-wrap items-start"):
         with ui.column().classes("grow min-w-0"):

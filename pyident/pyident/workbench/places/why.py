@@ -30,7 +30,7 @@ def show(page: "Page") -> None:
         _finding(page, i, finding)
     _outcome(page)
     compared, waves = bench.result("compare"), bench.result("ask")
-    if compared is None or waves is None:
+    if compared is None or waves is None or not compared.comparison.traces:
         words = "Compare model and logs in place 3; then every law can be asked what it would take."
         ui.label(words).props('data-testid="no-ranking"')
         return
