@@ -6,8 +6,14 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy import calloc, extract, free, read_model_description
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 
@@ -61,6 +67,15 @@ def together(four_link_fmu, plan):
         return fmu.simulate(plan)[TIP].to_numpy()
 
 
+def silent() -> fmi2CallbackFunctions:
+    """Callbacks of its own: FMPy's are one for all FMUs, and call the logger of its last simulation."""
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(lambda *_: None)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    return callbacks
+
+
 class Part:
     """One FMU in initialisation mode."""
 
@@ -74,7 +89,7 @@ class Part:
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="part",
         )
-        self.fmu.instantiate()
+        self.fmu.instantiate(callbacks=silent())
         self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()
 
