@@ -34,11 +34,22 @@ def never(_):
     raise AssertionError("without a known controller nothing is simulated")
 
 
+@pytest.fixture(scope="module")
+def found(logs):
+    return concluded(searched(arm(), logs[:2], never), never, logs[2:])
+
+
 @pytest.mark.slow
-def test_a_longer_link_is_told_beside_the_verdict(logs):
-    found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
-    told = next(note for note in found.notes if note.startswith("the robot file may be wrong in "))
+def test_a_longer_link_is_told_beside_the_verdict(found):
+    """By itself, or as what explains as much as a law does."""
+    told = next(note for note in found.notes if "wrong in joint3.origin[x]" in note)
     assert "joint3.origin[x] (by about 0.006" in told or "joint3.origin[x] (by about 0.005" in told
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="a tie of springs and a ripple is named on 8 % of held-out data")
+def test_no_law_is_named_in_its_place(found):
+    assert not found.findings
 
 
 @pytest.mark.slow
