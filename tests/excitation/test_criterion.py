@@ -8,7 +8,7 @@ from one_joint import one_joint
 
 from pyident.excitation.criterion import Yardstick, along, independent, information
 from pyident.excitation.fourier import Reference
-from pyident.excitation.rivals import remaining
+from pyident.excitation.separation.rivals import remaining
 from pyident.regression.spectrum import Floor
 
 SIGMA, PERIOD, DURATION = 0.7, 0.02, 20.0

@@ -9,12 +9,8 @@ from planned_joint import FEW, limited
 
 import pyident as pi
 from pyident.cli.main import main
-from pyident.excitation.capsules import geometry_of
-from pyident.excitation.design import Drawing, Task, designed, informative, measure
 from pyident.excitation.fourier import Reference
-from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import others_like, rehearsal
-from pyident.excitation.search import Budget
+from pyident.excitation.rehearsal import others_like
 from pyident.excitation.tables import message, table
 
 
@@ -62,27 +58,6 @@ def test_a_check_tells_what_a_weaker_robot_would_break(planned):
     assert not weak.safe
     assert {v.what for v in weak.violations} == {"torque"}
     assert all("its limit is 8 N.m" in v.sentence for v in weak.violations)
-
-
-@pytest.mark.parametrize("wanted", [0.0, 0.5, 1.0])
-def test_the_share_of_the_multisine_is_the_one_that_is_worth_most(wanted):
-    robot = limited()
-    task = Task(robot, limits_of(robot), geometry_of(robot, floor=None), {"joint1.e": 1e-5}, 3.0, 250.0)
-    drawing, largest = Drawing(task), float(np.abs(task.wave[0]).max())
-    with rehearsal(robot) as own:
-        level = measure(task, drawing, own)
-        score = informative(task, drawing, level)
-        found = designed(
-            task,
-            drawing,
-            score,
-            level,
-            own,
-            Budget(12),
-            worth=lambda plan: -abs(np.abs(plan.feedforward).max() / largest - wanted),
-        )
-    assert found.wave == wanted
-    assert np.abs(found.plan.feedforward).max() == pytest.approx(found.scale * wanted * largest)
 
 
 def test_other_robots_are_off_by_what_is_said_and_physical():
