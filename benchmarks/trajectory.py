@@ -2,10 +2,10 @@
 
     python -m benchmarks.trajectory -o out
 
-Same robot (the shipped tx40 as a URDF: inertias, motor inertias, viscous and Coulomb friction), duration, rate
-and limits of position, speed and torque. The condition numbers are those of figaroh's base regressor. Whether
-the limits are kept, Pinocchio's inverse dynamics says at a rate four times as high. Ours also keep the links,
-as capsules, apart, and are as small as 48 robots off by a quarter need it, which figaroh does not ask for.
+Same robot (the shipped tx40 as a URDF: inertias, motor inertias, viscous and Coulomb friction), duration and
+rate, limits of position, speed and torque. The condition numbers are those of figaroh's base regressor.
+Pinocchio's inverse dynamics says whether the limits are kept, at a rate four times as high. Ours also keep
+the links, as capsules, apart, and are as small as 48 robots off by a quarter need it; figaroh asks for neither.
 """
 
 import sys
