@@ -5,7 +5,7 @@
 Same robot (the shipped tx40 as a URDF: inertias, motor inertias, viscous and Coulomb friction), duration and
 rate, limits of position, speed and torque. The condition numbers are those of figaroh's base regressor.
 Pinocchio's inverse dynamics says whether the limits are kept, at a rate four times as high. Ours also keep
-the links, as capsules, apart, and are as small as 48 robots off by a quarter need it; figaroh asks for neither.
+the links, as capsules, apart, and are as small as 48 robots off by a quarter need it, not so figaroh's.
 """
 
 import sys
