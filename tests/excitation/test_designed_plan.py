@@ -53,10 +53,13 @@ def test_what_is_predicted_is_what_noisy_logs_scatter_by(planned):
 
 
 def test_a_check_tells_what_a_weaker_robot_would_break(planned):
-    assert pi.check_plan(planned.plan, limited(), floor=None).safe
+    good = pi.check_plan(planned.plan, limited(), floor=None, others=30)
+    assert good.safe
+    assert (good.broken, good.others) == (0, 30)
     weak = pi.check_plan(planned.plan, limited(effort=8.0), floor=None)
     assert not weak.safe
     assert {v.what for v in weak.violations} == {"torque"}
+    assert weak.broken == weak.others
     assert all("its limit is 8 N.m" in v.sentence for v in weak.violations)
 
 
@@ -99,6 +102,7 @@ def test_commands_check_simulate_and_export_the_file(files):
         (["--duration", "0.2"], "too short"),
         (["--separate", "stribeck@1", "nonsense"], "is not EFFECT@JOINT"),
         (["--reveal", "stribeck@4"], "has no joint 4"),
+        (["--criterion", "beauty"], "'beauty' is not one of"),
         (["--noise", "joint7.e=1e-5"], "has no sensor joint7.e"),
     ],
 )

@@ -78,15 +78,15 @@ def informative(task: Task, drawing: Drawing, level: Yardstick) -> Score:
 def well_conditioned(task: Task, drawing: Drawing, level: Yardstick) -> Score:
     """Minus the logarithm of the condition number of the base regressor, in SI units and unweighted."""
     drawn = [r for x in starts(drawing.family, 8) if (r := drawing.reference(x)) is not None]
-    several = np.vstack([_stacked(task.robot, along(task.robot, level, r)) for r in drawn])
-    base = independent(several.T @ several)
-    return lambda found: -float(np.log(np.linalg.cond(_stacked(task.robot, found)[:, base])))
+    met = [along(task.robot, level, r) for r in drawn]
+    base = independent(np.sum([found.gram for found in met], axis=0))
+    return lambda found: -float(np.log(np.linalg.cond(_triangle(task.robot, found, base))))
 
 
-def _stacked(robot: Robot, found: Along) -> np.ndarray:
-    """(N n, P) equations of every sample."""
-    Phi = regressor(robot, found.motion).matrix
-    return Phi.reshape(-1, Phi.shape[2])
+def _triangle(robot: Robot, found: Along, base: np.ndarray) -> np.ndarray:
+    """(R, R) with the singular values of the equations of every sample, of R columns."""
+    Phi = regressor(robot, found.motion).matrix[:, :, base]
+    return np.asarray(np.linalg.qr(Phi.reshape(-1, len(base)), mode="r"))
 
 
 def searched(

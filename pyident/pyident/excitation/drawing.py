@@ -21,6 +21,7 @@ SHRINK = 0.92
 _SHARE, _TORQUE_SHARE = 0.95, 0.8  # of the limits, that a reference may use: the rest is for the loop
 _WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
 _LOUDEST = 2.0  # times the robot's own multisine, at most
+_NEARER = 1.25  # by which a motion shrinks whose links come too near
 _COARSE = 50.0  # Hz at which candidates are judged
 
 
@@ -93,13 +94,13 @@ class Drawing:
         return None
 
     def _over(self, reference: Reference) -> float:
-        """Largest torque over what is allowed; 2 where links come too near."""
+        """Largest torque over what is allowed; more than one where links come too near."""
         robot = self.task.robot
         motion = followed(robot, reference.time, reference.q, reference.dq, reference.ddq)
         tau = motion.tau if motion.tau is not None else torques(robot, motion)
         worst = float((np.abs(tau).max(axis=0) / self.torque).max())
         if worst <= 1 and of_reference(robot, self.task.limits, self.task.geometry, reference):
-            return 1 / SHRINK
+            return _NEARER
         return worst
 
     def plan(self, reference: Reference, wave: float = 1.0) -> Experiment:
