@@ -237,11 +237,11 @@ class Search:
 
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
-        return self.beyond_floor(self.examination.base, rows)
+        return self.examination.beyond_floor(self.examination.base, rows)
 
     def remaining_on(self, rows: Sequence[int]) -> float:
         """`remaining` on some equations only."""
-        return self.beyond_floor(self.base, rows)
+        return self.examination.beyond_floor(self.base, rows)
 
     @property
     def explained(self) -> float:
@@ -265,10 +265,6 @@ class Search:
             self.families.mean[family]
             + max(peak * self.families.spread[family], self.rules.material * self.floor_energy)
         )
-
-    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
-        """Energy that a base leaves on some equations beyond what replicas leave."""
-        return self.examination.beyond_floor(base, rows)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.families.mean[family])
