@@ -5,6 +5,9 @@ its tie, or takes its place if it explains more. Then the best one beside what s
 much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance: a
 gain of a torque takes what no replica shows of almost any log.
 
+None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
+a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
+
 What else the model lacks, and noise in closed loop, bend the value of an error by more than its standard
 deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is given.
 """
@@ -12,9 +15,11 @@ deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is giv
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from pyident.diagnosis.base.candidates import Candidate, described, units_of
+import numpy as np
+
+from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import Admission, admission
+from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step, search_of
 from pyident.diagnosis.search.selection import Selection
@@ -29,30 +34,45 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     among = search_of(search.examination.of_others(listed))
     steps, imitators = list(selection.steps), dict(selection.imitators)
     for step in selection.steps:
-        others = _candidates(s for s in steps if s is not step)
-        rivals = _rivals(among.resting_on(others), step, held)
-        if not rivals:
+        view = among.resting_on(_candidates(s for s in steps if s is not step))
+        rivals = _rivals(view, step, held)
+        if rivals is None:
             continue
-        law, place = step.best.candidate, _place(rivals[0])
-        if step.best.excess >= search.rules.tie * rivals[0].excess:
-            tie = sorted((*step.tie, *rivals), key=lambda f: -f.excess)
-            steps[steps.index(step)] = replace(step, tie=tuple(tie))
+        law, (share, of_error) = step.best.candidate, _shares(view, step, rivals.best)
+        if share >= search.rules.tie * of_error:
+            rivals = replace(step, tie=(*step.tie, *rivals.tie))
         else:
-            steps.remove(step)
-            imitators[f"{law.effect} at joint{law.joint}"] = f"an error of {place} explains more"
+            takes = f"it takes {100 * share:.0f} %, an error of {_place(rivals.best)} {100 * of_error:.0f} %"
+            imitators[f"{law.effect} at joint{law.joint}"] = takes
+        steps[steps.index(step)] = rivals
     further, notes = _beside(among, steps, held)
     return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
 
 
-def _rivals(view: Search, step: Step, held: HeldOut) -> tuple[Found, ...]:
+def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     """Errors that explain what a law was named for, and as much; the view rests on all other laws."""
     rules, law, errors = view.rules, step.best, view.step()
     best = errors.best
-    if best.excess < rules.tie * law.excess or admission(view, best, [best.candidate], held).reason:
-        return ()
+    if not _small(view, best) or admission(view, best, [best.candidate], held).reason:
+        return None
+    share, of_error = _shares(view, step, best)
     beside = view.with_further([best.candidate])
     same = beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
-    return errors.tie if same and not changes_with(beside, best.candidate) else ()
+    if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
+        return None
+    return errors
+
+
+def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
+    """What a law and an error take of what exceeds the floor on the law's equations."""
+    rows = main_rows(view, step.best.candidate)
+    return share_on(view, step.candidates, rows), share_on(view, [error.candidate], rows)
+
+
+def _small(view: Search, error: Found) -> bool:
+    """Whether its value lies where its column, a slope, holds."""
+    lower, upper = bounds(view.robot, error.candidate)
+    return bool(np.all((error.gain.coefficients > lower) & (error.gain.coefficients < upper)))
 
 
 def _beside(among: Search, steps: Sequence[Step], held: HeldOut) -> tuple[list[Step], tuple[str, ...]]:
@@ -62,22 +82,29 @@ def _beside(among: Search, steps: Sequence[Step], held: HeldOut) -> tuple[list[S
         view = among.resting_on(_candidates([*steps, *named]))
         step = view.step()
         entry = admission(view, step.best, [step.best.candidate], held)
-        if entry.reason or not entry.rows or not _shown(view, entry):
+        if entry.reason or not entry.rows or not _small(view, step.best):
             break
-        doubt = changes_with(view.with_further([step.best.candidate]), step.best.candidate)
-        if doubt or entry.share < view.rules.explained[0]:
-            return named, (_told(view, step, entry, doubt),)
+        exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
+        doubt = changes_with(beside, step.best.candidate)
+        if doubt or entry.share < view.rules.explained[0] or beside.stands_out:
+            return named, (_told(view, step, entry, doubt),) if exceeds else ()
+        if not exceeds and not _no_chance(view, entry):
+            break
         named.append(step)
     return named, ()
 
 
-def _shown(view: Search, entry: Admission) -> bool:
-    """Whether the logs exceed the floor, held-out ones too; or these show the error far beyond chance."""
-    rules, unseen = view.rules, entry.unseen
+def _exceeds(view: Search, entry: Admission) -> bool:
+    """Whether the logs exceed the floor where an error acts, held-out ones too."""
     excess = view.over_floor[list(entry.rows)].mean() - 1
-    if unseen is None:
-        return excess >= rules.unseen_excess
-    return min(excess, unseen.excess) >= rules.unseen_excess or unseen.share > rules.chance * unseen.std
+    if entry.unseen is not None:
+        excess = min(excess, entry.unseen.excess)
+    return bool(excess >= view.rules.unseen_excess)
+
+
+def _no_chance(view: Search, entry: Admission) -> bool:
+    """Whether held-out logs show an error far beyond chance."""
+    return entry.unseen is not None and entry.unseen.share > view.rules.chance * entry.unseen.std
 
 
 def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
