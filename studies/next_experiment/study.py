@@ -24,7 +24,7 @@ from pyident.sweep.studies import StudyResult, row
 
 from .diagnosed import ALONE, verdicts
 
-CASES = 6
+CASES = 8
 DURATION = 8.0  # s, of every motion
 SECONDS = 60.0  # of each search
 SPREAD = 0.1
