@@ -8,6 +8,7 @@ import pytest
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
+from flexmodels.files.urdf.importer import import_urdf
 from pyident.checks.check_log import check_log
 from pyident.checks.encoder_delay import encoder_skews, without_skew
 from pyident.conditioning.weak_form import condition
@@ -65,6 +66,23 @@ def test_the_whole_kuka_beside_a_prior(data):
     ratio = {k: found.robot.parameters[f"link{k}.m"] / robot.parameters[f"link{k}.m"] for k in range(1, 7)}
     assert [k for k, r in ratio.items() if not 0.5 < r < 2] == [3]
     assert "from kuka_kr300: link3.m" in " ".join(found.notes)
+
+
+def test_masses_of_the_tx40_beside_its_urdf(data):
+    """Within a factor of two, and the written model predicts as the estimate does; joint 6 as published."""
+    positions, currents = fetch("tx40", download=False)
+    urdf = import_urdf(positions.parent / "tx40_mdh_modified.urdf")
+    settings = load_robot("tx40")
+    arm = replace(urdf, transmission=settings.transmission, settings=settings.settings)
+    log = import_log([positions, currents], shipped_mapping("tx40"), arm)
+    found = pi.identify(arm.with_effect(5, "joint_coupling"), log, prior=arm).identified
+    masses = [f"link{k}.m" for k in range(1, 7)]
+    ratio = np.array([found.robot.parameters[m] / arm.parameters[m] for m in masses])
+    assert (ratio > 0.5).all()
+    assert (ratio < 2).all()
+    assert found.model_error is not None
+    assert found.model_error["all"] < 1.05 * found.relative_error["all"]
+    assert found.robot.parameters["joint5.joint_coupling.coulomb"] == pytest.approx(1.96, rel=0.1)
 
 
 def test_twist_only_joints_have_the_right_signs(data):
