@@ -73,6 +73,7 @@ def test_a_right_robot_file_is_not_called_wrong(pace):
 def test_a_longer_link_is_measured_and_passes_the_gate(logs):
     done = add_effect(arm(), 3, "origin[x]", logs[:2], logs[2:], FmuRuns, lambda _: None)
     assert not done.asked.admission.reason
+    assert done.accepted, done.reason  # though its torques are those of a stand-in for the loop
     assert done.correction is not None
     assert done.correction.amount == pytest.approx(LONGER, rel=0.05)
     assert done.robot.joints[2].origin == pytest.approx(longer(arm()).joints[2].origin, abs=0.05 * LONGER)
