@@ -15,7 +15,7 @@ SIZES = {
     "strong": (7.0, 9.0),
 }  # over the torque's noise
 RATES = (100, 125, 200, 250, 500)  # Hz
-MOST_SAMPLES = 5000
+MOST_SAMPLES = 4000
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _case(seed: int, number: int) -> Case:
     difficult = kind == "difficult" or (kind not in ("null", "geometry") and rng.random() < 0.3)
     short = difficult and rng.random() < 0.3
     rate = int(rng.choice(RATES))
-    duration = 10.0 if short else min(rng.uniform(15, 60), MOST_SAMPLES / rate)
+    duration = 10.0 if short else min(rng.uniform(15, 60), max(MOST_SAMPLES / rate, 10.0))
     return Case(
         id=f"{number + 1:03d}",
         seed=(seed, number),

@@ -43,7 +43,7 @@ def simulated(
     inertia = _inertia(mujoco, model, data)
     kp, kd, ki = inertia * _BANDWIDTH**2, 1.6 * inertia * _BANDWIDTH, inertia * _BANDWIDTH**3 / 4
     integral, before, rate = data.qfrc_bias.copy(), rounded(reference[0], sensors, machine.sliders), speed[0]
-    read, torques, full, late = [], [], np.zeros((n, n)), [reference[0]] * (1 + round(sensors.delay / STEP))
+    read, torques, full, late = [], [], np.zeros((n, n)), [reference[0]] * round(sensors.delay / STEP)
     for i in range(len(time)):
         late.append(data.qpos.copy())
         encoder = rounded(late.pop(0), sensors, machine.sliders)

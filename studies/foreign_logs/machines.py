@@ -44,14 +44,15 @@ class Error:
 
 
 def drawn_machine(rng: np.random.Generator, most: int = 7) -> Machine:
-    """A third of the machines have a shape that is built, the others axes at random."""
+    """A sixth of the machines has a shape that is built; the others have axes at random, more often few."""
     built = [shape for shape in SHAPES.values() if len(shape) <= most]
-    if built and rng.random() < 1 / 3:
+    if built and rng.random() < 1 / 6:
         letters = str(rng.choice(built))
         axes = [np.eye(3)["xyz".index(letter.lower())] for letter in letters]
         kinds: list[Kind] = ["prismatic" if letter.isupper() else "revolute" for letter in letters]
     else:
-        n = int(rng.integers(1, most + 1))
+        few = 1 / np.arange(1, most + 1)
+        n = 1 + int(rng.choice(most, p=few / few.sum()))
         axes = [_axis(rng, k) for k in range(n)]
         kinds = ["prismatic" if rng.random() < 0.1 else "revolute" for _ in range(n)]
     n, size = len(axes), rng.uniform(0.2, 0.45)
