@@ -132,8 +132,7 @@ def _hidden(
     left = oracle.beyond(state, a, force)[:, k]
     unit = max(float(np.sqrt(np.mean(left**2))), 1e-3 * float(np.sqrt(np.mean(force**2))))
     size = float(rng.uniform(*SIZES.get(kind, SIZES["strong"])))
-    places = (k + 1, k + 2) if law.far else (k + 1,)
-    names = tuple((name, joint) for name in law.names for joint in places)
+    names = tuple((name, k + 1) for name in law.names)
     return Hidden(law, k, size * noise[k] / unit), Truth(law.name, names, size)
 
 

@@ -25,14 +25,12 @@ class Law:
 
     dry     whether `force` is a level that the speed's sign turns round
     names   effects of the catalogue, any of which at the joint is right;  outside the catalogue: fair aliases
-    far     whether an alias at the next joint is as fair, since the force acts there too
     """
 
     name: str
     force: Force
     dry: bool
     names: tuple[str, ...]
-    far: bool = False
 
     def torque(self, state: State, k: int) -> np.ndarray:
         """(N,) that the motor has to give."""
@@ -107,7 +105,7 @@ def _hose(rng: np.random.Generator, s: State, k: int) -> Law:
 
 
 def _cable(rng: np.random.Generator, s: State, k: int) -> Law:
-    """A cable over this joint and the next that tightens beyond an angle."""
+    """A cable that tightens at this joint where its angle and the next one's add up to too much."""
     angle = _over_two(s, k)
     start = np.quantile(angle, rng.uniform(0.6, 0.8))
     return Law(
@@ -115,7 +113,6 @@ def _cable(rng: np.random.Generator, s: State, k: int) -> Law:
         lambda s, k: np.maximum(_over_two(s, k) - start, 0),
         False,
         ("joint_spring", "gravity_spring"),
-        far=True,
     )
 
 

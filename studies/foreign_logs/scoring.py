@@ -11,6 +11,7 @@ from .generator import Truth
 from .methods import Answer, Name
 
 OURS = "diagnosis"
+_NONE = "no cases"
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ def table(cases: Sequence[Scored], methods: Sequence[str]) -> list[dict[str, str
     rows = []
     for method in methods:
         rows += _rows(cases, method, "" if method == OURS else f"{method}: ")
+    rows = [r for r in rows if r["goal"] or r["value"] != _NONE]  # of other methods what there are cases of
     failed = sum(bool(c.failure) for c in cases)
     return [*rows, row("cases that failed", f"{failed} of {len(cases)}", "0", not failed)]
 
@@ -105,7 +107,7 @@ def _share(what: str, hits: Sequence[bool], goal: float | None, most: bool) -> d
     """goal [percent]; Wilson's 95 % interval."""
     wanted = "" if goal is None else f"{'<=' if most else '>='} {goal:g} %"
     if not hits:
-        return row(what, "no cases", wanted)
+        return row(what, _NONE, wanted)
     count, n = sum(hits), len(hits)
     low, high = proportion_confint(count, n, method="wilson")
     met = None if goal is None else (100 * count <= goal * n) if most else (100 * count >= goal * n)
