@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 from benchmarks.peers.closed_loop import Start, run, static_start
-from benchmarks.reference import EventExact
+from benchmarks.peers.reference import EventExact
 
 from flexmodels.coordinate import of_joint
 from flexmodels.experiment import Experiment, identification

@@ -19,7 +19,7 @@ from pyident.logs.log import Log
 
 pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
 
-__all__ = ["ROTOR", "arm", "made", "plain", "three_laws"]
+__all__ = ["COULOMB", "ROTOR", "arm", "made", "plain", "three_laws"]
 
 DURATION = 30.0  # s
 

@@ -16,7 +16,7 @@ from flexmodels.compiling.compiler import BuildError
 from flexmodels.coordinate import of_joint
 from flexmodels.mechanics.plant import Equations
 
-_PLANT = ("plant", "integration", "equilibrium", "scalar", "fused")
+_PLANT = ("plant", "integration", "equilibrium", "scalar", "target", "fused")
 _BATCH = ("batch", "lanes", "lanes_loop")
 __all__ = ["BuildError", "export_controller", "export_fmu"]
 

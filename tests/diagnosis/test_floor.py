@@ -88,16 +88,15 @@ class Fitted:
     rules = RULES
 
 
-def standing_out(energy: float, replicas: list[float]) -> bool:
-    """Of one equation whose residual has this mean square."""
+def standing_out(residual: np.ndarray, in_bands: np.ndarray, replicas: np.ndarray) -> bool:
+    """Of one equation: residual (E,), in_bands (E, bands), what replicas leave on average (20, bands)."""
     setting: Any = Fitted()
-    count, nothing = np.array([SAMPLES]), np.zeros((20, 0))
-    left = np.reshape(replicas, (20, 1, 1))
+    count, nothing = in_bands.sum(axis=0), np.zeros((20, 0))
     floor: Any = None
-    residual = np.full((1, SAMPLES), np.sqrt(energy))
-    base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
-    examined: Any = ([], [], [], nothing, [], np.array([[energy]]), left, count)
+    base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual[None]])
+    examined: Any = ([], [], [], nothing, [], np.zeros((1, len(count))), replicas[:, None], count)
     examination = Examination(setting, floor, [], base, *examined)
+    vars(examination)["bands"] = [in_bands]
     families: Any = None
     return bool(Search(examination, families, base).standing_out[0])
 
@@ -107,4 +106,14 @@ def standing_out(energy: float, replicas: list[float]) -> bool:
     [(1.9, CALM, False), (2.1, CALM, True), (15.0, WILD, False), (17.0, WILD, True)],
 )
 def test_what_a_perfect_model_leaves_as_well_does_not_stand_out(energy, replicas, stands_out):
-    assert standing_out(energy, replicas) == stands_out
+    residual = np.full(SAMPLES, np.sqrt(energy))
+    assert standing_out(residual, np.ones((SAMPLES, 1)), np.reshape(replicas, (20, 1))) == stands_out
+
+
+@pytest.mark.parametrize(("energy", "stands_out"), [(3.9, False), (4.1, True)])
+def test_noise_of_other_bands_does_not_dilute_what_stands_out_in_one(energy, stands_out):
+    """A tenth of the equations lies in a low band; all of them together hold 1.3 floors at most."""
+    residual = np.ones(SAMPLES)
+    residual[: SAMPLES // 10] = np.sqrt(energy)
+    low = np.arange(SAMPLES) < SAMPLES // 10
+    assert standing_out(residual, np.column_stack([low, ~low]).astype(float), np.ones((20, 2))) == stands_out

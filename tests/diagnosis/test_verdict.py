@@ -1,5 +1,6 @@
 """The verdict in a word and a sentence."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -8,17 +9,18 @@ from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.conclusion import _warnings
+from pyident.diagnosis.result import Finding, Named
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.rules.rules import RULES
 
 
 def _finding(*tie):
-    named = [SimpleNamespace(effect=e, joint=j) for e, j in tie]
-    return cast(Any, SimpleNamespace(tie=named, share_percent=97.0, heldout_gain_percent=88.0))
+    named = tuple(Named(e, j, {}, {}, {}, 97.0) for e, j in tie)
+    return Finding(named, 0.05, 50.0, 97.0, 88.0)
 
 
 def _places(state):
-    place = SimpleNamespace(joint="joint3", balance="link", state=state, over_floor=(9.0, 7.0))
+    place = SimpleNamespace(joint="joint3", balance="link", state=state, over_floor=(9.0, 7.0), band=None)
     return cast(Any, [place])
 
 
@@ -52,6 +54,22 @@ def test_sentences_name_what_they_mean():
     assert "or presliding" in rivals
     assert "cannot tell which" in rivals
     assert "joint2, motor side" in sentence_of("unexplained", [], calm, place)
+
+
+def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
+    place = _places("unexplained")
+    place[0].band = (0.5, 1.0, 5.61)
+    assert "joint3, link side (5.6 floors from 0.5 to 1 Hz)" in sentence_of(
+        "missing_effect", [ONE], place, ("joint2", "motor")
+    )
+    wrong = Named("origin[z]", "joint3", {"correction": 0.00204}, {}, {"correction": "m"}, 90.0)
+    gain = Named("torque_gain", "joint1", {"correction": -0.021}, {}, {"correction": "1"}, 90.0)
+    one = replace(_finding(), tie=(wrong,))
+    sentence = sentence_of("missing_effect", [one], [], ("joint3", "link"))
+    assert sentence.startswith("Wrong: joint3.origin[z] of the robot file by about 0.002 m (97 %")
+    both = replace(_finding(), tie=(gain, *ONE.tie))
+    sentence = sentence_of("cannot_tell", [both], [], ("joint1", "motor"))
+    assert sentence.startswith("Missing or wrong: the logged torque of joint1 by about -0.021 of itself or")
 
 
 def test_place_and_question_of_a_law():

@@ -1,17 +1,26 @@
-"""What the data leave open of a six-axis arm stays near a prior; torques by Pinocchio, prior 20 % off."""
+"""What the data leave open of a six-axis arm stays near a prior; torques by Pinocchio."""
+
+from dataclasses import replace
 
 import cvxpy as cp
 import numpy as np
 import pytest
 from one_joint import one_joint, swing
-from six_axis_logs import ROTOR, arm, made
+from six_axis_logs import COULOMB, ROTOR, arm, made
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
-from pyident.estimation.identify import identified, identify, near, of_the_same_arm
+from pyident.estimation.identify import (
+    disagreements,
+    identified,
+    identify,
+    near,
+    of_the_same_arm,
+    soft_hinges,
+)
 from pyident.estimation.least_squares import solve
-from pyident.estimation.physical import _distance
+from pyident.estimation.physical import _deviations, _distance
 from pyident.logs.log import Log
 from pyident.regression.reduced import reduce
 from pyident.simulation.fmu_runs import simulate_robot
@@ -56,17 +65,104 @@ def test_what_the_data_say_nothing_of_keeps_its_prior_and_is_named(fitted):
     np.testing.assert_array_equal(close.solution.p, found.solution.p)
 
 
-def test_the_distance_is_that_of_the_log_determinant():
-    """A body scaled by s: tr(s I) - log det(s I) - 4 = 4 (s - 1 - log s)."""
+def with_equal_bodies():
     body = {"m": 2.0, "ms[x]": 0.1, "ms[z]": 0.2, "J[xx]": 0.3, "J[yy]": 0.3, "J[zz]": 0.2}
     robot = arm()
     bodies = {n: body.get(n.partition(".")[2], 0.0) for n in robot.parameters if n.startswith("link")}
-    robot = robot.with_parameters(bodies)
+    return robot.with_parameters(bodies)
+
+
+def distance(values, names, robot):
+    found = _distance(cp.Constant(values), names, robot).value
+    assert found is not None
+    return float(found)
+
+
+def test_the_distance_is_that_of_the_log_determinant():
+    """A body scaled by s: tr(s I) - log det(s I) - 4 = 4 (s - 1 - log s)."""
+    robot = with_equal_bodies()
     names = list(robot.linear_parameters)
     for s in (0.3, 1.0, 2.5):
         values = [v * (s if n.startswith("link2.") else 1) for n, v in robot.linear_parameters.items()]
-        found = _distance(cp.Constant(np.array(values)), names, robot).value
-        assert found == pytest.approx(4 * (s - 1 - np.log(s)), abs=1e-6)
+        assert distance(np.array(values), names, robot) == pytest.approx(4 * (s - 1 - np.log(s)), abs=1e-6)
+
+
+def test_what_must_be_positive_is_as_far_from_zero_as_a_body_is():
+    """A motor inertia scaled by s: s - 1 - log s, half a small change's square; an offset: the square."""
+    robot = with_equal_bodies().with_parameters({"joint1.J_m": 0.3, "joint1.offset": 2.0})
+    names, values = list(robot.linear_parameters), np.array(list(robot.linear_parameters.values()))
+    whole = distance(values, names, robot)
+    for name, s, expected in (
+        ("joint1.J_m", 0.1, 0.1 - 1 - np.log(0.1)),
+        ("joint1.J_m", 1.01, 0.01**2 / 2),
+        ("joint1.offset", -1.0, 2.0),
+    ):
+        changed = np.where(np.array(names) == name, s * values, values)
+        assert distance(changed, names, robot) - whole == pytest.approx(expected, rel=0.02, abs=1e-7)
+
+
+def test_beside_a_prior_a_deviation_is_that_of_the_covariance(fitted):
+    _, found = fitted
+    solution, prior = found.solution, found.robot
+    turn = solution.seen * solution.scale[:, None]
+    D = _deviations(found.reduced, solution, prior)
+    np.testing.assert_allclose(D @ D.T, turn.T @ solution.covariance @ turn, rtol=1e-3, atol=1e-12)
+    white = _deviations(found.reduced, solution, None)
+    unknown = replace(solution, covariance=np.full_like(solution.covariance, np.nan))
+    np.testing.assert_array_equal(_deviations(found.reduced, unknown, prior), white)
+    s = solution.singular_values[: solution.rank]
+    np.testing.assert_allclose(np.diag(white) * s, white[0, 0] * s[0])
+
+
+@pytest.mark.parametrize("estimator", ["iv", "wls"])
+def test_masses_and_friction_beside_a_prior_15_percent_off(estimator):
+    robot = arm()
+    off = {
+        n: v * (0.85 if int(n[4]) % 2 else 1.15) for n, v in robot.parameters.items() if n.startswith("link")
+    }
+    prior = robot.with_parameters(off, "cad")
+    close = pi.identify(robot, made(robot, 2, duration=12), estimator=estimator, prior=prior).identified
+    ratio = np.array([close.robot.parameters[m] / prior.parameters[m] for m in MASSES])
+    assert (ratio > 0.5).all()
+    assert (ratio < 2.0).all()
+    assert close.model_error is not None
+    assert close.model_error["all"] < 1.01 * close.relative_error["all"]
+    coulomb = [close.robot.parameters[f"joint{k}.coulomb"] for k in range(1, 7)]
+    np.testing.assert_allclose(coulomb, COULOMB, rtol=0.02)
+    assert "disagree" not in " ".join(close.notes)
+
+
+def test_a_prior_of_other_masses_is_said_to_be_one(fitted):
+    robot, found = fitted
+    heavy = robot.with_parameters(
+        {n: 8 * v for n, v in robot.parameters.items() if n.startswith("link")}, "lead"
+    )
+    assert "more than a factor of 2 from lead: link" in " ".join(near(found, heavy).notes)
+    assert "more than a factor" not in " ".join(near(found, cad(robot)).notes)
+
+
+def test_logs_that_ask_for_what_no_body_can_be_are_said_to_disagree():
+    """A moment of inertia below zero."""
+    robot = load_robot("four_link")
+    impossible = identified_of(robot, {"link4.J[zz]": -5.0})
+    (note,) = disagreements(near(impossible, robot))
+    assert "disagree: link4.J[zz]" in note
+    assert "they ask for -4.99" in note
+    assert disagreements(near(identified_of(robot, {}), robot)) == ()
+
+
+def test_a_hinge_is_soft_where_its_stiffness_is_within_its_interval_of_none():
+    robot = load_robot("four_link")
+    found = identified_of(robot, {})
+    i = found.reduced.columns.index("joint2.k[1]")
+    assert soft_hinges(found.reduced.columns, found.solution, robot) == {}
+    covariance = found.solution.covariance.copy()
+    covariance[i, i] = found.solution.p[i] ** 2
+    wide = replace(found.solution, covariance=covariance)
+    own = robot.parameters
+    assert soft_hinges(found.reduced.columns, wide, robot) == {
+        n: own[n] for n in ("joint2.k[1]", "joint2.d[1]")
+    }
 
 
 def test_a_prior_of_another_arm_is_refused():

@@ -9,12 +9,8 @@ from planned_joint import FEW, limited
 
 import pyident as pi
 from pyident.cli.main import main
-from pyident.excitation.capsules import geometry_of
-from pyident.excitation.design import Drawing, Task, designed, informative, measure
 from pyident.excitation.fourier import Reference
-from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import others_like, rehearsal
-from pyident.excitation.search import Budget
+from pyident.excitation.rehearsal import others_like
 from pyident.excitation.tables import message, table
 
 
@@ -57,32 +53,14 @@ def test_what_is_predicted_is_what_noisy_logs_scatter_by(planned):
 
 
 def test_a_check_tells_what_a_weaker_robot_would_break(planned):
-    assert pi.check_plan(planned.plan, limited(), floor=None).safe
+    good = pi.check_plan(planned.plan, limited(), floor=None, others=30)
+    assert good.safe
+    assert (good.broken, good.others) == (0, 30)
     weak = pi.check_plan(planned.plan, limited(effort=8.0), floor=None)
     assert not weak.safe
     assert {v.what for v in weak.violations} == {"torque"}
+    assert weak.broken == weak.others
     assert all("its limit is 8 N.m" in v.sentence for v in weak.violations)
-
-
-@pytest.mark.parametrize("wanted", [0.0, 0.5, 1.0])
-def test_the_share_of_the_multisine_is_the_one_that_is_worth_most(wanted):
-    robot = limited()
-    task = Task(robot, limits_of(robot), geometry_of(robot, floor=None), {"joint1.e": 1e-5}, 3.0, 250.0)
-    drawing, largest = Drawing(task), float(np.abs(task.wave[0]).max())
-    with rehearsal(robot) as own:
-        level = measure(task, drawing, own)
-        score = informative(task, drawing, level)
-        found = designed(
-            task,
-            drawing,
-            score,
-            level,
-            own,
-            Budget(12),
-            worth=lambda plan: -abs(np.abs(plan.feedforward).max() / largest - wanted),
-        )
-    assert found.wave == wanted
-    assert np.abs(found.plan.feedforward).max() == pytest.approx(found.scale * wanted * largest)
 
 
 def test_other_robots_are_off_by_what_is_said_and_physical():
@@ -124,6 +102,7 @@ def test_commands_check_simulate_and_export_the_file(files):
         (["--duration", "0.2"], "too short"),
         (["--separate", "stribeck@1", "nonsense"], "is not EFFECT@JOINT"),
         (["--reveal", "stribeck@4"], "has no joint 4"),
+        (["--criterion", "beauty"], "'beauty' is not one of"),
         (["--noise", "joint7.e=1e-5"], "has no sensor joint7.e"),
     ],
 )

@@ -28,6 +28,12 @@ def test_the_own_experiment_fills_what_is_open_and_says_so():
     assert len(found.notes) == 5
 
 
+def test_an_acceleration_stays_open_where_a_torque_limits_it():
+    found = limits_of(limited())
+    assert np.isinf(found.acceleration).all()
+    assert found.notes == ("nothing limits the acceleration of every joint",)
+
+
 def test_a_robot_of_which_nothing_is_known_is_refused():
     with pytest.raises(RobotError, match=r"no limit joint1\.lower"):
         limits_of(one_joint().with_settings(identification=None))

@@ -16,7 +16,7 @@ from flexmodels.robot import RobotError
 from pyident.excitation.capsules import geometry_of
 from pyident.excitation.limits import limits_of
 from pyident.excitation.rehearsal import others_like, reference_of_plan, rehearsal
-from pyident.excitation.rivals import Suspect, having, suspect
+from pyident.excitation.separation.rivals import Suspect, having, suspect
 from pyident.excitation.tables import write_table
 from pyident.excitation.violations import of_reference, of_run
 from pyident.logs.log import Log

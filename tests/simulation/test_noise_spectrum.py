@@ -82,4 +82,3 @@ def test_noise_is_drawn_with_its_spectrum():
     assert np.mean([np.var(x) for x in drawn]) == pytest.approx(1.25, rel=0.05)
     assert spectrum.std == pytest.approx(np.sqrt(1.25), rel=0.02)
     assert np.mean([np.corrcoef(x[1:], x[:-1])[0, 1] for x in drawn]) == pytest.approx(0.9 / 1.25, abs=0.02)
-    assert NoiseSpectrum.white(0.3, PERIOD).white_part == pytest.approx(0.3)

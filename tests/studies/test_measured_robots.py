@@ -6,7 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import pyident as pi
 from flexmodels.files.robot_file import load_robot
+from flexmodels.files.urdf.importer import import_urdf
 from pyident.checks.check_log import check_log
 from pyident.checks.encoder_delay import encoder_skews, without_skew
 from pyident.conditioning.weak_form import condition
@@ -14,6 +16,7 @@ from pyident.estimation.estimator import weighted
 from pyident.logs.datasets import fetch, shipped_mapping
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log
+from pyident.refinement.auxiliary_model import NAME
 from pyident.regression.equations import Problem
 from pyident.simulation.replica import repeats
 from pyident.sweep.studies import find_study
@@ -42,6 +45,44 @@ def test_regression_of_all_equations_leaves_the_kuka_its_stiffness(data):
     stiffness = found.solution.p[[found.reduced.columns.index(f"joint{k}.k[1]") for k in (2, 3)]]
     assert (stiffness > 1e6).all()  # [N m/rad]
     assert (stiffness < 8e6).all()
+
+
+@pytest.mark.slow
+def test_the_whole_kuka_beside_a_prior(data):
+    """The links' encoders are noisy, and axis 1 is hardly twisted: the prior makes a simulation possible.
+
+    With the gas spring that the arm has, all masses but one are within a factor of two of rough guesses.
+    """
+    robot = load_robot("kuka_kr300")
+    run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
+    log, _ = without_skew(run_a, encoder_skews(robot, run_a))
+    found = pi.identify(robot.with_effect(2, "gravity_spring"), log, prior=robot).identified
+    assert found.estimator == NAME
+    k3 = found.reduced.columns.index("joint3.k[1]")
+    assert found.solution.p[k3] == pytest.approx(4.10e6, abs=1.96 * found.solution.std[k3])  # the authors'
+    assert found.solution.std[k3] < 1e6
+    assert found.model_error is not None
+    assert found.model_error["all"] < 6.5  # [%]; least squares without any bounds leaves 6.1
+    ratio = {k: found.robot.parameters[f"link{k}.m"] / robot.parameters[f"link{k}.m"] for k in range(1, 7)}
+    assert [k for k, r in ratio.items() if not 0.5 < r < 2] == [3]
+    assert "from kuka_kr300: link3.m" in " ".join(found.notes)
+
+
+def test_masses_of_the_tx40_beside_its_urdf(data):
+    """Within a factor of two, and the written model predicts as the estimate does; joint 6 as published."""
+    positions, currents = fetch("tx40", download=False)
+    urdf = import_urdf(positions.parent / "tx40_mdh_modified.urdf")
+    settings = load_robot("tx40")
+    arm = replace(urdf, transmission=settings.transmission, settings=settings.settings)
+    log = import_log([positions, currents], shipped_mapping("tx40"), arm)
+    found = pi.identify(arm.with_effect(5, "joint_coupling"), log, prior=arm).identified
+    masses = [f"link{k}.m" for k in range(1, 7)]
+    ratio = np.array([found.robot.parameters[m] / arm.parameters[m] for m in masses])
+    assert (ratio > 0.5).all()
+    assert (ratio < 2).all()
+    assert found.model_error is not None
+    assert found.model_error["all"] < 1.05 * found.relative_error["all"]
+    assert found.robot.parameters["joint5.joint_coupling.coulomb"] == pytest.approx(1.96, rel=0.1)
 
 
 def test_twist_only_joints_have_the_right_signs(data):

@@ -11,6 +11,8 @@ def table(**columns) -> pd.DataFrame:
         "promised": [10.0, 60.0, 30.0, 4.0, np.nan],
         "achieved": [11.9, 47.0, 30.0, 4.0, np.nan],
         "best_variant": [5.0, 10.0, 5.0, 4.0, np.nan],
+        "named_before": ["in a tie", "alone", "the other", "not named", ""],
+        "named_after": ["alone", "alone", "the other", "in a tie", ""],
         "failure": ["", "", "", "", "no motion keeps its limits"],
     }
     return pd.DataFrame(whole | columns)
@@ -19,10 +21,12 @@ def table(**columns) -> pd.DataFrame:
 def test_shares_are_those_of_the_cases_that_ran():
     rows = {row["what"]: (row["value"], row["met"]) for row in study.rows(table())}
     assert rows["motions designed"] == ("4 of 5", "no")
-    assert rows["over the best variant, median"] == ("4", "no")  # of 2, 6, 6 and 1
+    assert rows["over the best variant, median"] == ("3.54", "no")  # of 2.38, 4.7, 6 and 1
     assert rows["over the best variant, least"][0] == "1"
     assert rows["achieved within 20 % of the promise"] == ("3 of 4", "no")
     assert rows["told apart by 5 deviations"] == ("3 of 4", "no")
+    assert rows["law named alone, from the experiment"][0] == "1 of 4"
+    assert rows["law named alone, with the designed motion"] == ("2 of 4", "no")
 
 
 def test_nothing_designed_is_nothing_met():

@@ -3,23 +3,15 @@
 
 #ifdef HAS_FUSED
 #include "scalar.h"
+#include "target.h"
 
 #undef NAME
 #undef PIECE
 #define NAME(f) fused_##f
 #define PIECE(f) fused_piece_##f
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2,fma")
-#endif
+TARGET_BEGIN("avx2,fma")
 #include "model_rates.h"
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+TARGET_END
 #else
 typedef int fused_is_left_out;
 #endif

@@ -45,6 +45,13 @@ no_floor_option = click.option("--no-floor", is_flag=True, help="There is no flo
 @click.option("--rate", type=float, help="Samples per second, if no controller sets them.")
 @click.option("--separate", nargs=2, metavar="EFFECT@JOINT EFFECT@JOINT", help="Tell two effects apart.")
 @click.option("--reveal", metavar="EFFECT@JOINT[=SIZE]", help="Make an effect visible.")
+@click.option(
+    "--criterion",
+    type=click.Choice(["information", "condition"]),
+    default="information",
+    show_default=True,
+    help="What an identification should have: information beside the noise, or a small condition number.",
+)
 @limit_option
 @noise_option
 @radius_option
@@ -70,6 +77,7 @@ def excite_command(
     rate: float | None,
     separate: tuple[str, str] | None,
     reveal: str | None,
+    criterion: str,
     limits: dict[str, float],
     noise: dict[str, float],
     radius: float | None,
@@ -93,6 +101,7 @@ def excite_command(
             model,
             separate=separate or (),
             reveal=reveal,
+            criterion=criterion,
             duration=duration,
             rate=rate,
             limits=limits,
@@ -129,6 +138,13 @@ def plan() -> None:
 @floor_option
 @no_floor_option
 @spread_option
+@click.option(
+    "--runs",
+    type=click.IntRange(0, 100_000),
+    default=24,
+    show_default=True,
+    help="Robots with other parameters that run it, too.",
+)
 @effects_option
 @json_option
 @reported
@@ -141,6 +157,7 @@ def check_command(
     floor: float,
     no_floor: bool,
     spread: float,
+    runs: int,
     json_file: str | None,
 ) -> None:
     """Check PLAN against the limits and torques of MODEL, its own links and the floor.
@@ -149,15 +166,18 @@ def check_command(
 
     Example: pyident plan check plan.parquet four_link --limit joint2.torque=400
     """
-    found = pi.check_plan(
-        plan_file,
-        model,
-        limits=limits,
-        noise=noise,
-        radius=radius,
-        floor=None if no_floor else floor,
-        spread=spread,
-    )
+    with progress_bar("rehearsing") as progress:
+        found = pi.check_plan(
+            plan_file,
+            model,
+            limits=limits,
+            noise=noise,
+            radius=radius,
+            floor=None if no_floor else floor,
+            spread=spread,
+            others=runs,
+            progress=progress,
+        )
     show_notes(found.notes)
     show(found.summary())
     write_json(json_file, found.to_dict())

@@ -7,13 +7,13 @@ import numpy as np
 
 from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
+from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step
 from pyident.diagnosis.search.selection import Selection
-from pyident.diagnosis.search.wrong_description import wrong_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 
@@ -49,7 +49,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         notes=(
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
-            *wrong_descriptions(search, selection, held),
+            *selection.notes,
         ),
         noise=ex.setting.noise,
         stages=stages,
@@ -81,15 +81,16 @@ def named(search: Search, found: Found) -> Named:
     robot, c = search.robot, found.candidate
     law = law_of(robot, c)
     linear = [p.name for p in law.linear]
+    std = np.full(len(linear), np.inf) if c.describes else found.gain.std  # see `wrong_description`
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
         values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
-        std=dict(zip(linear, found.gain.std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
+        std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
-        nonlinear=tuple(name for name, _ in c.values),
+        nonlinear=tuple(linear) if c.describes else tuple(name for name, _ in c.values),
     )
 
 
@@ -110,7 +111,18 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""
         joint = joint_name(coordinate.joint)
-        yield Place(joint, coordinate.side, state, ratio, floor[row], reason)
+        yield Place(joint, coordinate.side, state, ratio, floor[row], reason, _worst_band(beside, row))
+
+
+def _worst_band(beside: Search, row: int) -> tuple[float, float, float] | None:
+    """Where an equation stands out most, if in one band more than in all together."""
+    ex = beside.examination
+    ratio = np.where(beside.bands_standing_out[row], ex.over_floor_in_bands(beside.base)[row], 0.0)
+    band, top = int(np.argmax(ratio)), float(ex.floor.frequencies[-1])
+    if ratio[band] <= beside.over_floor[row]:
+        return None
+    ends = (*EDGES, np.inf)
+    return ends[band], min(ends[band + 1], top), float(np.sqrt(ratio[band]))
 
 
 def _said(refusal: Refusal) -> str:

@@ -22,6 +22,7 @@ from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
+from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.rules.rules import RULES, Rules
@@ -133,7 +134,7 @@ def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) 
 
 def _from_columns(search: Search, heldout: Sequence[Log]) -> Diagnosis:
     held = held_out(search, heldout)
-    return conclusion(search, select(search, held), held, heldout)
+    return conclusion(search, with_descriptions(search, select(search, held), held), held, heldout)
 
 
 def _from_signatures(

@@ -16,12 +16,15 @@ from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
 from pyident.diagnosis.unexplained.unexplained import depends_on
 from pyident.excitation.variants import variants
 from pyident.logs.log import LogError
+from pyident.regression.descriptions import corrected
 from pyident.simulation.simulator import OpenPool, rivals
 
 
 def candidate_of(search: Search, name: Named) -> Candidate:
     """What a diagnosis has named, as the search knows it."""
     joint = joint_number(name.joint)
+    if name.describes:
+        return Candidate(name.effect, joint)
     law = search.robot.joints[joint - 1].law(name.effect)
     values = tuple((p.name, name.values[p.name]) for p in law.nonlinear)
     sources = [log.source for log in search.examination.setting.logs]
@@ -34,9 +37,9 @@ def with_experiments(
     """Every tie with the motion that separates its first two rivals best, found by simulating both."""
     findings = list(found.findings)
     for i, finding in enumerate(findings):
-        if len(finding.tie) < 2:
+        if len(finding.tie) < 2 or any(n.describes for n in finding.tie[:2]):
             continue
-        others = [candidate_of(search, f.tie[0]) for f in findings if f is not finding]
+        others = [f.tie[0] for f in findings if f is not finding]
         offer = f"{finding.experiment}; {_designed(search.robot, finding)}"
         try:
             sentence = _separating(search, finding, others, open_pool, progress)
@@ -72,23 +75,26 @@ def _designed(robot: Robot, finding: Finding) -> str:
 def _separating(
     search: Search,
     finding: Finding,
-    others: Sequence[Candidate],
+    others: Sequence[Named],
     open_pool: OpenPool,
     progress: Callable[[float], None],
 ) -> str:
     setting = search.examination.setting
-    robots = [_having(search, [*others, candidate_of(search, n)]) for n in finding.tie[:2]]
+    robots = [_having(search, [*others, n]) for n in finding.tie[:2]]
     plans = variants(robots[0], setting.logs[0])
     with rivals(open_pool, robots) as simulate:
         return separating(robots, plans, simulate, setting.noise, progress).sentence
 
 
-def _having(search: Search, chosen: Sequence[Candidate]) -> Robot:
-    """The robot with effects, everything fitted to the logs."""
+def _having(search: Search, chosen: Sequence[Named]) -> Robot:
+    """The robot with effects and corrections, everything fitted to the logs."""
     setting = search.examination.setting
     robot = setting.simulated
-    for c in chosen:
-        robot = with_law(robot, c)
+    for n in chosen:
+        if n.describes:
+            robot = corrected(robot, joint_number(n.joint), n.effect, n.values["correction"])
+        else:
+            robot = with_law(robot, candidate_of(search, n))
     return steadied(set_up(robot, setting.logs)).simulated
 
 

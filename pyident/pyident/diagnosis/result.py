@@ -4,15 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from pyident.regression.descriptions import describes
+
 VerdictName = Literal["nothing_detectable", "missing_effect", "unexplained", "cannot_tell"]
 
 
 @dataclass(frozen=True)
 class Named:
-    """An effect at a joint with the parameters that fit best.
+    """An effect at a joint, or an error of the robot file, with the parameters that fit best.
 
     values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined)
-    nonlinear      the parameters that enter the law nonlinearly
+    nonlinear      the parameters that enter the law nonlinearly, and the correction of a robot file
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself
     log            the only log in which it acts, None: all
@@ -28,6 +30,11 @@ class Named:
     log: str | None = None
     beside_percent: float | None = None
     nonlinear: tuple[str, ...] = ()
+
+    @property
+    def describes(self) -> bool:
+        """Whether it is an error of the robot file, not a law."""
+        return describes(self.effect)
 
 
 @dataclass(frozen=True)
@@ -87,6 +94,8 @@ class Place:
     """What is said of one side of a joint.
 
     over_floor        rms of its residual over that of replicas, before and after the findings
+    band              Hz from and to, and that ratio after the findings, of the band where it stands out most;
+                      None: in no band more than in all together
     floor_percent     rms that replicas leave, of the torque or moment on the equation
     reason            why the best candidate of an unexplained place is not named; empty elsewhere
     """
@@ -97,6 +106,7 @@ class Place:
     over_floor: tuple[float, float]
     floor_percent: float
     reason: str = ""
+    band: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -187,6 +197,9 @@ class Diagnosis:
                     "balance": p.balance,
                     "state": p.state,
                     "over_floor": {"before": p.over_floor[0], "after": p.over_floor[1]},
+                    "band": None
+                    if p.band is None
+                    else dict(zip(("from_hz", "to_hz", "over_floor"), p.band, strict=True)),
                     "floor_percent": p.floor_percent,
                     "reason": p.reason,
                 }

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 
-from flexmodels.coordinate import joint_name
+from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
-from pyident.diagnosis.result import Finding, Place, VerdictName
+from pyident.diagnosis.result import Finding, Named, Place, VerdictName
+from pyident.regression.descriptions import place_name, stated
 
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
@@ -39,16 +40,33 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    each = [f"{' or '.join(f'{n.effect} at {n.joint}' for n in f.tie)} ({_share(f)})" for f in findings]
+    each = [f"{' or '.join(_said(n) for n in f.tie)} ({_share(f)})" for f in findings]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
     which = "; these logs cannot tell which" if verdict == "cannot_tell" else ""
-    left = [
-        f"{p.joint}, {p.balance} side ({p.over_floor[1]:.2g} floors)"
-        for p in places
-        if p.state == "unexplained"
-    ]
+    left = [f"{p.joint}, {p.balance} side ({_floors(p)})" for p in places if p.state == "unexplained"]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
-    return f"Missing: {names}{which}.{rest}"
+    wrong = {n.describes for f in findings for n in f.tie}
+    begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
+    return f"{begin}: {names}{which}.{rest}"
+
+
+def _floors(place: Place) -> str:
+    """What is left there, in the band where it stands out most."""
+    if place.band is None:
+        return f"{place.over_floor[1]:.2g} floors"
+    low, high, ratio = place.band
+    return f"{ratio:.2g} floors from {low:g} to {high:.2g} Hz"
+
+
+def _said(named: Named) -> str:
+    """A law at its joint, or what the robot file says wrongly."""
+    if not named.describes:
+        return f"{named.effect} at {named.joint}"
+    ((name, value),) = named.values.items()
+    if not stated(named.effect):
+        return f"the logged torque of {named.joint} by about {value:.2g} of itself"
+    place = place_name(joint_number(named.joint), named.effect)
+    return f"{place} of the robot file by about {value:.2g} {named.units[name]}"
 
 
 def _share(finding: Finding) -> str:

@@ -17,8 +17,11 @@ from pyident.logs.disk import LogFile
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
+from pyident.rules.confidence import CONFIDENCE, LEVEL
 
 _NOTHING = 1e-3  # of what the solution says: so near to a bound a parameter is at it
+_WORST = 3  # disagreements that are named
+_ALIKE = 2.0  # a mass further from its prior's is worth a word
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,17 @@ def near(found: Identified, prior: Robot) -> Identified:
     kept = [name for name, text in found.support.items() if text == "no"]
     note = f"what the data leave open stays near {prior.name}"
     note += f"; they say nothing of {', '.join(kept)}" if kept else ""
-    return replace(found, notes=(*found.notes, note, *notes))
+    return replace(found, notes=(*found.notes, note, *notes, *_unlike(found, prior)))
+
+
+def soft_hinges(names: Sequence[str], solution: Solution, prior: Robot) -> dict[str, float]:
+    """A prior's stiffness and damping of each hinge whose stiffness the solution does not tell from none."""
+    known, std = prior.parameters, solution.std
+    least = np.where(np.isfinite(std), CONFIDENCE * std, 0.0)
+    soft = [n for n, v, few in zip(names, solution.p, least, strict=True) if ".k[" in n and v <= few]
+    soft = [name for name in soft if known.get(name, 0.0) > 0]
+    both = (*soft, *(name.replace(".k[", ".d[") for name in soft))
+    return {name: known[name] for name in both if name in known}
 
 
 def _hinges_of(found: Identified, prior: Robot) -> tuple[Identified, list[str]]:
@@ -136,16 +149,44 @@ def _hinges_of(found: Identified, prior: Robot) -> tuple[Identified, list[str]]:
 
     A hinge must have stiffness: what asks for none is noise in the measured deformation, or too little load.
     """
-    bound, known = found.at_bound, prior.parameters
-    soft = [name for name in bound if ".k[" in name and known.get(name, 0.0) > 0]
-    damping = [name.replace(".k[", ".d[") for name in soft]
-    values = {name: known[name] for name in (*soft, *damping) if name in known}
+    values = soft_hinges(found.reduced.columns, found.solution, prior)
     notes = [
-        f"{name} keeps the {known[name]:.6g} N m/rad of {prior.name}, and so does its damping: the logs ask "
-        "for none, which is noise in the deformation or too little load to tell"
-        for name in soft
+        f"{name} keeps the {stiffness:.6g} N m/rad of {prior.name}, and so does its damping: the logs do not "
+        "tell its stiffness from none, which is noise in the deformation or too little load to tell"
+        for name, stiffness in values.items()
+        if ".k[" in name
     ]
     return replace(found, robot=found.robot.with_parameters(values)), notes
+
+
+def disagreements(found: Identified) -> tuple[str, ...]:
+    """A sentence about combinations in which no body that can exist near a prior does as the data ask.
+
+    found   with intervals that hold: those of a mere regression would call its bias a disagreement
+    """
+    from scipy.stats import norm
+
+    p, told = found.robot.parameters, [b for b in found.base if np.isfinite(b.std) and b.std > 0]
+    limit = norm.isf(LEVEL / 2 / max(len(told), 1))  # one in all of them by chance in a twentieth of logs
+    written = [sum(factor * p[name] for factor, name in b.terms) for b in told]
+    far = [(abs(w - b.value) / b.std, w, b) for w, b in zip(written, told, strict=True)]
+    worst = sorted((x for x in far if x[0] > limit), key=lambda x: -x[0])[:_WORST]
+    if not worst:
+        return ()
+    named = "; ".join(
+        f"{b.expression} is written as {w:.4g}, and they ask for {b.value:.4g}" for _, w, b in worst
+    )
+    cause = "an effect that is missing, a wrong sign or zero of a channel, or noise taken for motion"
+    return (f"the written model and the logs disagree: {named}; {cause}",)
+
+
+def _unlike(found: Identified, prior: Robot) -> list[str]:
+    """A sentence about masses that are not those of the prior."""
+    masses = [(f"link{k}.m", link.m) for k, link in enumerate(prior.links, start=1) if link.m > 0]
+    written = found.robot.parameters
+    far = [(n, m) for n, m in masses if not 1 / _ALIKE <= written[n] / m <= _ALIKE]
+    named = ", ".join(f"{n} ({written[n]:.3g} kg, there {m:.3g})" for n, m in far)
+    return [f"more than a factor of {_ALIKE:g} from {prior.name}: {named}"] if far else []
 
 
 def without_intervals(found: Identified) -> Identified:

@@ -72,9 +72,7 @@ def _nearest(
     scale = scale / length  # so that values and what data leave open are of one size to the solver
     names, near = list(reduced.columns), solution.p * scale
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
-    sigma = max(_sigma(reduced, solution) / length, _EXACT)
-    deviations = solution.seen * (sigma / solution.singular_values[: solution.rank])
-    z = near + deviations @ u + solution.null @ t
+    z = near + solution.seen @ (_deviations(reduced, solution, prior) / length) @ u + solution.null @ t
     p = cp.multiply(z, 1 / scale)
     limits: list[cp.Constraint] = [
         _body(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
@@ -104,10 +102,12 @@ def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Express
         L = np.linalg.inv(np.linalg.cholesky(_prior_body(known, k)))
         body = L @ _body(p, names, k) @ L.T
         terms.append(cp.trace(body) - cp.log_det(body) - 4)
-    joints = [i for i, name in enumerate(names) if not name.startswith("link") and known.get(name)]
-    if joints:
-        share = 1 / np.array([known[names[i]] for i in joints])
-        terms.append(cp.sum_squares(cp.multiply(share, p[joints]) - 1) / 2)
+    positive = {name for name, bound in lower_bounds(prior).items() if bound == 0}
+    for i, name in enumerate(names):
+        if name.startswith("link") or not known.get(name):
+            continue
+        ratio = p[i] / known[name]
+        terms.append(ratio - cp.log(ratio) - 1 if name in positive else cp.square(ratio - 1) / 2)
     return sum(terms, cp.Constant(0.0))
 
 
@@ -124,6 +124,22 @@ def _prior_body(known: Mapping[str, float], link: int) -> np.ndarray:
     body[:3, 3] = body[3, :3] = first
     body[3, 3] = m
     return body
+
+
+def _deviations(reduced: Reduced, solution: Solution, prior: Robot | None) -> np.ndarray:
+    """(r, r) whose columns, along the directions that the data determine, are one standard deviation each.
+
+    Beside a prior those of the covariance, where there is one: residuals with a memory tell less than as
+    many white ones, which would give every right to the data. Else those of white residuals.
+    """
+    s = solution.singular_values[: solution.rank]
+    least = _EXACT * float(np.linalg.norm(solution.p * solution.scale)) / s
+    turn = solution.seen * solution.scale[:, None]
+    known = turn.T @ solution.covariance @ turn
+    if prior is None or not np.isfinite(known).all():
+        return np.diag(np.maximum(_sigma(reduced, solution) / s, least))
+    variance, axes = np.linalg.eigh((known + known.T) / 2 + np.diag(least**2))
+    return axes * np.sqrt(np.maximum(variance, least.min() ** 2))
 
 
 def _sigma(reduced: Reduced, solution: Solution) -> float:

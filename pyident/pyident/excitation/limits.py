@@ -46,8 +46,8 @@ class Limits:
 def limits_of(robot: Robot, given: Mapping[str, float] | None = None) -> Limits:
     """Limits by `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque`, then those of the file.
 
-    What is left open is taken from the motion of the robot's [identification]; accelerations and torques may
-    stay open. Raises RobotError.
+    What is left open is taken from the motion of the robot's [identification], an acceleration only where no
+    torque limits it; accelerations and torques may stay open. Raises RobotError.
     """
     values = {name: np.full(len(robot.joints), np.nan) for name in QUANTITIES}
     _from_file(robot, values)
@@ -102,6 +102,7 @@ def _from_call(robot: Robot, values: dict[str, np.ndarray], given: Mapping[str, 
 def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, ...]:
     """What the robot's own identification experiment shows that it may do, where nothing else tells."""
     open_ = {name: np.isnan(v) for name, v in values.items()}
+    open_["acceleration"] &= np.isnan(values["torque"])  # where the torque is limited, that limits it
     if robot.settings.identification is None or not any(v.any() for v in open_.values()):
         return ()
     plan = identification(robot)

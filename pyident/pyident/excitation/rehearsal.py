@@ -1,6 +1,6 @@
 """A plan run in simulation before a machine runs it: by the robot, and by robots a little different."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,6 +24,7 @@ _FEWEST = 3  # samples of a plan: accelerations are their second differences
 
 SPREAD = 0.25  # by which the parameters of the others are off at most
 _LEAST = 0.4  # of the spread, by which they are off at least
+_AT_ONCE = 24  # of them that are simulated side by side
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,26 @@ class Rehearsal:
     def log(self, plan: Experiment) -> Log:
         """Noise-free. Raises SimulationError."""
         frame = self._follow(plan) if self.fmu is None else self.fmu.simulate(plan)
-        return Log(frame, f"simulation of {self.robot.name}")
+        return Log(frame, self._source)
+
+    def noisy(self, plan: Experiment, noise: Mapping[str, float], seeds: Sequence[int]) -> list[Log]:
+        """A log per seed with white noise of the sensors (channel -> standard deviation).
+
+        That of an encoder passes through the loop. Raises SimulationError.
+        """
+        if self.fmu is None:
+            return [Log(_sensed(self._follow(plan), noise, seed), self._source) for seed in seeds]
+        encoders = {name: noise[name] for name in self.robot.coordinates if name in noise}
+        torques = {name: sigma for name, sigma in noise.items() if name not in encoders}
+        frames = self.fmu.simulate_batch(plan, [self.robot.parameters], encoders, list(seeds))
+        return [
+            Log(_sensed(frame, torques, seed), self._source)
+            for frame, seed in zip(frames, seeds, strict=True)
+        ]
+
+    @property
+    def _source(self) -> str:
+        return f"simulation of {self.robot.name}"
 
     def others(self, plan: Experiment, robots: Sequence[Robot]) -> list[pd.DataFrame]:
         """Runs of robots with other parameters. Raises SimulationError."""
@@ -75,21 +95,52 @@ def reference_of_plan(plan: Experiment) -> Reference:
     return Reference(plan.time, plan.reference, dq, np.concatenate([ddq[:1], ddq, ddq[-1:]]))
 
 
-def violations(
-    rehearsal: Rehearsal, limits: Limits, geometry: Geometry, plan: Experiment, others: Sequence[Robot] = ()
-) -> list[Violation]:
-    """Of the reference, of the robot's run, and of the runs of others; the worst of each kind and place."""
+def violations(rehearsal: Rehearsal, limits: Limits, geometry: Geometry, plan: Experiment) -> list[Violation]:
+    """Of the reference and of the robot's run."""
     robot = rehearsal.robot
-    found = of_reference(robot, limits, geometry, reference_of_plan(plan))
-    found += of_run(robot, limits, geometry, rehearsal.log(plan).frame)
-    for frame in rehearsal.others(plan, others) if others else []:
-        found += of_run(robot, limits, geometry, frame, "a robot with other parameters")
-    worst: dict[tuple[str, str, str], Violation] = {}
+    return [
+        *of_reference(robot, limits, geometry, reference_of_plan(plan)),
+        *of_run(robot, limits, geometry, rehearsal.log(plan).frame),
+    ]
+
+
+def of_others(
+    rehearsal: Rehearsal,
+    limits: Limits,
+    geometry: Geometry,
+    plan: Experiment,
+    others: Sequence[Robot],
+    progress: Callable[[float], None] = lambda _: None,
+) -> list[list[Violation]]:
+    """Of each of the runs of robots with other parameters."""
+    found = []
+    for first in range(0, len(others), _AT_ONCE):
+        for frame in rehearsal.others(plan, others[first : first + _AT_ONCE]):
+            named = "a robot with other parameters"
+            found.append(of_run(rehearsal.robot, limits, geometry, frame, named))
+        progress(len(found) / len(others))
+    return found
+
+
+def worst(found: Iterable[Violation]) -> list[Violation]:
+    """The worst of each kind, place and run."""
+    out: dict[tuple[str, str, str], Violation] = {}
     for v in found:
         key = v.what, v.where, v.of
-        if key not in worst or abs(v.value) > abs(worst[key].value):
-            worst[key] = v
-    return list(worst.values())
+        if key not in out or _beyond(v) > _beyond(out[key]):
+            out[key] = v
+    return list(out.values())
+
+
+def _beyond(v: Violation) -> float:
+    return -v.value if v.what == "distance" else abs(v.value)
+
+
+def _sensed(frame: pd.DataFrame, noise: Mapping[str, float], seed: int) -> pd.DataFrame:
+    rng = np.random.default_rng(seed)
+    return frame.assign(
+        **{name: frame[name] + s * rng.standard_normal(len(frame)) for name, s in noise.items()}
+    )
 
 
 def plan_frame(plan: Experiment) -> pd.DataFrame:

@@ -33,15 +33,18 @@ def best_of(
     starts: Sequence[np.ndarray],
     budget: Budget,
     progress: Progress | None = None,
+    step: float = 0.5,
 ) -> Best:
     """Maximise score over vectors, from the best of several starts (size,) each.
+
+    step   first standard deviation of the search about it
 
     A KeyboardInterrupt, once a start has been judged, ends the search with the best so far.
     Source: Hansen, The CMA evolution strategy: a tutorial, arXiv:1604.00772.
     """
     best = Best(starts[0], score(starts[0]), 1, False)
     try:
-        best = _searched(score, starts, budget, progress or (lambda _: None), best)
+        best = _searched(score, starts, budget, progress or (lambda _: None), best, step)
     except _Interrupted as stopped:
         best = stopped.best
     return best
@@ -59,6 +62,7 @@ def _searched(
     budget: Budget,
     progress: Progress,
     best: Best,
+    step: float,
 ) -> Best:
     from cma import CMAEvolutionStrategy
 
@@ -77,7 +81,7 @@ def _searched(
         for x in starts[1:]:
             judged(x)
         options = {"seed": budget.seed + 1, "verbose": -9, "maxfevals": np.inf}
-        evolution = CMAEvolutionStrategy(best.x, 0.5, options)
+        evolution = CMAEvolutionStrategy(best.x, step, options)
         while not evolution.stop():
             asked = evolution.ask()
             values = []

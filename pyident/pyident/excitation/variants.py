@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from flexmodels.experiment import Experiment, identification
 from flexmodels.robot import Robot, RobotError
@@ -11,6 +12,7 @@ from pyident.simulation.replay import replay_of
 
 DURATION = 8.0  # s: of every variant
 LARGER, SMALLER = 1.5, 0.5  # of the multisine
+_FADE = 1.0  # s
 
 
 def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -> dict[str, Experiment]:
@@ -42,6 +44,16 @@ def variants(robot: Robot, log: Log | None = None, duration: float = DURATION) -
     if len(robot.joints) > 1:
         found |= {f"{name} with joint {k} alone": _alone(plan, k - 1) for k, _ in robot.numbered}
     return found
+
+
+def at_rest(plan: Experiment) -> Experiment:
+    """The same way, begun and ended at rest: time sets in and dies away within a second."""
+    lasts = float(plan.time[-1])
+    near = np.clip(np.minimum(plan.time, lasts - plan.time) / min(_FADE, lasts / 4), 0, 1)
+    rate = near**2 * (3 - 2 * near)
+    passed = np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(plan.time))])
+    reference = CubicSpline(plan.time, plan.reference)(passed)
+    return replace(plan, reference=reference, feedforward=rate[:, None] * plan.feedforward)
 
 
 def _first(plan: Experiment, duration: float) -> Experiment:

@@ -2,8 +2,10 @@
 
 The equations are judged by the gate of a diagnosis (`diagnosis.search.gate`), the simulation by its error on
 data that were not used: the FMU runs under the log's reference. Without references it tracks the measured
-motion; positions then agree in any case, and it is the motor torques that it needs which tell. Linear
-parameters come from the regression with its bias removed, nonlinear ones and corrections from the search.
+motion; positions then agree in any case, and it is the motor torques that it needs which tell. These hold
+what a stand-in for the loop does, so that it is enough if they do not rise with an effect that takes as much
+as a name needs. Linear parameters come from the regression with its bias removed, nonlinear ones and
+corrections from the search.
 """
 
 from collections.abc import Sequence
@@ -213,8 +215,7 @@ def _judged(base: _Fit, new: _Fit, asked: Asked, correction: Correction | None) 
     word = effect.replace("[", "_").removesuffix("]")
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
-    least = base.setting.rules.extension.least_gain
-    reason = _reason(effect, joint, asked.admission.reason, gains[1], base.trial.tracks, least)
+    reason = _reason(asked, gains[1], base.trial.tracks, base.setting.rules)
     return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason, asked, correction)
 
 
@@ -260,13 +261,15 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     return Step(f"{what} {name}", listed[0][0].unit, *rms)
 
 
-def _reason(effect: str, joint: int, gate: str, simulated: float, tracks: bool, least: float) -> str:
-    """gate: what the gate of a diagnosis says against it."""
+def _reason(asked: Asked, simulated: float, tracks: bool, rules: Rules) -> str:
+    """What the gate of a diagnosis says against an effect, and the simulation; empty: nothing."""
+    gate, least, c = asked.admission, rules.extension.least_gain, asked.candidate
     what = "the torque that the simulation needs" if tracks else "the simulation"
-    said = [gate] if gate else []
-    if simulated < least:
+    said = [gate.reason] if gate.reason else []
+    named = tracks and not gate.reason and gate.share >= rules.search.explained[0]
+    if simulated < (-least if named else least):
         said.append(f"on held-out data the error of {what} {_change(simulated, least)}")
-    return f"{effect} at joint {joint} is refused: {'; '.join(said)}." if said else ""
+    return f"{c.effect} at joint {c.joint} is refused: {'; '.join(said)}." if said else ""
 
 
 def _change(value: float, least: float) -> str:

@@ -20,7 +20,14 @@ from pyident.conditioning.filters import without_phase
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import base_parameters
 from pyident.estimation.estimator import Estimate, weighted
-from pyident.estimation.identify import Identified, identified, without_intervals
+from pyident.estimation.identify import (
+    Identified,
+    disagreements,
+    identified,
+    near,
+    soft_hinges,
+    without_intervals,
+)
 from pyident.estimation.instrumental_variables import (
     Rows,
     moment_equations,
@@ -71,11 +78,16 @@ Progress = Callable[[float], None]
 
 
 def identify_by_instruments(
-    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+    robot: Robot,
+    logs: Sequence[Log],
+    open_pool: OpenPool,
+    progress: Progress | None = None,
+    prior: Robot | None = None,
 ) -> Identified:
     """Identify `robot`; its own parameters are never used. Raises LogError.
 
     open_pool   robot -> context manager of processes that hold its FMU
+    prior       to which the written model stays near; its hinges are simulated where the logs tell of none
     Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals.
     """
     parts = [condition(log, robot) for log in logs]
@@ -85,7 +97,12 @@ def identify_by_instruments(
     lows = _LOW if carries(robot) else ()
     solutions = gathered(lambda low: _started(robot, data, plain, low), lows)
     starts = [identified(robot, reduced, solution) for solution in solutions]
-    starts = starts or [identified(robot, reduced, plain.solution)]
+    if not starts:
+        solution = plain.solution if prior is None else coloured(robot, data, plain)
+        starts = [identified(robot, reduced, solution)]
+    if prior is not None:
+        starts = [near(start, prior) for start in starts]
+        starts = [_with_bodies_of(prior, starts[0]), *starts]
     best = starts[0]
     followed, again = repeats(best.robot, logs)
     if not driven(robot):
@@ -94,14 +111,18 @@ def identify_by_instruments(
     try:
         with open_pool(followed) as workers:
             best = _nearest(starts, again, workers)
-            solution, reason = _rounds(Repeated(robot, data, again, reduced), best, workers, progress)
+            solution, reason = _rounds(Repeated(robot, data, again, reduced), best, workers, progress, prior)
     except SimulationError as error:
         solution, reason = best.solution, f"the model found cannot be simulated ({error})"
     if reason:
+        best = starts[1] if prior is not None and best is starts[0] else best
         name = START if carries(robot) else best.estimator
         note = f"{reason}; the estimate is that of {name} and has no intervals"
-        return replace(without_intervals(best), estimator=name, notes=(*notes, note))
+        return replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
     found = identified(robot, reduced, solution)
+    if prior is not None:
+        found = near(found, prior)
+        notes = (*notes, *found.notes, *disagreements(found))
     fast = ringing(found.robot, data, max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
@@ -109,6 +130,17 @@ def identify_by_instruments(
         why = "their hinges vibrate faster than the samples can follow"
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
     return replace(found, estimator=NAME, notes=notes)
+
+
+def _with_bodies_of(prior: Robot, start: Identified) -> Identified:
+    """A start with a prior's links and hinges: a noisy deformation spoils those of a regression first."""
+    own = start.robot.linear_parameters
+    known = {
+        n: v
+        for n, v in prior.parameters.items()
+        if n in own and (n.startswith("link") or ".k[" in n or ".d[" in n)
+    }
+    return replace(start, robot=start.robot.with_parameters(known))
 
 
 def _nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers) -> Identified:
@@ -139,6 +171,15 @@ def _put_in(start: Identified) -> dict[str, float]:
     return start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
 
 
+def coloured(robot: Robot, data: list[Data], plain: Estimate) -> Solution:
+    """The solution of a regression with a covariance under residuals that have a memory."""
+    rows = [Rows(d.A, d.A, d.y, d.use.astype(float)) for d in data]
+    solution = plain.solution
+    turn = solution.seen / solution.singular_values[: solution.rank] / solution.scale[:, None]
+    meat = spectral(every(rows), solution.weights)(turn, solution.p)
+    return replace(solution, covariance=turn @ meat @ turn.T)
+
+
 def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Solution:
     """Instruments from the log itself, of frequencies below `low`, where there is little noise."""
     from scipy.signal import butter
@@ -157,7 +198,11 @@ def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Sol
 
 
 def _rounds(
-    logs: Repeated, best: Identified, workers: Workers, progress: Progress | None
+    logs: Repeated,
+    best: Identified,
+    workers: Workers,
+    progress: Progress | None,
+    prior: Robot | None,
 ) -> tuple[Solution, str | None]:
     """The solution at which the rounds settle, or why there is none."""
     robot, data, again, reduced = logs.robot, logs.data, logs.again, logs.reduced
@@ -166,14 +211,20 @@ def _rounds(
     fixed = {n: v for n, v in best.robot.parameters.items() if n not in best.robot.linear_parameters}
     held, quiet, slope, newton = np.zeros(len(values), bool), values, None, None
     for number in range(_ROUNDS):
-        quiet = simulable(robot, reduced.columns, values)
+        hinges = {} if prior is None else soft_hinges(reduced.columns, replace(solution, p=values), prior)
+        quiet = simulable(robot, reduced.columns, values, hinges)
         put_in = fixed | dict(zip(reduced.columns, quiet.tolist(), strict=True))
         try:
             frames = simulations(again, workers, put_in)
         except SimulationError:
-            quiet = consistent(robot, reduced, replace(solution, p=quiet))
+            quiet = consistent(robot, reduced, replace(solution, p=quiet), prior)
             put_in = fixed | dict(zip(reduced.columns, quiet.tolist(), strict=True))
-            frames = simulations(again, workers, put_in)
+            try:
+                frames = simulations(again, workers, put_in)
+            except SimulationError:
+                if not rows or driven(robot):
+                    raise
+                break  # nothing of a simulation but its instruments is in the estimate: the last ones do
         held = quiet != values
         missed = max(_missed(r, frame) for r, frame in zip(again, frames, strict=True))
         if not missed < _FOLLOWS:

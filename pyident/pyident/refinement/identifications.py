@@ -7,10 +7,11 @@ from typing import Protocol
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import Estimator, ordinary, reweighted, total, weighted
-from pyident.estimation.identify import Identified, identified, without_intervals
+from pyident.estimation.identify import Identified, disagreements, identified, near, without_intervals
 from pyident.logs.log import Log, LogError
-from pyident.refinement.auxiliary_model import identify_by_instruments
+from pyident.refinement.auxiliary_model import coloured, identify_by_instruments
 from pyident.refinement.output_error import output_error
+from pyident.refinement.simulated_rows import in_memory
 from pyident.regression.equations import Problem
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.simulator import OpenPool
@@ -26,6 +27,7 @@ class Identification(Protocol):
     """Identifies a robot from logs in memory; its own parameters are never used. Raises LogError.
 
     open_pool   robot -> context manager of processes that hold its FMU
+    prior       of the same arm: what the logs leave open of the written model stays near it
     """
 
     def __call__(
@@ -34,6 +36,7 @@ class Identification(Protocol):
         logs: Sequence[Log],
         open_pool: OpenPool,
         progress: Progress | None = None,
+        prior: Robot | None = None,
     ) -> Identified: ...
 
 
@@ -45,15 +48,29 @@ class ByEquations:
     name: str
 
     def __call__(
-        self, robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+        self,
+        robot: Robot,
+        logs: Sequence[Log],
+        open_pool: OpenPool,
+        progress: Progress | None = None,
+        prior: Robot | None = None,
     ) -> Identified:
-        found = self.estimator(Problem(robot, tuple(condition(log, robot) for log in logs)))
-        by_equations = without_intervals(identified(robot, found.reduced, found.solution))
-        return replace(by_equations, estimator=self.name, notes=(_BIASED,))
+        parts = tuple(condition(log, robot) for log in logs)
+        estimate = self.estimator(Problem(robot, parts))
+        solution = estimate.solution
+        if prior is not None:
+            solution = coloured(robot, [in_memory(robot, part) for part in parts], estimate)
+        found = identified(robot, estimate.reduced, solution)
+        found = found if prior is None else near(found, prior)
+        return replace(without_intervals(found), estimator=self.name, notes=(_BIASED, *found.notes))
 
 
 def refined(
-    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress | None = None
+    robot: Robot,
+    logs: Sequence[Log],
+    open_pool: OpenPool,
+    progress: Progress | None = None,
+    prior: Robot | None = None,
 ) -> Identified:
     """Output error in closed loop, from the instrumental estimate. Raises LogError without a known loop."""
     for log in logs:
@@ -63,7 +80,11 @@ def refined(
     told = progress or (lambda _: None)
     start = identify_by_instruments(robot, logs, open_pool, lambda share: told(0.3 * share))
     with open_pool(robot) as simulate:
-        return output_error(robot, logs, start, simulate, lambda share: told(0.3 + 0.7 * share))
+        found = output_error(robot, logs, start, simulate, lambda share: told(0.3 + 0.7 * share))
+    if prior is None:
+        return found
+    close = near(found, prior)
+    return replace(close, notes=(*close.notes, *disagreements(close)))
 
 
 IDENTIFICATIONS: dict[str, Identification] = {

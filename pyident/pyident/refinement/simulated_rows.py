@@ -113,12 +113,15 @@ def every(rows: list[Rows]) -> Logs:
     return lambda: rows
 
 
-def simulable(robot: Robot, names: tuple[str, ...], values: np.ndarray) -> np.ndarray:
+def simulable(
+    robot: Robot, names: tuple[str, ...], values: np.ndarray, hinges: Mapping[str, float] | None = None
+) -> np.ndarray:
     """Values under which a simulation is quiet: what noise makes of a small damping or friction may be none.
 
     A hinge that rings would fill the sums with what happens between the samples.
+    hinges   stiffnesses and dampings that take the place of values
     """
-    given = dict(zip(names, values.tolist(), strict=True))
+    given = dict(zip(names, values.tolist(), strict=True)) | dict(hinges or {})
     pairs = {d: d.replace(".d[", ".k[") for d in given if ".d[" in d}
     ratio = float(np.median([given[d] / given[k] for d, k in pairs.items() if given[k] > 0] or [0.0]))
     least = lower_bounds(robot) | {d: _DAMPED * ratio * given[k] for d, k in pairs.items()}

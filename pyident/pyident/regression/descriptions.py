@@ -117,6 +117,11 @@ def describes(name: str) -> bool:
     return name in DESCRIPTIONS
 
 
+def stated(name: str) -> bool:
+    """Whether a robot file states it: every law, and every description but a torque's gain."""
+    return not describes(name) or DESCRIPTIONS[name].correct is not None
+
+
 def description_names(robot: Robot, joint: int) -> list[str]:
     """What may be wrong at a joint (from 1) of a robot without loops and passive joints."""
     if robot.closures or robot.passive:

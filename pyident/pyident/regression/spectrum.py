@@ -91,10 +91,10 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
 def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)
-    return Band(length, max(2, int(band_top(robot, period) * length * period)), period)
+    return Band(length, max(2, int(_band_top(robot, period) * length * period)), period)
 
 
-def band_top(robot: Robot, period: float) -> float:
+def _band_top(robot: Robot, period: float) -> float:
     """The highest frequency [Hz] at which the equations of a log with this period [s] are sound."""
     along = robot.controller is None and not any(joint.flexible for joint in robot.joints)
     top = min(_RIGID_TOP if along else _TOP, _THINNED_TOP / robot.settings.processing.decimate) * 0.5 / period

@@ -6,6 +6,7 @@ from shlex import join
 
 from flexmodels.coordinate import joint_number
 from pyident.diagnosis.result import Diagnosis, Named
+from pyident.regression.descriptions import describes, place_name, stated
 
 
 def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
@@ -21,16 +22,26 @@ def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
 
 
 def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
-    """Each effect added to the model of the line before, once per joint, and a new diagnosis."""
+    """Each effect added to the model of the line before, once per joint, and a new diagnosis.
+
+    A torque's gain, which no robot file states, is left out: it is corrected in the mapping of the logs.
+    """
     lines, name, last = [], Path(model).stem, model
-    for n in {(n.effect, n.joint): n for n in chosen}.values():
-        name = f"{name}_{n.effect}"
+    for n in {(n.effect, n.joint): n for n in chosen if stated(n.effect)}.values():
+        name = f"{name}_{'geometry' if n.describes else n.effect}"
         new = f"{name}.toml"
         logs = [n.log] if n.log else list(d.logs)
         lines.append(
-            join(["pyident", "add", last, n.effect, "--joint", str(joint_number(n.joint)), *logs, "-o", new])
+            join(["pyident", "add", last, *words_of(n.effect, joint_number(n.joint)), *logs, "-o", new])
         )
         last = new
     held = [word for log in d.heldout for word in ("--holdout", log)]
     lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))
     return lines
+
+
+def words_of(effect: str, joint: int) -> list[str]:
+    """What `add` is given for a law at a joint (from 1), or for an error of the description."""
+    if describes(effect):
+        return ["geometry", place_name(joint, effect)]
+    return [effect, "--joint", str(joint)]

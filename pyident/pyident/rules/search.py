@@ -65,6 +65,12 @@ class SearchRules:
         "the noise itself is known that well only",
         _TUNING,
     )
+    band_stands_out: float = rule(
+        3.0,
+        "floor's energy in one band by which a residual exceeds it there: twice its rms",
+        "below the frequencies that a noise's spectrum resolves it is known half as well as above",
+        "by reason, after friction of 31 floors below 1 Hz was diluted to 1.4 by 60 Hz of noise",
+    )
     worthless: float = rule(
         0.2,
         "a joint's torque that the floor reaches: 'nothing' then says little",

@@ -19,7 +19,6 @@ from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
-from pyident.regression.spectrum import band_top
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
@@ -109,13 +108,12 @@ def _torque_noise(
     """Torque -> its noise; repeats: samples after which the motion comes back."""
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
-    at, top = np.arange(len(left)), band_top(robot, log.period)
-    out = {}
+    at, out = np.arange(len(left)), {}
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         known = np.interp(at, at[moving], left[moving, k]) if moving.any() else left[:, k]
-        found = None if repeats else between_reversals(known, moving, log.period, top)
+        found = None if repeats else between_reversals(known, moving, log.period)
         if repeats:
             found = repeated_spectrum(known, repeats, log.period)
         out[name] = found or NoiseSpectrum.white(channel_noise(known), log.period)

@@ -9,7 +9,7 @@ between reversals in stretches so short that a law is a cubic there; below the f
 the spectrum is that of white and of low-passed noise which fit it best above.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +19,6 @@ from pyident.simulation.repetition import unrepeated
 
 _WINDOWS = (256, 128, 64, 32)  # samples of a stretch without reversals, the longest first
 _ENOUGH = 12  # stretches
-_ABOVE = 1.25  # times the highest frequency that is needed: the Nyquist frequency of means over samples
 _SMOOTH = 3  # degree of what a law may leave within one
 _FIRST = 4  # bin from which on nothing of it is left
 _WIDER = 1.25  # each band's width in which a spectrum is averaged, over the one's before
@@ -50,11 +49,6 @@ class NoiseSpectrum:
         f = np.linspace(0, 0.5 / self.period, 1000)
         return float(np.sqrt(self._at(f).mean() * f[-1]))
 
-    @property
-    def white_part(self) -> float:
-        """Standard deviation of the white noise that has the spectrum's upper end."""
-        return float(np.sqrt(self.density[-1] / (2 * self.period)))
-
     def without_rounding(self, step: float) -> "NoiseSpectrum":
         """What else there is in a channel of this resolution."""
         rounding = step**2 / 12 * 2 * self.period
@@ -84,23 +78,13 @@ def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseS
     return NoiseSpectrum(np.array(middle), np.array([S[a:b].mean() for a, b in pairwise(edges)]), period)
 
 
-def between_reversals(
-    left: np.ndarray, moving: np.ndarray, period: float, top: float = np.inf
-) -> NoiseSpectrum | None:
-    """Of what a model leaves (N,), where a joint keeps its direction (N,); None where it hardly does.
-
-    top   Hz up to which it is needed: from what lies far above, nothing follows for what lies below
-    """
-    step = max(1, int(0.5 / (_ABOVE * top * period)))
-    if step > 1:
-        blocks = len(left) // step
-        left = left[: blocks * step].reshape(blocks, step).mean(axis=1)
-        moving = moving[: blocks * step].reshape(blocks, step).min(axis=1)
+def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum | None:
+    """Of what a model leaves (N,), where a joint keeps its direction (N,); None where it hardly does."""
     for length in _WINDOWS:
         starts = range(0, len(left) - length + 1, length // 2)
         pieces = np.array([left[a : a + length] for a in starts if moving[a : a + length].all()])
         if len(pieces) >= _ENOUGH:
-            return replace(_fitted(pieces, period * step), period=period)
+            return _fitted(pieces, period)
     return None
 
 

@@ -2,18 +2,37 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from itertools import chain
 from pathlib import Path
 
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.criterion import Yardstick, yardstick
-from pyident.excitation.design import Design, Drawing, Task, designed, informative, measure, starts
+from pyident.excitation.criterion import Yardstick
+from pyident.excitation.design import (
+    Design,
+    designed,
+    informative,
+    measure,
+    starts,
+    well_conditioned,
+)
+from pyident.excitation.drawing import Drawing, Task
 from pyident.excitation.limits import Limits, limits_of
 from pyident.excitation.prediction import predicted
-from pyident.excitation.rehearsal import SPREAD, Rehearsal, others_like, rehearsal, violations
-from pyident.excitation.rivals import Rivals, Suspect, having, simulated_distance, suspect
+from pyident.excitation.rehearsal import (
+    SPREAD,
+    Rehearsal,
+    of_others,
+    others_like,
+    rehearsal,
+    violations,
+    worst,
+)
 from pyident.excitation.search import Budget
+from pyident.excitation.separation.contest import Contest
+from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
+from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
@@ -21,10 +40,12 @@ from pyident.verbs.planned import Checked, Planned, Promise
 
 Progress = Callable[[float], None]
 Pair = tuple[Suspect | None, Suspect | None]
+CRITERIA = {"information": informative, "condition": well_conditioned}
 ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
 _TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
 _RATE = 250.0  # Hz, of robots without a controller
 _OTHERS = 24
+_PROMISED = range(101, 117)  # seeds of the noise under which a promise is made: none of the search's
 _SEEDS = 2**32 - 1  # as NumPy's older generators take them
 _LARGEST = 1e6  # s, Hz, m or a sensor's noise
 _FEWEST, _MOST = 10, 1e6  # samples of a plan: fewer hold no motion, more do not fit into a search
@@ -35,6 +56,7 @@ def excite(
     *,
     separate: Sequence[str] = (),
     reveal: str | None = None,
+    criterion: str = "information",
     duration: float = 10.0,
     rate: float | None = None,
     limits: Mapping[str, float] | None = None,
@@ -53,6 +75,7 @@ def excite(
     model       as in `identify`; its own parameters predict what the motion takes
     separate    two of `EFFECT@JOINT` (or `EFFECT@JOINT=SIZE`) that should be told apart
     reveal      one of them that should be seen
+    criterion   of an identification: `information` in the sensors' noise, or `condition` of the regressor
     duration    [s];  rate  [Hz] of the plan, none: the controller's
     limits      `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque` beside the file's, SI units
     noise       channel -> standard deviation of its sensor, beside an encoder noise of 1e-5
@@ -70,6 +93,8 @@ def excite(
     pair: Pair | None = (asked[0], asked[1]) if asked else None
     if reveal:
         pair = (suspect(reveal), None)
+    if criterion not in CRITERIA:
+        raise RobotError(f"there is no criterion {criterion!r}; take one of {', '.join(CRITERIA)}")
     task = _task(robot, duration, rate, limits, noise, radius, floor, spread)
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
@@ -79,7 +104,7 @@ def excite(
         if pair is not None:
             found, promise = _apart(task, drawing, level, own, pair, budget, progress)
         else:
-            score, promise = informative(task, drawing, level), None
+            score, promise = CRITERIA[criterion](task, drawing, level), None
             found = designed(task, drawing, score, level, own, budget, progress)
         prediction = predicted(robot, own.log(found.plan), task.noise)
     return Planned(robot, found, _notes(task), prediction, promise)
@@ -96,12 +121,13 @@ def check_plan(
     spread: float = SPREAD,
     others: int = _OTHERS,
     allow_effects: bool = False,
+    progress: Progress | None = None,
 ) -> Checked:
     """Whether a robot may run a plan: limits, torques in simulation, its own links and the floor.
 
     plan     an Experiment, or what `simulate` takes as one
-    others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`
-    The others as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
+    others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`, 24 side by side
+    The rest as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
@@ -109,9 +135,12 @@ def check_plan(
     task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread)
     with rehearsal(robot) as own:
         like = others_like(robot, others, seed=2, spread=spread)
-        found = violations(own, task.limits, task.geometry, read, like)
+        found = violations(own, task.limits, task.geometry, read)
+        runs = of_others(own, task.limits, task.geometry, read, like, progress or (lambda _: None))
         prediction = predicted(robot, own.log(read), task.noise)
-    return Checked(robot, tuple(found), _notes(task), prediction, others)
+    broken = sum(bool(run) for run in runs)
+    listed = worst([*found, *chain.from_iterable(runs)])
+    return Checked(robot, tuple(listed), _notes(task), prediction, others, broken)
 
 
 def export_plan(
@@ -148,22 +177,12 @@ def _apart(
     log = own.log(drawing.plan(next(reference for reference in drawn if reference is not None)))
     first, second = (task.robot if who is None else having(task.robot, who, log) for who in pair)
     rivals = Rivals(task.robot, pair, (first, second))
-    score = rivals.score(rivals.grids(log))
     with ExitStack() as stack:
         theirs = [stack.enter_context(rehearsal(robot)) for robot in rivals.robots]
-        found = designed(
-            task,
-            drawing,
-            score,
-            level,
-            own,
-            budget,
-            progress,
-            rivals=theirs,
-            worth=lambda plan: simulated_distance(rivals, theirs, plan, level),
-        )
-        there = yardstick(task.robot, own.log(found.plan), task.noise)
-        sigmas = simulated_distance(rivals, theirs, found.plan, there)
+        contest = Contest(rivals, theirs, task.noise)
+        score = rivals.score(rivals.grids(log))
+        found = Separation(task, contest, score, level).designed(own, budget, progress)
+        sigmas = contest.sigmas(found.plan, _PROMISED)
     names = ["nothing" if who is None else who.name for who in pair]
     return found, Promise((names[0], names[1]), sigmas, rivals.robots)
 

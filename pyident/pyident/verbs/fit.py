@@ -61,8 +61,7 @@ def identify(
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
     read = opened(robot, logs, mapping, heldout, force)
-    found = _identified(read, "irls" if robust else estimator, progress)
-    found = found if cad is None else near(found, cad)
+    found = _identified(read, "irls" if robust else estimator, progress, cad)
     errors = {log.source: torque_error(found.robot, log) for log in read.heldout}
     if progress:
         progress(1.0)
@@ -139,12 +138,13 @@ def _with_settings(
     return [ServoLog(log, values) for log, values in zip(logs, known, strict=True)]
 
 
-def _identified(read: Opened, name: str, progress: Progress | None) -> Identified:
+def _identified(read: Opened, name: str, progress: Progress | None, prior: Robot | None) -> Identified:
     if name not in IDENTIFICATIONS:
         raise RobotError(f"there is no estimator {name}; there are {', '.join(IDENTIFICATIONS)}")
     logs = [log for log in read.logs if isinstance(log, Log)]
     if len(logs) == len(read.logs):
-        return IDENTIFICATIONS[name](read.robot, logs, runs_in_threads, progress)
-    found = without_intervals(regress(read.robot, read.logs, reweighted if name == "irls" else weighted))
+        return IDENTIFICATIONS[name](read.robot, logs, runs_in_threads, progress, prior)
+    found = regress(read.robot, read.logs, reweighted if name == "irls" else weighted)
+    found = without_intervals(found if prior is None else near(found, prior))
     note = "a log this long is gone through on disk, by weighted least squares and without intervals"
-    return replace(found, notes=(note,))
+    return replace(found, notes=(note, *found.notes))

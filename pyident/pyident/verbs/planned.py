@@ -82,10 +82,10 @@ class Planned(Result):
     def to_dict(self) -> dict[str, Any]:
         found = _prediction(self.robot, self.prediction) | {
             "duration_s": float(self.plan.time[-1]),
-            "evaluations": self.design.best.evaluations,
-            "stopped": self.design.best.stopped,
+            "evaluations": self.design.offer.best.evaluations,
+            "stopped": self.design.offer.best.stopped,
             "scale": self.design.scale,
-            "multisine": self.design.wave,
+            "multisine": _rms(self.plan),
             "binding": self.design.binding,
             "spread": self.design.spread,
             "rehearsed": self.design.rehearsed,
@@ -101,7 +101,7 @@ class Planned(Result):
         return f"{self.robot.name}, a motion of {self.plan.time[-1]:g} s: {what}"
 
     def summary(self) -> Text:
-        search = self.design.best
+        search = self.design.offer.best
         lines = [wrapped(self.headline(), "  ")] if self.promise else []
         for name, values in (self.promise.supposed if self.promise else {}).items():
             listed = ", ".join(f"{of} = {value:.3g}" for of, value in values.items())
@@ -125,7 +125,7 @@ class Planned(Result):
 class Checked(Result):
     """Whether a robot may run a plan: violations, none where it may.
 
-    others   robots with other parameters that rehearsed it
+    others   robots with other parameters that rehearsed it;  broken: how many of them broke a limit
     """
 
     robot: "Robot"
@@ -133,6 +133,7 @@ class Checked(Result):
     notes: tuple[str, ...]
     prediction: "Prediction"
     others: int
+    broken: int
 
     @property
     def safe(self) -> bool:
@@ -152,17 +153,25 @@ class Checked(Result):
             "safe": self.safe,
             "violations": self.to_frame().to_dict("records"),
             "rehearsed": self.others,
+            "broken": self.broken,
             "notes": list(self.notes),
         }
 
     def headline(self) -> str:
         if self.safe:
             return f"{self.robot.name} keeps every limit, and so do {self.others} robots like it"
-        return f"{self.robot.name} must not run this: {len(self.violations)} limits are broken"
+        which = f", by {self.broken} of {self.others} robots like it" if self.broken else ""
+        return f"{self.robot.name} must not run this: {len(self.violations)} limits are broken{which}"
 
     def summary(self) -> Text:
         lines = [self.headline(), *(wrapped(f"  {v.sentence}", "    ") for v in self.violations)]
         return Text("\n".join([*lines, _told(self.robot, self.prediction)]))
+
+
+def _rms(plan: "Experiment") -> dict[str, float]:
+    """Of every joint's multisine [N m or N]."""
+    rms = np.sqrt(np.mean(plan.feedforward**2, axis=0))
+    return {f"joint{k}": float(value) for k, value in enumerate(rms, start=1)}
 
 
 def _parameters(robot: "Robot", found: "Prediction") -> "pd.DataFrame":

@@ -152,9 +152,12 @@ class Bench:
 
     def add(self, effect: str, joint: int) -> None:
         """Add a law, fit it and judge it on held-out data."""
-        inputs, file = self.inputs, self._file(f"add_{effect}_{joint}")
-        output = self._next_model(f"with_{effect}_{joint}")
-        words = [Path(inputs.model).name, effect, "--joint", str(joint), *inputs.log_names()]
+        from pyident.report.next_steps import words_of
+
+        asked = words_of(effect, joint)
+        inputs, file = self.inputs, self._file(f"add_{asked[0]}_{joint}")
+        output = self._next_model(f"with_{asked[0]}_{joint}")
+        words = [Path(inputs.model).name, *asked, *inputs.log_names()]
         line = self.told = command("add", words, inputs.options(), "-o", output.name, "--json", file)
         self._pending = Version(output.name, self.project.model, f"{effect} at joint {joint}", line)
         title = f"adding {effect} at joint {joint}"

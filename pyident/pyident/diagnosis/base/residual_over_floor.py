@@ -75,23 +75,43 @@ class Examination:
     @cached_property
     def bands(self) -> list[np.ndarray]:
         """Per log (E, bands): 1 where an equation lies in a band."""
-        return [_in_band(log.band)[:, None] == np.arange(len(EDGES)) for log in self.logs]
+        return bands_of(self.logs)
 
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
-        """Energy that a base leaves on some equations beyond what replicas leave, band by band.
+        """Energy that a base leaves on some equations beyond what replicas leave, band by band."""
+        return self.excess(base.residual, self.bands, rows)[0]
 
-        A floor that is too high in one band, where it costs nothing, must not hide what is left in another.
+    def excess(
+        self, residuals: Sequence[np.ndarray], bands: Sequence[np.ndarray], rows: Sequence[int]
+    ) -> tuple[float, float]:
+        """Energy of residuals, per log (n, E), on some equations beyond what replicas leave; and that.
+
+        Both are summed band by band, bands as of `bands_of`: a floor that is too high in one band, where it
+        costs nothing, must not hide what is left in another. Bands that the examination has not do not count.
         """
         listed = list(rows)
-        left = sum(np.square(r[listed]) @ inside for r, inside in zip(base.residual, self.bands, strict=True))
-        floor = (self.replica_energy.mean(axis=0) * self.count)[listed]
-        return float(np.maximum(left - floor, 0.0).sum())
+        left = sum(np.square(r[listed]) @ inside for r, inside in zip(residuals, bands, strict=True))
+        count = sum(inside.sum(axis=0) for inside in bands) * (self.count > 0)
+        floor = self.replica_energy.mean(axis=0)[listed] * count
+        beyond = np.maximum(left - floor, 0.0) * (self.count > 0)
+        return float(beyond.sum()), float(floor.sum())
 
     @property
     def most_over_floor(self) -> np.ndarray:
         """(n,) the most that a replica leaves on each equation, over the average."""
         each = (self.replica_energy * self.count).sum(axis=2)
         return each.max(axis=0) / np.maximum(each.mean(axis=0), 1e-300)
+
+    def over_floor_in_bands(self, base: Base) -> np.ndarray:
+        """(n, bands) energy that a base leaves over that of replicas; 0 where a band holds no equation."""
+        left = sum(np.square(r) @ inside for r, inside in zip(base.residual, self.bands, strict=True))
+        floor = np.maximum(self.replica_energy.mean(axis=0) * self.count, 1e-300)
+        return np.asarray(left) / floor * (self.count > 0)
+
+    @property
+    def most_in_bands(self) -> np.ndarray:
+        """(n, bands) the most that a replica leaves there, over the average."""
+        return self.replica_energy.max(axis=0) / np.maximum(self.replica_energy.mean(axis=0), 1e-300)
 
     @property
     def levels(self) -> list[np.ndarray]:
@@ -242,6 +262,11 @@ def gains_of(
 ) -> list[Gain]:
     """What each candidate would explain of the base's residual."""
     return gains(base, *_columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data]))
+
+
+def bands_of(logs: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (E, bands): 1 where an equation lies in a band of EDGES."""
+    return [_in_band(log.band)[:, None] == np.arange(len(EDGES)) for log in logs]
 
 
 def _in_band(band: Band) -> np.ndarray:

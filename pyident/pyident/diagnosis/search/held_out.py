@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, columns
-from pyident.diagnosis.base.residual_over_floor import whitened
+from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
@@ -46,10 +46,7 @@ class HeldOut:
         pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
-        count = sum(r.shape[1] for r in search.base.residual)
-        floor = float(search.examination.floor_energies[listed].sum()) / count
-        floor *= sum(r.shape[1] for r in before)
-        excess = sum(float(np.square(b).sum()) for b, _ in pairs) - floor
+        excess, floor = search.examination.excess(before, bands_of(self.equations), rows)
         scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
         return Unseen(fall / scale, float(np.sqrt(variance)) / scale, excess / max(floor, 1e-300))
 

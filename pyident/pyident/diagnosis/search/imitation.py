@@ -36,7 +36,7 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
         return ""
     without = search.without(candidate).base
     instead = extended(without, columns)
-    if search.beyond_floor(instead, [row]) > search.rules.foreign_richer * left:
+    if search.examination.beyond_floor(instead, [row]) > search.rules.foreign_richer * left:
         return ""
     by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
     return dependence.said if beside < search.rules.foreign_kept * by_itself else ""

@@ -49,7 +49,7 @@ def _left_of_rivals(view: Search, candidate: Candidate, rows: Sequence[int]) -> 
         size = max(float(np.sqrt(np.mean(np.square(np.concatenate(values))))), 1e-300)
         for said, power in _POWERS.items():
             X = _best_under(view, candidate, [(v / size) ** power for v in values])
-            yield said.format(signal), view.beyond_floor(extended(view.base, X), rows)
+            yield said.format(signal), view.examination.beyond_floor(extended(view.base, X), rows)
 
 
 def _sizes(view: Search, joint: int) -> Iterator[tuple[str, list[np.ndarray]]]:

@@ -237,11 +237,11 @@ class Search:
 
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
-        return self.beyond_floor(self.examination.base, rows)
+        return self.examination.beyond_floor(self.examination.base, rows)
 
     def remaining_on(self, rows: Sequence[int]) -> float:
         """`remaining` on some equations only."""
-        return self.beyond_floor(self.base, rows)
+        return self.examination.beyond_floor(self.base, rows)
 
     @property
     def explained(self) -> float:
@@ -255,8 +255,17 @@ class Search:
 
     @property
     def standing_out(self) -> np.ndarray:
-        """(n,) by equation: by far more than replicas on average, and more than any of them."""
-        return self.over_floor > np.maximum(1 + self.rules.stands_out, self.examination.most_over_floor)
+        """(n,) by equation: by far more than replicas on average, and more than any; in all or in a band."""
+        ex, rules = self.examination, self.rules
+        in_all = self.over_floor > np.maximum(1 + rules.stands_out, ex.most_over_floor)
+        return in_all | self.bands_standing_out.any(axis=1)
+
+    @property
+    def bands_standing_out(self) -> np.ndarray:
+        """(n, bands) by equation and band: the same there. Noise of all others must not dilute it."""
+        ex = self.examination
+        least = np.maximum(1 + self.rules.band_stands_out, ex.most_in_bands)
+        return ex.over_floor_in_bands(self.base) > least
 
     def needed(self, family: int) -> float:
         """Gain a family (by number) would need to be named."""
@@ -265,10 +274,6 @@ class Search:
             self.families.mean[family]
             + max(peak * self.families.spread[family], self.rules.material * self.floor_energy)
         )
-
-    def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
-        """Energy that a base leaves on some equations beyond what replicas leave."""
-        return self.examination.beyond_floor(base, rows)
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
         mean = float(self.families.mean[family])

@@ -31,12 +31,14 @@ class Selection:
     first      the ranking with none selected
     imitators  what was dropped: effect and joint -> why
     refusals   the best candidate of every place that nothing explains
+    notes      sentences on what may be wrong besides
     """
 
     steps: tuple[Step, ...]
     first: Step
     imitators: dict[str, str]
     refusals: tuple[Refusal, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -95,7 +97,19 @@ def _group(
         ).refusal
     if entry.reason:
         return [], entry.refusal
-    return [view.led_by(lead, step.ranked)], None
+    found = view.led_by(lead, step.ranked)
+    again = _named_already(found, chosen)
+    if again:
+        reason = f"{again} with other values takes as much: it is what that law leaves"
+        return [], replace(entry, reason=reason).refusal
+    return [found], None
+
+
+def _named_already(step: Step, others: Sequence[Step]) -> str:
+    """The law of other steps, in words, that a step cannot be told from; empty: none."""
+    named = {s.best.candidate.family for s in others}
+    tied = [f.candidate for f in step.tie if f.candidate.family in named]
+    return f"{tied[0].effect} at joint{tied[0].joint}" if tied else ""
 
 
 def _owns(view: Search, found: Found, rows: Sequence[int]) -> bool:
@@ -175,6 +189,9 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
             kept.remove(old)
             continue
         new = replace(_best_there(view, step, again, others), orders=())
+        if _named_already(new, others):
+            kept.remove(old)
+            continue
         new = replace(new, orders=old.orders if new.best.candidate.family == family else ())
         kept[kept.index(old)] = new
         out.append(new)

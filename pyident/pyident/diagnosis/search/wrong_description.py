@@ -1,78 +1,132 @@
-"""Whether the robot file may be wrong: offered beside the verdict, which laws alone decide.
+"""Whether the robot file is wrong: errors of the description beside the laws, named by the same gate.
 
-Errors of the description are ranked among themselves, with what was named in the base. The best one is told
-if it passes the gate where logs, held-out ones too, exceed the floor: elsewhere a gain of a torque takes what
-no replica shows of almost any log. A name would need more: what else the model lacks, and
-noise in closed loop, bend the value by more than its standard deviation says (2 mm of a link were read as 1.6
-and 2.6 mm), so that none is printed.
+They are ranked among themselves once the laws are chosen. One that explains what a law was named for joins
+its tie, or takes its place if it explains more. Then the best one beside what stands is named if it takes as
+much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance: a
+gain of a torque takes what no replica shows of almost any log.
+
+None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
+a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
+
+What else the model lacks, and noise in closed loop, bend the value of an error by more than its standard
+deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is given.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
-from pyident.diagnosis.base.candidates import described, units_of
+import numpy as np
+
+from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
 from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.gate import admission, counts
+from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Found, Search, Step, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import place_name
 
 
-def wrong_descriptions(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:
-    """Sentences about errors of the robot's description."""
-    if not selection.steps and search.over_floor.max() < 1 + search.rules.unseen_excess:
-        return  # nothing is left for them to explain, and their columns cost more than all laws'
+def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
+    """The selection with errors of the robot's description that held-out logs bear out."""
     listed = described(search.robot)
     if not listed:
-        return
+        return selection
     among = search_of(search.examination.of_others(listed))
-    yield from _beside(among.resting_on(selection.candidates), held)
+    steps, imitators = list(selection.steps), dict(selection.imitators)
     for step in selection.steps:
-        others = [c for s in selection.steps if s is not step for c in s.candidates]
-        yield from _rivals(among.resting_on(others), step)
+        view = among.resting_on(_candidates(s for s in steps if s is not step))
+        rivals = _rivals(view, step, held)
+        if rivals is None:
+            continue
+        law, (share, of_error) = step.best.candidate, _shares(view, step, rivals.best)
+        if share >= search.rules.tie * of_error:
+            rivals = replace(step, tie=(*step.tie, *rivals.tie))
+        else:
+            takes = f"it takes {100 * share:.0f} %, an error of {_place(rivals.best)} {100 * of_error:.0f} %"
+            imitators[f"{law.effect} at joint{law.joint}"] = takes
+        steps[steps.index(step)] = rivals
+    further, notes = _beside(among, steps, held)
+    return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
 
 
-def _beside(view: Search, held: HeldOut) -> Iterator[str]:
-    """The best one beside what was named, if it passes the gate where something is left to explain."""
-    step = view.step()
-    lead = step.best
-    entry = admission(view, lead, [lead.candidate], held)
-    if entry.reason or not entry.rows:
-        return
+def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
+    """Errors that explain what a law was named for, and as much; the view rests on all other laws."""
+    rules, law, errors = view.rules, step.best, view.step()
+    best = errors.best
+    if not _small(view, best) or admission(view, best, [best.candidate], held).reason:
+        return None
+    share, of_error = _shares(view, step, best)
+    beside = view.with_further([best.candidate])
+    same = beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
+    if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
+        return None
+    return errors
+
+
+def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
+    """What a law and an error take of what exceeds the floor on the law's equations."""
+    rows = main_rows(view, step.best.candidate)
+    return share_on(view, step.candidates, rows), share_on(view, [error.candidate], rows)
+
+
+def _small(view: Search, error: Found) -> bool:
+    """Whether its value lies where its column, a slope, holds."""
+    lower, upper = bounds(view.robot, error.candidate)
+    return bool(np.all((error.gain.coefficients > lower) & (error.gain.coefficients < upper)))
+
+
+def _beside(among: Search, steps: Sequence[Step], held: HeldOut) -> tuple[list[Step], tuple[str, ...]]:
+    """Errors that are named beside what stands, one after the other; and what is said of the next."""
+    named: list[Step] = []
+    while len(steps) + len(named) < among.rules.most:
+        view = among.resting_on(_candidates([*steps, *named]))
+        step = view.step()
+        entry = admission(view, step.best, [step.best.candidate], held)
+        if entry.reason or not entry.rows or not _small(view, step.best):
+            break
+        exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
+        doubt = changes_with(beside, step.best.candidate)
+        if doubt or entry.share < view.rules.explained[0] or beside.stands_out:
+            return named, (_told(view, step, entry, doubt),) if exceeds else ()
+        if not exceeds and not _no_chance(view, entry):
+            break
+        named.append(step)
+    return named, ()
+
+
+def _exceeds(view: Search, entry: Admission) -> bool:
+    """Whether the logs exceed the floor where an error acts, held-out ones too."""
     excess = view.over_floor[list(entry.rows)].mean() - 1
     if entry.unseen is not None:
         excess = min(excess, entry.unseen.excess)
-    if excess < view.rules.unseen_excess:
-        return
+    return bool(excess >= view.rules.unseen_excess)
+
+
+def _no_chance(view: Search, entry: Admission) -> bool:
+    """Whether held-out logs show an error far beyond chance."""
+    return entry.unseen is not None and entry.unseen.share > view.rules.chance * entry.unseen.std
+
+
+def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
+    """Of an error that takes too little for a name, or not the same everywhere."""
+    listed = " or ".join(
+        f"{_place(f)} (by about {f.gain.coefficients[0]:.2g} {unit})"
+        for f in step.tie
+        for unit in units_of(view.robot, f.candidate).values()
+    )
     share = f"{100 * entry.share:.0f} %"
     if entry.unseen is not None:
         share += f", on held-out data {entry.unseen},"
-    yield (
-        f"the robot file may be wrong in {_named(view, step.tie)}: more than any replica shows, it takes "
-        f"{share} of what exceeds the floor there{_doubt(view, lead)}"
+    but = f"; but its value changes with {doubt}, as that of an imitator does" if doubt else ""
+    return (
+        f"the robot file may be wrong in {listed}: more than any replica shows, it takes {share} of what "
+        f"exceeds the floor there{but}"
     )
 
 
-def _rivals(view: Search, step: Step) -> Iterator[str]:
-    """Descriptions that explain as much as a law that was named."""
-    least = view.rules.tie * step.best.excess
-    rivals = [f for f in view.step().ranked if f.excess >= least and counts(view, f)]
-    if rivals:
-        law = step.best.candidate
-        yield (
-            f"what {law.effect} at joint{law.joint} explains, a robot file that is wrong in "
-            f"{_named(view, rivals)} would explain as well"
-        )
+def _place(found: Found) -> str:
+    return place_name(found.candidate.joint, found.candidate.effect)
 
 
-def _named(view: Search, listed: Sequence[Found]) -> str:
-    return " or ".join(
-        f"{place_name(f.candidate.joint, f.candidate.effect)} (by about {f.gain.coefficients[0]:.2g} {unit})"
-        for f in listed
-        for unit in units_of(view.robot, f.candidate).values()
-    )
-
-
-def _doubt(view: Search, lead: Found) -> str:
-    quantity = changes_with(view.with_further([lead.candidate]), lead.candidate)
-    return f"; but its value changes with {quantity}, as that of an imitator does" if quantity else ""
+def _candidates(steps: Iterable[Step]) -> list[Candidate]:
+    return [c for step in steps for c in step.candidates]

@@ -88,8 +88,8 @@ def show(page: "Page") -> None:
 def _questions(diagnosis: Any) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """What further motions would answer: in words, the two laws to tell apart, or the one to show."""
     for finding in diagnosis.findings:
-        if len(finding.tie) > 1:
-            pair = [_at(named) for named in finding.tie[:2]]
+        pair = [_at(law) for law in finding.tie[:2] if not law.describes]
+        if len(pair) > 1:
             yield f"{' or '.join(pair)}? {finding.experiment}", tuple(pair), ""
     for limit in [x for x in diagnosis.limits if x.reason][:_SHOWN]:
         yield f"{_at(limit)} cannot be seen: {limit.reason}", (), _at(limit)

@@ -1,4 +1,4 @@
-"""Two explanations of the same robot, and how far apart a motion brings what they predict.
+"""Two explanations of the same robot, and how far apart they are along a reference that is followed exactly.
 
 The distance is what is left of one rival's forces after the other has been refitted to them: all its linear
 parameters freely, its nonlinear ones over their grid. It is counted in standard deviations of the sensors'
@@ -7,20 +7,16 @@ noise, so that its square is the expected fall of the weighted sum of squares.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.experiment import Experiment
-from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.weak_form import condition
-from pyident.excitation.criterion import Along, Yardstick
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.criterion import Along
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
-from pyident.regression.spectrum import Equations, equations
 
 _SIZE = 0.05  # rms of an effect of unknown size, of the rms torque or moment on its row
 _SUSPECT = re.compile(r"([a-z_]+)@([0-9]{1,4})(?:=(.+))?")
@@ -106,7 +102,7 @@ class Rivals:
                 out.append([{}])
                 continue
             values = nonlinear_grid(self.base, who.joint, who.effect, [part.motion])
-            out.append([*values, _own(robot, who)[1]])
+            out.append([*values, law_values(robot, who)[1]])
         return out
 
 
@@ -123,7 +119,7 @@ class Score:
             who, robot = self.rivals.suspects[own], self.rivals.robots[own]
             if who is None:
                 continue
-            linear, nonlinear = _own(robot, who)
+            linear, nonlinear = law_values(robot, who)
             X = found.force(self.rivals.base, who.joint, who.effect, nonlinear)
             y = X @ np.array(list(linear.values()))
             sides.append(self._left(found, y, other))
@@ -152,56 +148,7 @@ def remaining(A: np.ndarray, y: np.ndarray) -> float:
     return float(rest @ rest)
 
 
-def distance(rivals: Rivals, own: int, log: Log, level: Yardstick) -> float:
-    """Of rival `own`'s forces along its own log from what the other makes of them after a refit."""
-    robot, other, rival = rivals.robots[own], rivals.robots[1 - own], rivals.suspects[1 - own]
-    part = condition(log, robot)
-    mine = equations(robot, [part], [log.period])[0]
-    forces = mine.A @ np.array(list(robot.linear_parameters.values()))
-    grid = [{}] if rival is None else rivals.grids(log)[1 - own]
-    return float(np.sqrt(min(_refitted(other, rival, values, log, forces, level) for values in grid)))
-
-
-def simulated_distance(
-    rivals: Rivals, rehearsals: Sequence[Rehearsal], plan: Experiment, level: Yardstick
-) -> float:
-    """The closer of the two ways round of a plan that both rivals run; 0 where one of them cannot."""
-    sides = [i for i, who in enumerate(rivals.suspects) if who is not None]
-    try:
-        return min(distance(rivals, i, rehearsals[i].log(plan), level) for i in sides)
-    except SimulationError:
-        return 0.0
-
-
-def _refitted(
-    other: Robot,
-    rival: Suspect | None,
-    values: Mapping[str, float],
-    log: Log,
-    y: np.ndarray,
-    level: Yardstick,
-) -> float:
-    robot = other
-    if rival is not None and values:
-        robot = other.with_parameters(
-            {parameter_name(rival.joint, rival.effect, name): v for name, v in values.items()}
-        )
-    found = equations(robot, [condition(log, robot)], [log.period])[0]
-    asked: Equations = replace(found, y=y).over(level.floor.at(found.band))
-    return remaining(asked.A.reshape(-1, asked.A.shape[2]), asked.y.ravel())
-
-
-def fall(rivals: Rivals, own: int, log: Log, level: Yardstick) -> float:
-    """How much more of a noisy log the wrong rival leaves than the right one, both refitted."""
-    robot, who = rivals.robots[own], rivals.suspects[own]
-    other, rival = rivals.robots[1 - own], rivals.suspects[1 - own]
-    y = equations(robot, [condition(log, robot)], [log.period])[0].y
-    right = _refitted(robot, who, {}, log, y, level)
-    grid = [{}] if rival is None else rivals.grids(log)[1 - own]
-    return min(_refitted(other, rival, values, log, y, level) for values in grid) - right
-
-
-def _own(robot: Robot, who: Suspect) -> tuple[dict[str, float], dict[str, float]]:
+def law_values(robot: Robot, who: Suspect) -> tuple[dict[str, float], dict[str, float]]:
     """Linear and nonlinear values of the effect."""
     law, values = robot.joints[who.joint - 1].law(who.effect), robot.joints[who.joint - 1].values[who.effect]
     return {p.name: values[p.name] for p in law.linear}, {p.name: values[p.name] for p in law.nonlinear}
