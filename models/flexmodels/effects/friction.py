@@ -130,7 +130,8 @@ nonlinear_viscous = Effect(
 )
 
 _cosine, _sine = Parameter("cosine", "N.m"), Parameter("sine", "N.m")
-_order = Parameter("order", "1", start=1.0, lower=0, grid=(1.0, 2.0, 3.0, 4.0), periodic=True)
+_orders = tuple(float(order) for order in (1, 2, 3, *range(4, 31, 2)))  # of bearings, and of teeth
+_order = Parameter("order", "1", start=1.0, lower=0, grid=_orders, periodic=True)
 
 position_dependent_friction = Effect(
     name="position_dependent_friction",
