@@ -1,6 +1,7 @@
 """`pyident study` and `pyident sweep`: many runs."""
 
 import sys
+from inspect import signature
 from pathlib import Path
 
 import click
@@ -30,15 +31,22 @@ from pyident.workbench.project import is_worth_opening
 @click.command()
 @click.argument("names", nargs=-1, required=True, metavar="NAME...")
 @click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
+@click.option("--seed", type=click.IntRange(0), help="Of studies that draw their cases.")
+@click.option("--cases", type=click.IntRange(1), help="How many, of studies that draw their cases.")
 @scheduler_option
 @json_option
 @reported
-def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
+def study(
+    names: tuple[str, ...], output: str, seed: int | None, cases: int | None, json_file: str | None
+) -> None:
     """Run studies and print one table. Example: pyident study paper -o out"""
     chosen = [(name, find_study(name)) for name in names]
+    drawn = {k: v for k, v in {"seed": seed, "cases": cases}.items() if v is not None}
     for name, run in chosen:
         if run is None:
             raise RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
+        for option in sorted(set(drawn) - set(signature(run).parameters)):
+            raise click.UsageError(f"study {name} takes no --{option}; leave it out")
     table = Table("study", "what", "value", "goal", "met")
     figures, rows = [], []
     for name, run in chosen:
@@ -46,7 +54,7 @@ def study(names: tuple[str, ...], output: str, json_file: str | None) -> None:
         folder = Path(output) / name
         folder.mkdir(parents=True, exist_ok=True)
         with progress_bar(name) as progress:
-            result = run(folder, progress)
+            result = run(folder, progress, **drawn)
         figures += result.figures
         rows += [{"study": name} | row for row in result.rows]
         for note in result.notes:

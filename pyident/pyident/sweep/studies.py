@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-Study = Callable[[Path, Callable[[float], None]], "StudyResult"]
+Study = Callable[..., "StudyResult"]  # of a folder and of what to call with the share that is done
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ stand in for something else (see `constancy`, `breadth`, `imitation`).
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
@@ -98,18 +100,27 @@ def _group(
     if entry.reason:
         return [], entry.refusal
     found = view.led_by(lead, step.ranked)
-    again = _named_already(found, chosen)
+    again = _left_by(view, found, chosen)
     if again:
-        reason = f"{again} with other values takes as much: it is what that law leaves"
-        return [], replace(entry, reason=reason).refusal
+        return [], replace(entry, reason=f"it is what {again} leaves of another form").refusal
     return [found], None
 
 
-def _named_already(step: Step, others: Sequence[Step]) -> str:
-    """The law of other steps, in words, that a step cannot be told from; empty: none."""
-    named = {s.best.candidate.family for s in others}
-    tied = [f.candidate for f in step.tie if f.candidate.family in named]
-    return f"{tied[0].effect} at joint{tied[0].joint}" if tied else ""
+def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
+    """The law that was named already, in words, and whose inexact form a step mends; empty: none.
+
+    The same law with other values explains as much as the step does, or what that law could not be told from
+    takes most of it. view: it rests on the others.
+    """
+    lead = step.best
+    same = {f.candidate.family for f in step.tie if law_of(view.robot, f.candidate).order is None}
+    for other in others:
+        law = other.best.candidate
+        rivals = [f.candidate for f in other.tie[1:] if f.candidate.joint == lead.candidate.joint]
+        kept = view.with_further(rivals).gain_of(lead.candidate).energy if rivals else np.inf
+        if law.family in same or kept < view.rules.apart * lead.gain.energy:
+            return f"{law.effect} at joint{law.joint}"
+    return ""
 
 
 def _owns(view: Search, found: Found, rows: Sequence[int]) -> bool:
@@ -189,7 +200,7 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
             kept.remove(old)
             continue
         new = replace(_best_there(view, step, again, others), orders=())
-        if _named_already(new, others):
+        if _left_by(view, new, others):
             kept.remove(old)
             continue
         new = replace(new, orders=old.orders if new.best.candidate.family == family else ())

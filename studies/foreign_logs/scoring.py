@@ -1,0 +1,114 @@
+"""Counts answers against truths, a table per method."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from statsmodels.stats.proportion import proportion_confint
+
+from pyident.sweep.studies import row
+
+from .generator import Truth
+from .methods import Answer, Name
+
+OURS = "diagnosis"
+_NONE = "no cases"
+
+
+@dataclass(frozen=True)
+class Scored:
+    """One case, opened.  answers: method -> what it said;  failure: why there is none."""
+
+    kind: str
+    difficult: bool
+    truth: tuple[Truth, ...]
+    answers: dict[str, Answer]
+    failure: str = ""
+
+    def said(self, method: str) -> Answer:
+        """A case that failed, or that a method did not do, counts as a wrong answer."""
+        return self.answers.get(method, Answer("failed", []))
+
+
+def table(cases: Sequence[Scored], methods: Sequence[str]) -> list[dict[str, str]]:
+    """The diagnosis with its goals, then the other methods without."""
+    rows = []
+    for method in methods:
+        rows += _rows(cases, method, "" if method == OURS else f"{method}: ")
+    rows = [r for r in rows if r["goal"] or r["value"] != _NONE]  # of other methods what there are cases of
+    failed = sum(bool(c.failure) for c in cases)
+    return [*rows, row("cases that failed", f"{failed} of {len(cases)}", "0", not failed)]
+
+
+def _rows(cases: Sequence[Scored], method: str, prefix: str) -> list[dict[str, str]]:
+    said = [(c, c.said(method)) for c in cases]
+
+    def of(*kinds: str, difficult: bool | None = None) -> list[tuple[Scored, Answer]]:
+        return [(c, a) for c, a in said if c.kind in kinds and difficult in (None, c.difficult)]
+
+    def share(what: str, hits: list[bool], goal: float, most: bool = False) -> dict[str, str]:
+        return _share(prefix + what, hits, goal if not prefix else None, most)
+
+    def alarms(difficult: bool) -> list[bool]:
+        return [a.verdict != "nothing_detectable" for _, a in of("null", difficult=difficult)]
+
+    strong, everything = of("strong"), of("strong", "medium", "weak")
+    three = [(sum(_found(t, a) for t in c.truth), len(c.truth)) for c, a in of("triple")]
+    return [
+        share("false alarm, ordinary", alarms(False), 5, most=True),
+        share("false alarm, difficult", alarms(True), 10, most=True),
+        share("strong: in the first tie", [_first(c, a) for c, a in strong], 95),
+        share("strong: strictly first", [_strictly(c, a) for c, a in strong], 90),
+        share("medium found", [_found(c.truth[0], a) for c, a in of("medium")], 80),
+        share("weak found", [_found(c.truth[0], a) for c, a in of("weak")], 30),
+        share("single: confidently wrong", [_wrong(c, a) for c, a in everything], 5, most=True),
+        share("two at once: both", [all(_found(t, a) for t in c.truth) for c, a in of("pair")], 70),
+        share("three at once: all", [k == n for k, n in three], 60),
+        share("three at once: at least two", [k >= 2 for k, _ in three], 90),
+        share("geometry: named, value within 20 %", [_measured(c, a) for c, a in of("geometry")], 90),
+        share("outside: unexplained or a fair alias", [_honest(c, a) for c, a in of("outside")], 85),
+        share("outside: confidently wrong", [_wrong(c, a) for c, a in of("outside")], 5, most=True),
+    ]
+
+
+def right(truth: Sequence[Truth]) -> set[Name]:
+    """Every name that is not wrong."""
+    return {name for t in truth for name in t.names}
+
+
+def _found(truth: Truth, answer: Answer) -> bool:
+    return any(name in truth.names for tie in answer.ties for name in tie)
+
+
+def _first(case: Scored, answer: Answer) -> bool:
+    return bool(answer.ties) and bool(right(case.truth) & set(answer.ties[0]))
+
+
+def _strictly(case: Scored, answer: Answer) -> bool:
+    return bool(answer.ties) and answer.ties[0][0] in right(case.truth)
+
+
+def _wrong(case: Scored, answer: Answer) -> bool:
+    """A finding none of whose names is right, or no answer at all."""
+    names = right(case.truth)
+    return answer.verdict == "failed" or any(not names & set(tie) for tie in answer.ties)
+
+
+def _measured(case: Scored, answer: Answer) -> bool:
+    true = case.truth[0].amount
+    close = answer.amount is not None and true is not None and abs(answer.amount - true) <= 0.2 * abs(true)
+    return close and _strictly(case, answer)
+
+
+def _honest(case: Scored, answer: Answer) -> bool:
+    return answer.verdict not in ("failed", "nothing_detectable") and not _wrong(case, answer)
+
+
+def _share(what: str, hits: Sequence[bool], goal: float | None, most: bool) -> dict[str, str]:
+    """goal [percent]; Wilson's 95 % interval."""
+    wanted = "" if goal is None else f"{'<=' if most else '>='} {goal:g} %"
+    if not hits:
+        return row(what, _NONE, wanted)
+    count, n = sum(hits), len(hits)
+    low, high = proportion_confint(count, n, method="wilson")
+    met = None if goal is None else (100 * count <= goal * n) if most else (100 * count >= goal * n)
+    return row(what, f"{count} of {n} (95 %: {100 * low:.0f} to {100 * high:.0f} %)", wanted, met)
