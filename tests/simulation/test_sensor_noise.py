@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
 
-from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.sensor_noise import _shared, sensor_noise
 
 
 def _estimate(**noise):
@@ -29,3 +29,15 @@ def test_a_clean_log_has_none():
     found = _estimate()
     assert found["joint1.e"] < 1e-8
     assert found["joint1.tau"] < 1e-3
+
+
+def test_sensors_of_a_kind_whose_patterns_agree_are_none_of_them_read_as_silent():
+    """Powers of short logs scatter; what they leave open between two sensors goes to both."""
+    rng = np.random.default_rng(0)
+    least = []
+    for _ in range(50):
+        shape = rng.uniform(0.5, 2.0, (32, 1))
+        patterns = np.hstack([shape, shape * rng.uniform(0.8, 1.25, (32, 1))])
+        power = patterns.sum(axis=1) * rng.chisquare(30, 32) / 30
+        least.append(_shared(power, patterns, [["joint1.eps[1]", "joint1.eps[2]"]]).min())
+    assert min(least) > 0.5

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pyident.rules.confidence import LEVEL
 from pyident.rules.rule import RulesError, in_range, rule
 
-_TUNING = "not recorded; in use when studies/hidden_effect was scored"
+_TUNING = "by hand, before studies/hidden_effect was scored; studies/thresholds halves and doubles it"
 
 
 @dataclass(frozen=True)
