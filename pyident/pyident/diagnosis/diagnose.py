@@ -14,6 +14,7 @@ from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.residual_over_floor import examine
+from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
@@ -111,7 +112,7 @@ def searched(
             return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
     try:
-        return examined(setting, unbiased)
+        return examined(setting, _as_loud)
     except SimulationError:
         pass
     try:
@@ -121,6 +122,10 @@ def searched(
             f"{logs[0].source}: the fit of robot {robot.name} to it cannot be simulated ({error}); check the "
             "units and signs of its columns, and that the robot file has the right joints"
         ) from None
+
+
+def _as_loud(setting: Setting, workers: Workers) -> Setting:
+    return with_ringing_matched(unbiased(setting, workers), workers)
 
 
 def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:

@@ -106,7 +106,7 @@ def identify_by_instruments(
     if prior is not None:
         found = near(found, prior)
         notes = (*notes, *found.notes, *disagreements(found))
-    fast = ringing(found.robot, start.data, max(log.period for log in logs))
+    fast = ringing(found.robot, [d.part.motion for d in start.data], max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
         found = replace(found, solution=told, base=base_parameters(reduced, told))

@@ -14,6 +14,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
+from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import (
     MomentEquations,
@@ -26,7 +27,7 @@ from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.refinement.remove_bias import seen
-from pyident.refinement.simulated_rows import Data, Repeated, every, in_memory, left_of, simulated
+from pyident.refinement.simulated_rows import Repeated, every, in_memory, left_of, simulated
 from pyident.refinement.stand_in import driven
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.regression.regressor import predicted
@@ -123,10 +124,10 @@ def through_simulation(
     return replace(solution, covariance=covariance)
 
 
-def ringing(robot: Robot, logs: Sequence[Data], period: float) -> list[str]:
-    """Dampings of the hinges that vibrate faster than a log of this period can follow; robot: fitted."""
+def ringing(robot: Robot, motions: Sequence[Motion], period: float) -> list[str]:
+    """Dampings of the hinges that vibrate faster than logs of this period can follow; robot: fitted."""
     limit = _FASTEST / (2 * period)
-    fast = {c for d in logs for c, f in natural_frequencies(robot, d.part.motion).items() if f > limit}
+    fast = {c for motion in motions for c, f in natural_frequencies(robot, motion).items() if f > limit}
     return sorted(c.replace(".eps[", ".d[") for c in fast)
 
 

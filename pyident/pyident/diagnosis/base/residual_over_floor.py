@@ -188,19 +188,22 @@ def replicated(
     parameters at high ones, and what that leaves at low ones would be a floor that drowns the physics there.
     So the weights are of what the replica leaves at each frequency, found in rounds.
     """
-    flat, found = 1 / np.maximum(setting.solution.weights, 1e-300), []
-    for made in judged_replicas(fmu, setting, seeds):
-        logs = _equations(setting.robot, made)
-        bands = [e.band for e in logs]
-        levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in logs]
-        rounds = _WEIGHTINGS if denoises(setting.robot) else 0
-        for last in (*[False] * rounds, True):
-            left = [r * at for r, at in zip(residuals_of(_over(logs, levels)), levels, strict=True)]
-            if not last:
-                own = floor(bands, left)
-                levels = [own.at(band) for band in bands]
-        found.append((made, bands, left))
-    return found
+    return [(made, *left_of(setting, made)) for made in judged_replicas(fmu, setting, seeds)]
+
+
+def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
+    """Per log its band and what the regression leaves there, (n, E) [N m]."""
+    flat = 1 / np.maximum(setting.solution.weights, 1e-300)
+    found = _equations(setting.robot, logs)
+    bands, left = [e.band for e in found], []
+    levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in found]
+    rounds = _WEIGHTINGS if denoises(setting.robot) else 0
+    for last in (*[False] * rounds, True):
+        left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]
+        if not last:
+            own = floor(bands, left)
+            levels = [own.at(band) for band in bands]
+    return bands, left
 
 
 def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[list[Log]]:
