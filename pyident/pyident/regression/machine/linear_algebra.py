@@ -14,7 +14,11 @@ from threadpoolctl import threadpool_limits
 
 @dataclass
 class _Limit:
-    """Of the whole process: whoever comes first sets it, the last one to leave takes it away again."""
+    """Of the whole process: whoever comes first sets it, the last one to leave takes it away again.
+
+    Builds of OpenBLAS are known that follow only their main thread when they get threads back: there a last
+    one that leaves in another thread leaves the limit of one.
+    """
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     users: int = 0
