@@ -6,12 +6,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.denoised import denoised, denoises
 from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
+from pyident.refinement.auxiliary_model import NotFollowedError, robot_by_instruments
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
@@ -120,11 +122,16 @@ def workers_of(setting: Setting, open_pool: OpenPool) -> AbstractContextManager[
 def unbiased(
     setting: Setting, workers: Workers, rounds: int | None = None, probes: int | None = None
 ) -> Setting:
-    """The setting with the parameters whose replicas the regression finds where it found the data.
+    """The setting with parameters that are free of the regression's bias, which noise and sampling make.
 
-    Noise and sampling bias a regression; replicas of what it found show by how much, as in
-    `refinement.remove_bias`.
+    Where the model can be simulated and follows the logs, by instruments: noise of a position may leave a
+    regression a fifth of a stiffness. Else with those whose replicas the regression finds where it found the
+    data, as in `refinement.remove_bias`.
     """
+    if setting.simulates and setting.estimator is weighted:
+        found = _by_instruments(setting, workers)
+        if found is not None:
+            return found
     rules, found = setting.rules.replicas, setting.solution.p
     probes = rules.probes if probes is None else probes
     for number in range(rules.rounds if rounds is None else rounds):
@@ -141,6 +148,16 @@ def unbiased(
         simulated = setting.simulated.with_parameters(robot.parameters)
         setting = replace(setting, robot=robot, simulated=simulated)
     return setting
+
+
+def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
+    again = [r for r in setting.repeats if isinstance(r, Repeat)]
+    try:
+        robot = robot_by_instruments(setting.robot, setting.logs, again, workers)
+    except (SimulationError, NotFollowedError):
+        return None
+    simulated = setting.simulated.with_parameters(robot.parameters)
+    return replace(setting, robot=robot, simulated=simulated)
 
 
 def steadied(setting: Setting) -> Setting:
