@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexmodels.inputs import SimulationError
 from pyident.logs.log import LogError
+from pyident.regression.machine.linear_algebra import one_thread
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Compared
 from pyident.verbs.result import Result
@@ -131,6 +132,7 @@ def _later(told: Progress, share: float) -> None:
     told(0.8 + 0.2 * share)
 
 
+@one_thread()
 def waves_of(
     compared: Compared,
     model: Model,

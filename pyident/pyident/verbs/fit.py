@@ -13,6 +13,7 @@ from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
+from pyident.regression.machine.linear_algebra import one_thread
 from pyident.simulation.fmu_runs import runs_here, runs_in_threads
 from pyident.verbs.fitted import Fit, ServoFit
 from pyident.verbs.inputs import (
@@ -31,6 +32,7 @@ from pyident.verbs.inputs import (
 Progress = Callable[[float], None]
 
 
+@one_thread()
 def identify(
     model: Model,
     logs: Logs,
@@ -68,6 +70,7 @@ def identify(
     return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)
 
 
+@one_thread()
 def refine(
     model: Model,
     logs: Logs,

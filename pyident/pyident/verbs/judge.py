@@ -11,6 +11,7 @@ from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.add_effect import split
+from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
@@ -19,6 +20,7 @@ from pyident.verbs.judged import Added, Compared, Diagnosed
 Progress = Callable[[float], None]
 
 
+@one_thread()
 def compare(
     model: Model,
     logs: Logs,
@@ -41,6 +43,7 @@ def compare(
     return Compared(outcome, read.notes, tuple(_arms(read, outcome)))
 
 
+@one_thread()
 def diagnose(
     model: Model,
     logs: Logs,
@@ -68,6 +71,7 @@ def diagnose(
     return Diagnosed(replace(found, notes=notes), notes)
 
 
+@one_thread()
 def add_effect(
     model: Model,
     effect: str,
