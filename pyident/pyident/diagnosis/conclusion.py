@@ -8,6 +8,7 @@ import numpy as np
 from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
+from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
@@ -35,7 +36,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=sentence_of(verdict, findings, places, localised),
+        sentence=_in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(limits(search)),
@@ -47,6 +48,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
         ),
         notes=(
+            *_of_time(ex.setting),
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
             *selection.notes,
@@ -165,6 +167,23 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
         yield (
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
             "there, and hide what is smaller than their floor"
+        )
+
+
+def _in_time(setting: Setting) -> str:
+    if not setting.late:
+        return ""
+    late = f"{1e3 * abs(setting.late):.2g} ms {'late' if setting.late > 0 else 'early'}"
+    return f"All positions come about {late} against the torques. That put right: "
+
+
+def _of_time(setting: Setting) -> Iterator[str]:
+    """How positions that come late are mended."""
+    if setting.late:
+        yield (
+            "all positions were moved in time before anything was judged: they have another clock or filter "
+            "than the torques, or all drives lag by that much; give their columns a delay of about "
+            f"{setting.late:.2g} s in the mapping"
         )
 
 

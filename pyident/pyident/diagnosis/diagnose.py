@@ -13,6 +13,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.lateness import all_earlier, lateness
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
@@ -100,9 +101,21 @@ def searched(
 ) -> Search:
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
-    A fit that cannot be simulated is damped until it can; the regression's bias then stays.
+    A fit that cannot be simulated is damped until it can; the regression's bias then stays. Positions that
+    all come late are moved back first.
     """
     setting = set_up(robot, logs, rules)
+    once = setting.simulates or len(robot.joints) == 1
+    search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
+    late = lateness(search.examination)
+    if late:
+        moved = set_up(robot, all_earlier(robot, logs, late), rules)
+        search = _searched(replace(moved, late=late), open_pool, lambda done: progress(0.6 + 0.4 * done))
+    progress(1.0)
+    return search
+
+
+def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
     progress(0.05)
 
     def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
@@ -119,8 +132,9 @@ def searched(
         return examined(steadied(setting), lambda start, _: start)
     except SimulationError as error:
         raise LogError(
-            f"{logs[0].source}: the fit of robot {robot.name} to it cannot be simulated ({error}); check the "
-            "units and signs of its columns, and that the robot file has the right joints"
+            f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
+            f"({error}); check the units and signs of its columns, and that the robot file has the right "
+            "joints"
         ) from None
 
 

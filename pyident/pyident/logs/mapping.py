@@ -13,7 +13,7 @@ from pyident.logs.units import factor, known_unit
 
 @dataclass(frozen=True)
 class Source:
-    """One of our signals: gain * column + offset, sampled `delay` [s] after its time stamp says.
+    """One of our signals: gain * column + offset; what it shows at a time was sampled `delay` [s] before.
 
     column   name in their file (`file:name` where two files share it; `rec.x[2]` for a row of a MAT struct)
     gain, offset   to SI

@@ -39,11 +39,12 @@ def test_what_lies_in_bands_that_no_fitted_log_has_does_not_count():
 @pytest.mark.parametrize(
     ("unseen", "fitted", "holds"),
     [
-        (Unseen(0.80, 0.10, 5.0), 0.90, True),
-        (Unseen(0.40, 0.10, 5.0), 0.90, False),  # less than half of what was fitted
-        (Unseen(0.60, 0.70, 5.0), 0.90, False),  # as much by chance
-        (Unseen(0.08, 0.07, 0.1), 0.42, True),  # nothing to explain: a fall is all that can be asked
-        (Unseen(-0.01, 0.07, 0.1), 0.42, False),
+        (Unseen(0.80, 0.10, 5.0, 1.0), 0.90, True),
+        (Unseen(0.40, 0.10, 5.0, 1.0), 0.90, False),  # less than half of what was fitted
+        (Unseen(0.60, 0.70, 5.0, 1.0), 0.90, False),  # as much by chance
+        (Unseen(0.08, 0.07, 0.1, 0.9), 0.42, True),  # hardly anything to explain, but what it says is there
+        (Unseen(0.08, 0.07, 0.1, 0.3), 0.42, False),  # most of it is not
+        (Unseen(-0.01, 0.07, 0.1, -0.5), 0.42, False),
     ],
 )
 def test_a_share_on_unseen_logs_must_stand_beside_the_fitted_one(unseen, fitted, holds):

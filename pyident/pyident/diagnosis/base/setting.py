@@ -37,6 +37,7 @@ class Setting:
     rules    every threshold
     own_noise   log -> noise of its own, where it tells it
     estimator   by which logs and replicas are fitted alike
+    late        time [s] by which all positions came late: they were moved back
     """
 
     robot: Robot
@@ -49,6 +50,7 @@ class Setting:
     own_noise: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     rules: Rules = RULES
     estimator: Estimator = weighted
+    late: float = 0.0
 
     @property
     def logs(self) -> list[Log]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, columns
+from pyident.diagnosis.base.lateness import all_earlier
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
@@ -20,11 +21,14 @@ class Unseen:
 
     With the residual r of the effects and s what they take, the energy falls by Σ (r + s)² − r², and the
     noise in r makes that vary by 4 Σ s² r².
+
+    kept   the fall over Σ s²: 1 where s is what was missing, whatever its size, and below 0 where s is wrong
     """
 
     share: float
     std: float
     excess: float
+    kept: float
 
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
@@ -45,25 +49,32 @@ class HeldOut:
         after = residuals(search, [*search.chosen, *further], self.equations)
         pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
+        taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
         variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
         excess, floor = search.examination.excess(before, bands_of(self.equations), rows)
         scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
-        return Unseen(fall / scale, float(np.sqrt(variance)) / scale, excess / max(floor, 1e-300))
+        return Unseen(
+            fall / scale,
+            float(np.sqrt(variance)) / scale,
+            excess / max(floor, 1e-300),
+            fall / max(taken, 1e-300),
+        )
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
 
-        Where the unseen data hold nothing to explain, a fall is all that can be asked.
+        Where the unseen data hold hardly anything to explain, what the effects take must be there.
         """
         if unseen.excess < rules.unseen_excess:
-            return unseen.share > 0
+            return unseen.kept >= rules.unseen
         return unseen.share >= rules.unseen * fitted_share and unseen.share > unseen.std
 
 
 def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
     """Raises LogError."""
     ex = search.examination
-    return HeldOut(tuple(whitened(ex.setting.robot, logs, ex.floor)))
+    moved = all_earlier(ex.setting.robot, logs, ex.setting.late)
+    return HeldOut(tuple(whitened(ex.setting.robot, moved, ex.floor)))
 
 
 def residuals(search: Search, chosen: Sequence[Candidate], logs: Sequence[Equations]) -> list[np.ndarray]:

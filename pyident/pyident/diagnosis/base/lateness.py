@@ -1,0 +1,97 @@
+"""Positions that all come late against the torques: another clock, a filter, a bus, or drives that all lag.
+
+Late by d they miss the torques by d times the rate of these, at every joint, so that laws with a memory are
+found at several joints, and what is missing besides drowns. The column is what moving the positions changes
+in the equations, the time the one that leaves least of them. It has to take most of what exceeds the floor of
+two joints, and more than of any replica, to be believed. Positions and torques of a robot whose loop is known
+belong together by its controller, and one joint alone cannot be told from a law.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.projection import (
+    Base,
+    Columns,
+    gain,
+    gains_over,
+    others_of,
+    residuals_of,
+    solve_base,
+)
+from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
+from pyident.logs.foreign import delayed
+from pyident.logs.log import Log
+from pyident.regression.spectrum import Equations
+
+_ANY = (np.full(1, -np.inf), np.full(1, np.inf))
+_STEP = 0.5  # samples
+_JOINTS = 2  # that must tell the same
+_EXACT = 0.02  # of a sample
+_SAMPLES = 5.0  # more is no matter of a clock, and no straight line
+
+
+def lateness(ex: Examination) -> float:
+    """Time [s] by which all positions come late (early: below 0); 0 where the logs do not tell."""
+    setting = ex.setting
+    joints = range(len(setting.robot.joints))
+    if setting.simulates or len(joints) < _JOINTS:
+        return 0.0
+    period = max(log.period for log in setting.logs)
+    X = _columns(ex, _STEP * period)
+    found = gain(ex.base, X)
+    if found.energy <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)):
+        return 0.0
+    furthest = float(np.sign(found.coefficients[0])) * _SAMPLES * period
+    bounds, exact = sorted((0.0, furthest)), {"xatol": _EXACT * period}
+    late = float(minimize_scalar(lambda t: _energy(ex, t), bounds=bounds, options=exact).x)  # pyright: ignore
+    data = _moved(ex, late)
+    base = solve_base(data)
+    told = [k for k in joints if _tells(ex, base, data, k)]
+    return late if len(told) >= _JOINTS else 0.0
+
+
+def _moved(ex: Examination, late: float) -> list[Equations]:
+    robot = ex.setting.robot
+    return whitened(robot, all_earlier(robot, ex.setting.logs, late), ex.floor)
+
+
+def _energy(ex: Examination, late: float) -> float:
+    """What is left of an equation on average, over its floor."""
+    residuals = residuals_of(_moved(ex, late))
+    return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
+
+
+def _columns(ex: Examination, step: float) -> Columns:
+    """Per log what the equations of all joints miss per second that the positions come late."""
+    found, p = [], ex.base.p
+    for there, here in zip(_moved(ex, step), ex.logs, strict=True):
+        change = (there.y - there.A @ p) - (here.y - here.A @ p)
+        found.append({k: -change[k][:, None] / step for k in range(len(ex.setting.robot.joints))})
+    return found
+
+
+def _tells(ex: Examination, base: Base, data: Sequence[Equations], k: int) -> bool:
+    """Whether joint k (from 0) lacks far less once the positions are where they belong."""
+    rules, count = ex.setting.rules.search, sum(e.y.shape[1] for e in ex.logs)
+    before, after = ex.beyond_floor(ex.base, [k]), ex.excess(base.residual, bands_of(data), [k])[0]
+    chance = rules.chance * np.sqrt(2 * count)  # of the energy of noise, by its own floor
+    return (
+        before - after > chance * ex.floor_energies[k] / count and after < (1 - rules.explained[0]) * before
+    )
+
+
+def earlier(robot: Robot, log: Log, late: float) -> Log:
+    """The log with its positions where they belong if they came late [s]; without the ends that it lacks."""
+    lost = int(np.ceil(abs(late) / log.period))
+    frame = delayed(log.frame, dict.fromkeys(robot.coordinates, late))
+    return replace(log, frame=frame.iloc[lost : len(frame) - lost].reset_index(drop=True)) if lost else log
+
+
+def all_earlier(robot: Robot, logs: Sequence[Log], late: float) -> list[Log]:
+    """Every log so."""
+    return [earlier(robot, log, late) for log in logs]
