@@ -49,7 +49,6 @@ def with_ringing_matched(setting: Setting, workers: Workers) -> Setting:
             louder = np.log([job.result()[rows] / of_log for job in jobs])
         except SimulationError:  # without damping a hinge may shake the whole arm
             return setting
-        print(names, np.exp([_matching(each) for each in louder.T]))
         setting = _damped(setting, names, np.exp([_matching(each) for each in louder.T]))
     return setting
 
