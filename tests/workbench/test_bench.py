@@ -53,7 +53,7 @@ def test_a_version_that_an_added_law_makes_stays_open(bench):
 def test_a_refused_law_is_said_and_changes_nothing(bench):
     before = bench.project
     bench._pending = Version("x.toml", what="stribeck at joint 1")
-    ended(bench, "add", SimpleNamespace(accepted=False, reason="the error rises by 3 %"))
+    ended(bench, "add", work.Outcome("the error rises by 3 %", (), (0.0, -0.1)))
     assert bench.message == "stribeck at joint 1 was refused: the error rises by 3 %"
     assert bench.project == before
 

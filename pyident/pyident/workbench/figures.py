@@ -156,17 +156,23 @@ def states(trace: Any, span: tuple[float, float] | None) -> dict[str, Any]:
 
 
 def waterfall(steps: Sequence[Any]) -> dict[str, Any]:
-    """Errors before and after, each over its floor."""
-    names = [step.name for step in steps]
+    """Errors before and after on held-out and fitted data, each over its floor."""
+    kinds = list(dict.fromkeys(step.data for step in steps))
     bars = [
-        {"type": "bar", "name": name, "x": names, "marker": {"color": colour},
-         "y": [getattr(s, name) / max(s.floor, 1e-300) for s in steps],
-         "text": [f"{getattr(s, name):.3g} {s.unit}" for s in steps]}
+        {"type": "bar", "name": f"{name}, {kind}", "x": [s.name for s in listed],
+         "marker": {"color": colour, "opacity": 1 if kind == "held out" else 0.5},
+         "y": [getattr(s, name) / max(s.floor, 1e-300) for s in listed],
+         "text": [f"{getattr(s, name):.3g} {s.unit}" for s in listed]}
+        for kind in kinds
+        for listed in [[s for s in steps if s.data == kind]]
         for name, colour in (("before", EXCESS), ("after", GREEN))
     ]  # fmt: skip
     floor = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 1, "y1": 1, "line": {"dash": "dot"}}
     axis = {"title": {"text": "rms over the floor"}, "rangemode": "tozero"}
-    return _framed(bars, {"height": 280, "yaxis": axis, "shapes": [floor], "barmode": "group"})
+    above = {"orientation": "h", "y": 1.0, "yanchor": "bottom"}
+    layout = {"height": 320, "yaxis": axis, "shapes": [floor], "barmode": "group", "legend": above}
+    layout |= {"xaxis": {"automargin": True}, "margin": {"l": 70, "r": 10, "t": 30, "b": 40}}
+    return _framed(bars, layout)
 
 
 def line(time: np.ndarray, values: np.ndarray, name: str, colour: str, axis: str) -> dict[str, Any]:
