@@ -58,6 +58,14 @@ def test_a_refused_law_is_said_and_changes_nothing(bench):
     assert bench.project == before
 
 
+@pytest.mark.parametrize(("floor", "asked"), [(None, False), (object(), True)])
+def test_laws_are_asked_where_the_model_could_be_simulated(bench, monkeypatch, floor, asked):
+    begun = []
+    monkeypatch.setattr(bench, "start", lambda what, *rest: begun.append(what))
+    ended(bench, "compare", SimpleNamespace(comparison=SimpleNamespace(floor=floor)))
+    assert begun == ["ask"] * asked
+
+
 def test_a_mapping_is_written_once_and_used(bench):
     bench.use_mapping("[columns]\n")
     bench.use_mapping("[columns]\n# mended\n")

@@ -235,12 +235,12 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     listed: list[tuple[Error, Error]] = [
         (getattr(b, kind)[name], getattr(a, kind)[name]) for b, a in zip(before, after, strict=True)
     ]
-    rms = [
+    earlier, later, floor = (
         float(np.sqrt(np.mean(np.square(v))))
         for v in ([b.rmse for b, _ in listed], [a.rmse for _, a in listed], [a.floor for _, a in listed])
-    ]
+    )
     what = "simulated" if kind == "simulation" else "torque" if is_motor(name) else "moment"
-    return Step(f"{what} {name}", listed[0][0].unit, *rms)
+    return Step(f"{what} {name}", listed[0][0].unit, earlier, later, floor)
 
 
 def _reason(asked: Asked, simulated: float, tracks: bool, rules: Rules) -> str:
