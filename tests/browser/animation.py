@@ -1,6 +1,6 @@
 """The workbench in a few pictures, one after the other: map, bump, Try, Add, and the error has fallen.
 
-    python -m benchmarks.animation -o docs/img/workbench_session.webp
+    python -m tests.browser.animation -o docs/img/workbench_session.webp
 
 The project of `benchmarks.workbench`, driven by clicks; a ring marks what is clicked next. Needs playwright
 and Chromium (name it in CHROMIUM).
