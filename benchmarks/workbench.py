@@ -3,8 +3,9 @@
     python -m benchmarks.workbench -o out
 
 A project with three logs of 20 s of four_link with a hidden law, made by studies/hidden_effect; Chromium
-drives the page. Times are wall times from the click to the picture, so run it on a quiet machine; the load of
-the machine at the start stands in the table. Needs playwright and Chromium (name it in CHROMIUM).
+drives the page. Times are wall times from the click to the picture, so run it on a quiet machine, and beside
+them the CPU seconds of the server and its jobs; the load of the machine stands in the table. Needs playwright
+and Chromium (name it in CHROMIUM).
 """
 
 import argparse
@@ -16,6 +17,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -70,16 +72,25 @@ def served(folder: Path) -> Iterator[tuple[str, int]]:
         process.wait(30)
 
 
-def seconds(action: Callable[[], object], until: Callable[[], object]) -> float:
-    """From before the action until what is waited for is there."""
-    begin = perf_counter()
-    action()
-    until()
-    return perf_counter() - begin
+def cpu(pid: int) -> float:
+    """Seconds of a process and of those that it started and that ended; NaN where the system does not say."""
+    status = Path(f"/proc/{pid}/stat")
+    if not status.exists():
+        return float("nan")
+    fields = status.read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
-def measured(tab, url: str) -> Iterator[tuple[str, float]]:
-    """Every wait of the loop, in its order."""
+def measured(tab, url: str, pid: int) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Every wait of the loop, in its order: wall and CPU seconds of the server."""
+
+    def seconds(action: Callable[[], object], until: Callable[[], object]) -> tuple[float, float]:
+        """From before the action until what is waited for is there."""
+        begin, used = perf_counter(), cpu(pid)
+        action()
+        until()
+        return perf_counter() - begin, cpu(pid) - used
+
     by = tab.get_by_test_id
     drawn = "([id, n]) => document.querySelector(`[data-testid=${id}]`)?.data?.length >= n"
 
@@ -142,11 +153,11 @@ def run(folder: Path) -> pd.DataFrame:
     with served(folder) as (url, pid), sync_playwright() as tools:
         browser = tools.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         tab = browser.new_page(viewport={"width": 1400, "height": 1000})
-        rows = [(what, value, GOALS.get(what)) for what, value in measured(tab, url)]
-        rows.append(("memory of the server [MB]", peak(pid), GOALS["memory of the server [MB]"]))
+        rows = [(what, *values, GOALS.get(what)) for what, values in measured(tab, url, pid)]
+        rows.append(("memory of the server [MB]", peak(pid), nan, GOALS["memory of the server [MB]"]))
         browser.close()
-    rows.append(("load of the machine at the start", load, None))
-    return pd.DataFrame(rows, columns=["what", "seconds", "goal"])
+    rows.append(("load of the machine at the start", load, nan, None))
+    return pd.DataFrame(rows, columns=["what", "seconds", "CPU seconds", "goal"])
 
 
 def main() -> int:

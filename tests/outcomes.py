@@ -8,7 +8,8 @@ from one_joint import one_joint
 from pyident.comparison.compare import Comparison
 from pyident.comparison.errors import Error, LogErrors
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
-from pyident.extension.add_effect import Extended, Step
+from pyident.extension.add_effect import Extended
+from pyident.extension.waterfall import Step
 from pyident.verbs.judged import Compared
 
 inf = float("inf")

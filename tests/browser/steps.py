@@ -69,3 +69,5 @@ def served(folder: Path, port: int = 0) -> Iterator[str]:
     finally:
         process.terminate()
         process.wait(30)
+        if process.stdout is not None:
+            process.stdout.close()

@@ -80,7 +80,7 @@ def by_command_line(project, effect: str, joint: int) -> str:
     subprocess.run([sys.executable, "-m", "pyident", *words], cwd=project, check=True, capture_output=True)
     step = json.loads((project / "again.json").read_text())["waterfall"][0]
     errors = f"{step['before']:.4g} → {step['after']:.4g} {step['unit']}, floor {step['floor']:.4g}"
-    return f"{step['name']}: {errors}"
+    return f"{step['name']}, {step['data']}: {errors}"
 
 
 def test_a_wrong_law_is_refused_with_its_numbers(tab, project):

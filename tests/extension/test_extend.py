@@ -9,8 +9,9 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.extension import add_effect as extension
-from pyident.extension.add_effect import add_effect, split
+from pyident.extension.add_effect import add_effect
 from pyident.extension.extended_robot import require_new
+from pyident.extension.split import split
 from pyident.logs.log import write_log
 from pyident.regression.descriptions import corrected, value_of
 from pyident.verbs import judge
@@ -34,10 +35,14 @@ def test_the_true_effect_is_accepted(folder, logs):
     for name in ("coulomb", "viscous"):
         key = f"joint2.asymmetric_coulomb.{name}"
         assert found.robot.parameters[key] == pytest.approx(true[key], rel=0.1)
-    torque, tip = found.waterfall
-    assert torque.name == "torque joint2.e"
-    assert torque.after < 1.1 * torque.floor < torque.before
-    assert tip.after < tip.before / 1.5
+    names = [(step.name, step.data) for step in found.waterfall]
+    assert names == [
+        (name, data) for name in ("torque joint2.e", "simulated tip") for data in ("held out", "fitted")
+    ]
+    for torque, tip in (found.waterfall[::2], found.waterfall[1::2]):
+        assert torque.after < 1.1 * torque.floor < torque.before
+        assert tip.after < tip.before / 1.5
+    assert [log.log for log in found.after] == [logs[1].source]  # the figures of the JSON are of unseen data
 
 
 def test_a_wrong_effect_is_refused(folder, logs):

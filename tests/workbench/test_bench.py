@@ -53,9 +53,17 @@ def test_a_version_that_an_added_law_makes_stays_open(bench):
 def test_a_refused_law_is_said_and_changes_nothing(bench):
     before = bench.project
     bench._pending = Version("x.toml", what="stribeck at joint 1")
-    ended(bench, "add", SimpleNamespace(accepted=False, reason="the error rises by 3 %"))
+    ended(bench, "add", work.Outcome("the error rises by 3 %", (), (0.0, -0.1)))
     assert bench.message == "stribeck at joint 1 was refused: the error rises by 3 %"
     assert bench.project == before
+
+
+@pytest.mark.parametrize(("floor", "asked"), [(None, False), (object(), True)])
+def test_laws_are_asked_where_the_model_could_be_simulated(bench, monkeypatch, floor, asked):
+    begun = []
+    monkeypatch.setattr(bench, "start", lambda what, *rest: begun.append(what))
+    ended(bench, "compare", SimpleNamespace(comparison=SimpleNamespace(floor=floor)))
+    assert begun == ["ask"] * asked
 
 
 def test_a_mapping_is_written_once_and_used(bench):

@@ -13,7 +13,7 @@ from flexmodels.files.formats import imported
 from flexmodels.files.robot_file import save_robot
 from flexmodels.gearing import Transmission
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named
-from pyident.extension.add_effect import Extended, Step
+from pyident.extension.waterfall import Step
 from pyident.workbench import bench as benches
 from pyident.workbench import work
 from pyident.workbench.bench import Bench
@@ -49,9 +49,8 @@ DIAGNOSIS = Diagnosis(
     noise={},
     stages=(),
 )
-ACCEPTED = Extended(
-    one_joint(), one_joint(), (), (), (Step("torque", "N.m", 2.0, 1.0, 0.5),), (0.5, 0.4), "", cast(Any, None)
-)
+STEPS = (Step("torque", "N.m", 2.0, 1.0, 0.5), Step("torque", "N.m", 1.5, 0.5, 0.5, "fitted"))
+ACCEPTED = work.Outcome("", STEPS, (0.5, 0.4))
 
 
 @pytest.fixture
@@ -121,9 +120,15 @@ def test_the_outcome_of_a_law_is_said_with_its_fall(bench, reason):
 
     async def steps(tab: Tab) -> None:
         assert tab["outcome"].text == (f"refused: {reason}" if reason else "accepted")
-        assert tab["fall-1"].text == "torque: 2 → 1 N.m, floor 0.5"
-        before, after = tab["waterfall"].figure["data"]
-        assert (before["y"], after["y"]) == ([4.0], [2.0])  # over the floor
+        assert tab["fall-1"].text == "torque, held out: 2 → 1 N.m, floor 0.5"
+        assert tab["fall-2"].text == "torque, fitted: 1.5 → 0.5 N.m, floor 0.5"
+        over_floor = {bar["name"]: bar["y"] for bar in tab["waterfall"].figure["data"]}
+        assert over_floor == {
+            "before, held out": [4.0],
+            "after, held out": [2.0],
+            "before, fitted": [3.0],
+            "after, fitted": [1.0],
+        }
 
     visit(bench, steps, View("why"))
 
@@ -144,8 +149,8 @@ def test_what_to_measure_next_follows_from_the_diagnosis(bench):
     bench.results["diagnose", bench.inputs] = DIAGNOSIS
 
     async def steps(tab: Tab) -> None:
-        assert "asymmetric_coulomb@1 or joint_spring@1? slow swings" in tab.words
-        assert "payload@1 cannot be seen: the logs do not cover it" in tab.words
+        assert "asymmetric_coulomb at joint1 or joint_spring at joint1? slow swings" in tab.words
+        assert "payload at joint1 cannot be seen: the logs do not cover it" in tab.words
         assert "backlash" not in tab.words  # these logs would have shown it
         await tab.click("plan-1")
         job = begun(bench, "plan")

@@ -10,6 +10,7 @@ corrections from the search.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,22 +25,13 @@ from pyident.comparison.model_against_replicas import Part, Progress, Trial, run
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.extension.ask import Asked, ask
 from pyident.extension.extended_robot import Correction, extended_robot, require_new
-from pyident.logs.log import Log, LogError
+from pyident.extension.split import Split, split
+from pyident.extension.waterfall import Step
+from pyident.logs.log import Log
 from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
-
-
-@dataclass(frozen=True)
-class Step:
-    """One bar chart of a waterfall: an error of the base, with the effect, and the floor, rms in `unit`."""
-
-    name: str
-    unit: str
-    before: float
-    after: float
-    floor: float
 
 
 @dataclass(frozen=True)
@@ -48,7 +40,7 @@ class Extended:
 
     base, robot      without and with the effect, both fitted to the same logs
     before, after    their errors on held-out data
-    waterfall        torque or moment where the effect acts, then the simulation
+    waterfall        torque or moment where the effect acts, then the simulation, on held-out and fitted data
     gains            relative fall of the mean square error: equations, simulation
     reason           why the effect is refused; empty: it is accepted
     asked            what the gate of a diagnosis says, with its numbers
@@ -91,38 +83,6 @@ class Extended:
         }
 
 
-@dataclass(frozen=True)
-class Split:
-    """Logs to fit, logs to judge, and per judged log the time [s] from which on it counts."""
-
-    fitted: list[Log]
-    judged: list[Log]
-    since: tuple[float, ...]
-
-    @property
-    def unseen(self) -> list[Log]:
-        """What counts of the logs to judge."""
-        starts = [round(t / log.period) for log, t in zip(self.judged, self.since, strict=True)]
-        return [
-            replace(log, frame=log.frame.iloc[n:].reset_index(drop=True))
-            for log, n in zip(self.judged, starts, strict=True)
-        ]
-
-
-def split(logs: Sequence[Log], heldout: Sequence[Log], rules: Rules = RULES) -> Split:
-    """Held-out logs are those named, else the last of several, else the last third of the only one."""
-    if heldout:
-        return Split(list(logs), list(heldout), (0.0,) * len(heldout))
-    if len(logs) > 1:
-        return Split(list(logs[:-1]), [logs[-1]], (0.0,))
-    log = logs[0]
-    number = int(rules.extension.fitted * len(log))
-    if number < 2:
-        raise LogError(f"{log.source}: {len(log)} samples are too few to hold some of them out")
-    first = Log(log.frame.iloc[:number].reset_index(drop=True), log.source)
-    return Split([first], [log], (number * log.period,))
-
-
 def add_effect(
     robot: Robot,
     joint: int,
@@ -152,16 +112,27 @@ def add_effect(
 
 @dataclass(frozen=True)
 class _Fit:
+    """data, replicas: parts of the fitted logs, so many as `fitted`, then of those held out."""
+
     setting: Setting
     trial: Trial
     data: list[Part]
     replicas: list[list[Part]]
+    fitted: int
 
-    @property
-    def errors(self) -> tuple[LogErrors, ...]:
+    @cached_property
+    def unseen(self) -> tuple[LogErrors, ...]:
+        """On held-out data."""
+        return self._errors(range(self.fitted, len(self.data)))
+
+    @cached_property
+    def seen(self) -> tuple[LogErrors, ...]:
+        """On fitted data."""
+        return self._errors(range(self.fitted))
+
+    def _errors(self, logs: range) -> tuple[LogErrors, ...]:
         return tuple(
-            log_errors(self.trial, i, part, [parts[i] for parts in self.replicas])
-            for i, part in enumerate(self.data)
+            log_errors(self.trial, i, self.data[i], [parts[i] for parts in self.replicas]) for i in logs
         )
 
 
@@ -177,13 +148,13 @@ def _fitted(robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progr
             setting.robot,
             setting.simulated,
             fitted,
-            judged,
-            parts.since,
+            (*fitted, *judged),
+            (*(0.0 for _ in fitted), *parts.since),
             setting.noise,
             setting.estimator,
         )
         data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
-    return _Fit(setting, trial, data, replicas)
+    return _Fit(setting, trial, data, replicas, len(fitted))
 
 
 def _share(progress: Progress, start: float, end: float) -> Progress:
@@ -194,24 +165,26 @@ def _not_simulated(
     base: _Fit, wider: Robot, asked: Asked, correction: Correction | None, error: SimulationError
 ) -> Extended:
     """A law that the logs show so badly that no model with it can be simulated."""
-    errors, joint, effect = base.errors, asked.candidate.joint, asked.candidate.effect
-    steps = tuple(_step("equations", row, errors, errors) for row in _acts_on(wider, joint, effect))
+    errors, joint, effect = base.unseen, asked.candidate.joint, asked.candidate.effect
+    rows = _acts_on(wider, joint, effect)
+    steps = tuple(step for row in rows for step in _steps("equations", row, base, base))
     reason = f"{effect} at joint {joint} is refused: the model fitted with it cannot be simulated ({error})"
     return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason, asked, correction)
 
 
 def _judged(base: _Fit, new: _Fit, asked: Asked, correction: Correction | None) -> Extended:
     joint, effect = asked.candidate.joint, asked.candidate.effect
-    before, after = base.errors, new.errors
+    before, after = base.unseen, new.unseen
     rows = _acts_on(new.trial.robot, joint, effect)
     channels = _telling(base.trial, before)
     at = [base.trial.robot.coordinates.index(row) for row in rows]
-    left = [mean_square_over_floor(fit.data, new.replicas, at) for fit in (base, new)]
+    floors = [parts[new.fitted :] for parts in new.replicas]
+    left = [mean_square_over_floor(fit.data[fit.fitted :], floors, at) for fit in (base, new)]
     missed = [_mean_square(errors, after, channels) for errors in (before, after)]
     gains = (1 - left[1] / left[0], 1 - missed[1] / missed[0])
-    steps = [_step("equations", name, before, after) for name in rows]
     shown = ["tip"] if all("tip" in log.simulation for log in before) and not base.trial.tracks else channels
-    steps += [_step("simulation", name, before, after) for name in shown]
+    wanted = [("equations", name) for name in rows] + [("simulation", name) for name in shown]
+    steps = [step for kind, name in wanted for step in _steps(kind, name, base, new)]
     word = effect.replace("[", "_").removesuffix("]")
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
@@ -249,16 +222,25 @@ def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names
     return float(np.mean([(rmse / max(level, 1e-300)) ** 2 for rmse, level in pairs]))
 
 
+def _steps(kind: str, name: str, base: _Fit, new: _Fit) -> list[Step]:
+    """On held-out data, then on fitted ones."""
+    steps = [_step(kind, name, base.unseen, new.unseen)]
+    before, after = base.seen, new.seen
+    if before and all(name in getattr(log, kind) for log in (*before, *after)):
+        steps.append(replace(_step(kind, name, before, after), data="fitted"))
+    return steps
+
+
 def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[LogErrors]) -> Step:
     listed: list[tuple[Error, Error]] = [
         (getattr(b, kind)[name], getattr(a, kind)[name]) for b, a in zip(before, after, strict=True)
     ]
-    rms = [
+    earlier, later, floor = (
         float(np.sqrt(np.mean(np.square(v))))
         for v in ([b.rmse for b, _ in listed], [a.rmse for _, a in listed], [a.floor for _, a in listed])
-    ]
+    )
     what = "simulated" if kind == "simulation" else "torque" if is_motor(name) else "moment"
-    return Step(f"{what} {name}", listed[0][0].unit, *rms)
+    return Step(f"{what} {name}", listed[0][0].unit, earlier, later, floor)
 
 
 def _reason(asked: Asked, simulated: float, tracks: bool, rules: Rules) -> str:

@@ -10,7 +10,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
-from pyident.extension.add_effect import split
+from pyident.extension.split import split
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.fmu_runs import FmuRuns

@@ -152,17 +152,17 @@ class Added(Result):
         return self.extended.json() | {"notes": list(self.notes)}
 
     def to_frame(self) -> "pd.DataFrame":
-        """A row per error on held-out data: before, after, floor and unit."""
+        """A row per error: on which data, before, after, floor and unit."""
         import pandas as pd
 
-        rows = [(s.name, s.before, s.after, s.floor, s.unit) for s in self.extended.waterfall]
-        heads = ["error", "before", "after", "floor", "unit"]
+        rows = [(s.name, s.data, s.before, s.after, s.floor, s.unit) for s in self.extended.waterfall]
+        heads = ["error", "data", "before", "after", "floor", "unit"]
         return pd.DataFrame(rows, columns=heads).set_index("error")
 
     def summary(self) -> Text:
-        heads = ("error on held-out data", "before", "after", "floor", "unit")
+        heads = ("error", "data", "before", "after", "floor", "unit")
         rows = [
-            (s.name, f"{s.before:.3g}", f"{s.after:.3g}", f"{s.floor:.3g}", s.unit)
+            (s.name, s.data, f"{s.before:.3g}", f"{s.after:.3g}", f"{s.floor:.3g}", s.unit)
             for s in self.extended.waterfall
         ]
         values = [
@@ -171,10 +171,10 @@ class Added(Result):
         c = self.extended.correction
         if c and c.before:
             values.append(f"{c.place}: {c.before} becomes {c.after}")
-        return Text("\n".join([table(heads, rows, numbers=(1, 2, 3)), *values, wrapped(self.headline())]))
+        return Text("\n".join([table(heads, rows, numbers=(2, 3, 4)), *values, wrapped(self.headline())]))
 
     def plot(self) -> "Figure":
-        """Errors on held-out data over their floors, without and with the effect."""
+        """Errors on held-out and fitted data over their floors, without and with the effect."""
         from pyident.verbs.figures.plots import waterfall
 
         return waterfall(self.extended.waterfall)

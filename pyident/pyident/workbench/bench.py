@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from pyident.workbench import commands, work
 from pyident.workbench.jobs import Job
+from pyident.workbench.kept import keep, kept
 from pyident.workbench.project import Project, Role, Version, command
 
 RESULTS = "results"
@@ -44,7 +45,17 @@ class Bench:
 
     def result(self, what: str, number: int | None = None) -> Any:
         """The outcome for exactly the present inputs (of another version), None where there is none."""
-        return self.results.get((what, self.inputs_of(number)))
+        inputs = self.inputs_of(number)
+        if (what, inputs) not in self.results:
+            self.results[what, inputs] = kept(self.project.folder, what, inputs)  # of an earlier server
+        return self.results[what, inputs]
+
+    @property
+    def last_added(self) -> work.Outcome | None:
+        """What came of the law that was added last: to this version, or to that before it."""
+        now = self.result("add")
+        current = self.project.current
+        return now if now is not None or not current else self.result("add", current - 1)
 
     @property
     def checked(self) -> dict[str, list[str]]:
@@ -88,17 +99,18 @@ class Bench:
             if job.state == "failed":
                 self.message = f"{job.title}: {job.error}"
             elif job.state == "done":
-                self.results[what, self._asked[what]] = job.result
+                self._hold(what, self._asked[what], job.result)
                 if what == "add":
                     self._take_version(job.result)
                 elif what == "identify":
                     self._take(self._pending)
-                    self.results[what, self.inputs] = job.result  # the page looks at what was made
+                    self._hold(what, self.inputs, job.result)  # the page looks at what was made
                 elif what == "import":
                     self.change(self.project.starting_from(self._pending.model).after(self._pending.command))
                     self.message = " ".join(job.result)
                 elif what == "compare":
-                    self.start("ask", "asking every law", work.asked, self._asked[what], job.result)
+                    if job.result.comparison.floor is not None:  # else it could not be simulated
+                        self.start("ask", "asking every law", work.asked, self._asked[what], job.result)
                     self._next_comparison()
 
     # What the buttons do.
@@ -262,7 +274,15 @@ class Bench:
         """A new version; the logs that made it have passed their checks."""
         checked = self.result("check")
         self.change(self.project.extended(version).after(version.command))
-        self.results["check", self.inputs] = checked
+        self._hold("check", self.inputs, checked)
+
+    def _hold(self, what: str, inputs: work.Inputs, result: Any) -> None:
+        """Remember a result, beyond the end of the server where it can be written."""
+        self.results[what, inputs] = result
+        try:
+            keep(self.project.folder, what, inputs, result)
+        except OSError as error:
+            self.message = f"the result is not kept: {error}"
 
     def _file(self, stem: str, number: int | None = None) -> str:
         number = self.project.current if number is None else number

@@ -8,6 +8,7 @@ import numpy as np
 from pyident.workbench.thinned import thinned, thinned_band, window
 
 EXCESS, INK, GREY, BLUE, GREEN = "#b5480d", "#1c2126", "#59616b", "#2b6ca3", "#2e7d32"
+_BARS = {"held out": (EXCESS, GREEN), "fitted": ("#e3ae92", "#9cc79f")}  # before and after
 _SCALE = [[0, "#fffaf0"], [0.2, "#fdd9a0"], [0.5, "#f3a14b"], [0.75, "#cf6214"], [1, "#521d02"]]
 _SCATTER = 1_200  # points of a residual against a state
 _ORDERS = np.arange(0.5, 40.25, 0.25)  # per turn
@@ -156,17 +157,22 @@ def states(trace: Any, span: tuple[float, float] | None) -> dict[str, Any]:
 
 
 def waterfall(steps: Sequence[Any]) -> dict[str, Any]:
-    """Errors before and after, each over its floor."""
-    names = [step.name for step in steps]
+    """Errors before and after on held-out and fitted data, each over its floor."""
     bars = [
-        {"type": "bar", "name": name, "x": names, "marker": {"color": colour},
-         "y": [getattr(s, name) / max(s.floor, 1e-300) for s in steps],
-         "text": [f"{getattr(s, name):.3g} {s.unit}" for s in steps]}
-        for name, colour in (("before", EXCESS), ("after", GREEN))
+        {"type": "bar", "name": f"{name}, {kind}", "x": [s.name for s in listed],
+         "marker": {"color": colour},
+         "y": [getattr(s, name) / max(s.floor, 1e-300) for s in listed],
+         "text": [f"{getattr(s, name):.3g} {s.unit}" for s in listed]}
+        for kind, colours in _BARS.items()
+        if (listed := [s for s in steps if s.data == kind])
+        for name, colour in zip(("before", "after"), colours, strict=True)
     ]  # fmt: skip
     floor = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 1, "y1": 1, "line": {"dash": "dot"}}
     axis = {"title": {"text": "rms over the floor"}, "rangemode": "tozero"}
-    return _framed(bars, {"height": 280, "yaxis": axis, "shapes": [floor], "barmode": "group"})
+    above = {"orientation": "h", "y": 1.0, "yanchor": "bottom"}
+    layout = {"height": 320, "yaxis": axis, "shapes": [floor], "barmode": "group", "legend": above}
+    layout |= {"xaxis": {"automargin": True}, "margin": {"l": 70, "r": 10, "t": 30, "b": 40}}
+    return _framed(bars, layout)
 
 
 def line(time: np.ndarray, values: np.ndarray, name: str, colour: str, axis: str) -> dict[str, Any]:

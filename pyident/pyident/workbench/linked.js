@@ -1,3 +1,8 @@
+// The framework fits a figure to its place once more when it has left the page, which Plotly refuses.
+addEventListener("unhandledrejection", (event) => {
+  if (String(event.reason?.message ?? event.reason).startsWith("Resize must be passed")) event.preventDefault();
+});
+
 // Figures of one page that show the same samples: what is brushed in one is marked in all.
 // when(ids, call): call with the elements once all are there and their figures drawn.
 function flexidentWhen(ids, call, tries = 300) {

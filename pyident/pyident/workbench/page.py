@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from nicegui import ui
 
@@ -12,6 +13,9 @@ from pyident.workbench.linked import scripts
 from pyident.workbench.places import data, model, next_step, where, why
 from pyident.workbench.project import ProjectError
 from pyident.workbench.view import PLACES, View
+
+if TYPE_CHECKING:
+    from pyident.diagnosis.result import Diagnosis
 
 _WORDS = {
     "data": ("1 Data", "Which logs take part, and whether they can be believed"),
@@ -28,6 +32,14 @@ _VERDICTS = {
     "unexplained": ("negative", "unexplained"),
 }
 _PERIOD = 0.4  # s between looks at the shared state
+
+
+def _verdict_of(diagnosis: "Diagnosis") -> tuple[str, str]:
+    """Colour and words."""
+    named = [law for finding in diagnosis.findings for law in finding.tie]
+    if diagnosis.verdict == "missing_effect" and all(law.describes for law in named):
+        return "warning", "the robot file is wrong"
+    return _VERDICTS[diagnosis.verdict]
 
 
 class Page:
@@ -54,7 +66,7 @@ class Page:
         )
         self.told.classes("font-mono text-xs break-all min-h-4")
         with ui.row().classes("w-full no-wrap max-md:flex-wrap"):
-            with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row"):
+            with ui.column().classes("w-44 max-md:w-full shrink-0 max-md:flex-row max-md:gap-0"):
                 self._places()
             with ui.column().classes("grow min-w-0"):
                 self._progress()
@@ -113,7 +125,7 @@ class Page:
     @ui.refreshable_method
     def _verdict(self) -> None:
         diagnosis = self.bench.result("diagnose")
-        colour, text = _VERDICTS[diagnosis.verdict] if diagnosis else ("blue-grey-8", "no diagnosis yet")
+        colour, text = _verdict_of(diagnosis) if diagnosis else ("blue-grey-8", "no diagnosis yet")
         badge = ui.badge(text, color=colour).classes("text-sm p-2").props('data-testid="verdict"')
         if diagnosis:
             badge.tooltip(diagnosis.sentence)
@@ -123,7 +135,8 @@ class Page:
         for place in PLACES:
             label, hint = _WORDS[place]
             locked = place not in ("data", "model") and not self.bench.sound
-            button = ui.button(label, on_click=lambda p=place: self.go(place=p)).classes("w-full")
+            button = ui.button(label, on_click=lambda p=place: self.go(place=p))
+            button.classes("w-full max-md:w-auto whitespace-nowrap")
             button.props(
                 f'data-testid="place-{place}" align=left no-caps padding="sm"'
                 + (" flat" if place != self.view.place else "")
@@ -144,7 +157,7 @@ class Page:
                     f'aria-label="{job.title}"'
                 )
                 ui.button("Cancel", on_click=partial(self.act, partial(self.bench.cancel, what))).props(
-                    f'data-testid="cancel-{what}" flat dense'
+                    f'data-testid="cancel-{what}" flat dense no-caps'
                 )
 
     @ui.refreshable_method
@@ -171,7 +184,7 @@ class Page:
             if project.current:
                 ui.button(
                     "Undo", on_click=partial(self.act, partial(self.bench.use, project.current - 1))
-                ).props('data-testid="undo" flat dense')
+                ).props('data-testid="undo" flat dense no-caps')
         if len(project.versions) > 1 and self.bench.sound:
             versions.show(self)
 

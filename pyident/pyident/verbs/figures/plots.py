@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from pyident.diagnosis.result import Row
     from pyident.estimation.base_parameters import BaseParameter
-    from pyident.extension.add_effect import Step
+    from pyident.extension.waterfall import Step
 
 
 def over_floor(panels: Mapping[str, Sequence[tuple[str, float]]]) -> "Figure":
@@ -52,9 +52,9 @@ def waterfall(steps: Sequence["Step"]) -> "Figure":
     axes.barh(at - 0.2, [s.before / s.floor for s in steps], height=0.4, label="without", color="0.7")
     axes.barh(at + 0.2, [s.after / s.floor for s in steps], height=0.4, label="with")
     axes.axvline(1.0, color="k", lw=1)
-    axes.set_yticks(at, [s.name for s in steps])
+    axes.set_yticks(at, [f"{s.name}, {s.data}" for s in steps])
     axes.invert_yaxis()
-    axes.set(xlabel="error on held-out data over the floor", xscale="log")
+    axes.set(xlabel="error over the floor", xscale="log")
     axes.legend()
     return figure
 

@@ -105,8 +105,8 @@ def _rank(page: "Page") -> None:
     bench = page.bench
     fit = bench.result("identify")
     if fit is not None:
-        ui.label(fit.determined()).props('data-testid="rank"')
-        ui.label(fit.summary()).classes("whitespace-pre font-mono text-xs").props('data-testid="fit"')
+        ui.label(fit.determined).props('data-testid="rank"')
+        ui.label(fit.summary).classes("whitespace-pre font-mono text-xs").props('data-testid="fit"')
     ui.button("Identify from the fitted logs", on_click=lambda: page.act(bench.identify)).props(
         'data-testid="identify" no-caps'
     ).set_enabled(bench.sound)

@@ -88,11 +88,12 @@ def show(page: "Page") -> None:
 def _questions(diagnosis: Any) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """What further motions would answer: in words, the two laws to tell apart, or the one to show."""
     for finding in diagnosis.findings:
-        pair = [_at(law) for law in finding.tie[:2] if not law.describes]
+        pair = [law for law in finding.tie[:2] if not law.describes]
         if len(pair) > 1:
-            yield f"{' or '.join(pair)}? {finding.experiment}", tuple(pair), ""
+            names = " or ".join(f"{law.effect} at {law.joint}" for law in pair)
+            yield f"{names}? {finding.experiment}", tuple(map(_at, pair)), ""
     for limit in [x for x in diagnosis.limits if x.reason][:_SHOWN]:
-        yield f"{_at(limit)} cannot be seen: {limit.reason}", (), _at(limit)
+        yield f"{limit.effect} at {limit.joint} cannot be seen: {limit.reason}", (), _at(limit)
 
 
 def _at(law: Any) -> str:

@@ -27,7 +27,10 @@ def show(page: "Page") -> None:
         return
     comparison = compared.comparison
     ui.label(comparison.sentence).classes("text-base").props('data-testid="where-sentence"')
-    if not comparison.traces:  # it could not be simulated: the sentence says so
+    if not comparison.traces:
+        ui.label("Identify it in place 2; a model that can be simulated shows where and why.").props(
+            'data-testid="not-simulated"'
+        )
         return
     equation = _Equation(page, compared)
     with ui.row().classes("w-full no-wrap max-lg:flex-wrap items-start"):

@@ -31,8 +31,7 @@ def show(page: "Page") -> None:
     _outcome(page)
     compared, waves = bench.result("compare"), bench.result("ask")
     if compared is None or waves is None or not compared.comparison.traces:
-        words = "Compare model and logs in place 3; then every law can be asked what it would take."
-        ui.label(words).props('data-testid="no-ranking"')
+        ui.label(_no_ranking(page, compared)).props('data-testid="no-ranking"')
         return
     try:
         stretch = _Stretch(page, compared, waves, diagnosis)
@@ -150,6 +149,15 @@ class _Stretch:
         return next((s for s in sentences if s.startswith(f"{law.name} fits in part")), "")
 
 
+def _no_ranking(page: "Page", compared: Any) -> str:
+    """Why no law can be asked what it would take."""
+    if "compare" in page.bench.jobs or "ask" in page.bench.jobs:
+        return "Every law is being asked what it would take."
+    if compared is not None and not compared.comparison.traces:
+        return "The model cannot be simulated, so that no stretch stands out; identify it in place 2."
+    return "Compare model and logs in place 3; then every law can be asked what it would take."
+
+
 def _finding(page: "Page", number: int, finding: Any) -> None:
     with ui.card().classes("w-full").props(f'data-testid="finding-{number + 1}"'):
         if len(finding.tie) > 1:
@@ -157,9 +165,10 @@ def _finding(page: "Page", number: int, finding: Any) -> None:
         for i, named in enumerate(finding.tie):
             values = ", ".join(f"{n} {v:.4g} {named.units[n]}" for n, v in named.values.items())
             with ui.row().classes("items-center"):
-                ui.label(f"{named.effect} at {named.joint}").classes("font-bold")
+                of = " of the robot file" if named.describes else ""
+                ui.label(f"{named.effect} at {named.joint}{of}").classes("font-bold")
                 ui.label(values).classes("text-sm")
-                add_button(page, named, f"add-{number + 1}-{i + 1}")
+                add_button(page, named, f"add-{number + 1}-{i + 1}", "Correct it" if of else "Add")
         held = finding.heldout_gain_percent
         on_unseen = "" if held is None else f", {held:.0f} % of the error on data that were not fitted"
         ui.label(f"takes {finding.share_percent:.0f} % of what exceeds the floor{on_unseen}")
@@ -167,19 +176,19 @@ def _finding(page: "Page", number: int, finding: Any) -> None:
             ui.label(f"To separate: {finding.experiment}").classes("text-sm")
 
 
-def add_button(page: "Page", named: Any, name: str) -> None:
+def add_button(page: "Page", named: Any, name: str, words: str = "Add") -> None:
     """Adds a law to the model: fits it and judges it on unseen data."""
     joint = int(named.joint.removeprefix("joint"))
-    button = ui.button("Add", on_click=lambda: page.act(lambda: page.bench.add(named.effect, joint)))
+    button = ui.button(words, on_click=lambda: page.act(lambda: page.bench.add(named.effect, joint)))
     button.props(f'data-testid="{name}" dense no-caps').set_enabled("add" not in page.bench.jobs)
 
 
 def _outcome(page: "Page") -> None:
     """What came of the law that was added last."""
-    last = next((r for (what, _), r in reversed(page.bench.results.items()) if what == "add"), None)
+    last = page.bench.last_added
     if last is None:
         return
-    ui.label("The last law that was added, on data that were not fitted").classes("font-bold mt-2")
+    ui.label("What was added last: error on held-out and on fitted logs").classes("font-bold mt-2")
     words = "accepted" if last.accepted else f"refused: {last.reason}"
     ui.label(words).classes("text-positive" if last.accepted else "text-negative").props(
         'data-testid="outcome"'
@@ -187,7 +196,9 @@ def _outcome(page: "Page") -> None:
     ui.plotly(figures.waterfall(last.waterfall)).classes("w-full").props(
         'data-testid="waterfall" role="figure" aria-label="errors before and after, over their floor"'
     )
-    for i, step in enumerate(last.waterfall, start=1):
-        ui.label(
-            f"{step.name}: {step.before:.4g} → {step.after:.4g} {step.unit}, floor {step.floor:.4g}"
-        ).props(f'data-testid="fall-{i}"').classes("text-sm")
+    with ui.column().classes("gap-0"):
+        for i, step in enumerate(last.waterfall, start=1):
+            ui.label(
+                f"{step.name}, {step.data}: "
+                f"{step.before:.4g} → {step.after:.4g} {step.unit}, floor {step.floor:.4g}"
+            ).props(f'data-testid="fall-{i}"').classes("text-sm")
