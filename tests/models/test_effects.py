@@ -34,6 +34,7 @@ STRONG: dict[str, dict[str, float]] = {
     "transmission_hysteresis": {"level": 10.0, "travel": 3e-4},
     "stiffness_coupling": {"k12": 4e4, "k13": -3e4, "k23": 5e4},
     "kinematic_error": {"cosine": 12.0, "sine": -9.0, "order": 4.0},
+    "twist_offset": {"torque": 25.0},
     "torque_ripple": {"cosine": 8.0, "sine": 5.0, "order": 6.0},
     "torque_delay": {"share": 1.0, "delay": 0.002},
     "torque_saturation": {"share": 0.5, "limit": 40.0},
@@ -253,6 +254,7 @@ def test_dissipation_takes_power_and_springs_give_it_back():
         "joint_spring",
         "hardening_stiffness",
         "stiffness_coupling",
+        "twist_offset",
     ):
         assert_conservative(robot, name, motion.q)
 

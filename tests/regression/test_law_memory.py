@@ -36,6 +36,10 @@ def test_states_follow_the_rate():
     assert filtered(A, B, H, 0.7) == pytest.approx(_exact(0.7, edges), rel=1e-7)
 
 
+def test_a_single_sample_has_the_state_it_starts_with():
+    assert filtered(A[:0], B[:0], H[:0], 0.7).tolist() == [0.7]
+
+
 def test_means_under_the_hat():
     """∫ hat z dt of one interval by quadrature: rising half at its end, falling half at its start."""
     a, b, h, start = -40.0, 3.0, 0.02, 0.5

@@ -75,6 +75,40 @@ def test_between_reversals_a_spectrum_goes_on_below_what_stretches_resolve():
     assert between_reversals(law, moving & (np.arange(12000) % 20 > 0), PERIOD) is None
 
 
+def between(values: np.ndarray, seed: int, period: float) -> NoiseSpectrum:
+    """Of noise (N,) under a law of 0.4 Hz that begins anywhere."""
+    turns = 2 * np.pi * 0.4 * np.arange(len(values)) * period + np.random.default_rng([seed, 1]).uniform(0, 7)
+    found = between_reversals(values + 30 * np.sin(turns), np.abs(np.sin(turns)) > 0.05, period)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(("count", "period"), [(2000, 0.004), (800, 0.01), (12000, 0.01)])  # 8, 8, 120 s
+@pytest.mark.parametrize("step", [0.0, 3.0])
+def test_white_and_rounded_noise_is_read_as_white(count, period, step):
+    """A step of three deviations makes it white noise of 1 + step²/12, by Bennett's rule."""
+    found = []
+    for seed in range(30):
+        white = np.random.default_rng(seed).standard_normal(count)
+        dither = 50 * np.sin(np.arange(count) * 0.0123)  # the motion's, known
+        rounded = np.round((white + dither) / step) * step - dither if step else white
+        found.append(between(rounded, seed, period))
+    f = np.array([*SLOW, 3.0, 0.4 / period])
+    levels = np.array([np.interp(f, s.frequencies, s.density) for s in found])
+    true_level = 2 * period * (1 + step**2 / 12)
+    assert levels.mean(axis=0) == pytest.approx(np.full(4, true_level), rel=0.1)
+    assert (np.quantile(levels, 0.9, axis=0) < 1.25 * true_level).all()  # of single logs
+
+
+@pytest.mark.parametrize(("count", "allowed"), [(2000, 0.25), (5000, 0.1)])
+def test_coloured_noise_stays_coloured(count, allowed):
+    """A corner of 4.2 Hz, which stretches of half a second hardly resolve."""
+    found = [between(noise(count, seed, 1.0, 0.0), seed, 0.004) for seed in range(30)]
+    scaled = np.array([*SLOW, 3.0]) * 0.004 / PERIOD  # `true` is of another period
+    levels = mean_of(found, np.array([*SLOW, 3.0])) / (true(scaled, 1.0, 0.0) * 0.004 / PERIOD)
+    assert levels == pytest.approx(np.ones(3), abs=allowed)
+
+
 def test_noise_is_drawn_with_its_spectrum():
     f = np.linspace(0, 50, 400)
     spectrum = NoiseSpectrum(f, true(f), PERIOD)

@@ -16,7 +16,7 @@ joint_spring = Effect(
     parameters=(_stiffness, _pull),
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="a large part of the joint's range",
-    confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset"),
+    confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset", "twist_offset"),
     experiment="slow motion over the whole range, at an axis that gravity does not load if there is one",
 )
 

@@ -121,3 +121,17 @@ kinematic_error = Effect(
     confounders=("torque_ripple", "ms[x]", "ms[y]", "ms[z]"),
     experiment="slow constant speed over the whole range with the link's position measured",
 )
+
+# Encoders of motor and link that read z apart without load leave a spring k1 (eps1 - z)²/2 in what they read.
+_torque = Parameter("torque", "N.m")
+
+twist_offset = Effect(
+    name="twist_offset",
+    title="Zero of the drive's deformation as it is measured: minus its stiffness times that deformation",
+    forces={eps[1]: _torque.symbol},
+    parameters=(_torque,),
+    citation="Tuttle and Seering 1996: the part of the transmission's error without a period",
+    needs="poses that load the drive differently",
+    confounders=("offset", "joint_spring", "gravity_spring", "ms[x]", "ms[y]", "ms[z]"),
+    experiment="slow motion through poses in which gravity loads the drive in both directions",
+)

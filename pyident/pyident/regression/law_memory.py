@@ -15,6 +15,8 @@ def filtered(a: np.ndarray, b: np.ndarray, h: np.ndarray, start: float) -> np.nd
     """z at the samples, (N,), from a, b over the intervals, (N - 1,), of lengths h [s]."""
     from scipy.linalg import get_lapack_funcs
 
+    if not len(h):
+        return np.array([start])
     gain, drive = np.exp(a * h), b * h * _psi(1, a * h)
     if not (gain <= 1).all():  # elimination would pivot, and a state that grows overflow backwards
         return _stepped(gain, drive, start)

@@ -7,6 +7,10 @@ What the fitted model leaves of a torque, along the motion without its sensors' 
 the model lacks. Where the motion repeats, noise is what does not (see `repetition`). Else it is what is left
 between reversals in stretches so short that a law is a cubic there; below the frequencies that these resolve,
 the spectrum is that of white and of low-passed noise which fit it best above.
+
+In a few stretches a low pass fits even white noise, and would raise it severalfold where nothing is seen. So
+white noise alone and with a low pass are averaged by their odds (Schwarz 1978). Noise whose corner is below
+what the stretches resolve is told too small under it, as nothing says how far it goes on rising.
 """
 
 from dataclasses import dataclass
@@ -25,6 +29,12 @@ _WIDER = 1.25  # each band's width in which a spectrum is averaged, over the one
 _BINS = 8  # in a band at least
 _CORNERS = 15  # of low passes that are tried
 _ROUNDS = 4  # after which their sizes change by less than a per cent
+_LEAST = 1e-6  # of the mean density
+_CERTAIN = 50.0  # logarithm of odds: more is not needed
+_FURTHER = 2  # parameters of low-passed noise beside white: its corner and its size
+_TOLD = (
+    0.95 * 0.51 * 0.48
+)  # of a stretch's bins are news: halves overlap, Hann's bins do, and a median is coarse
 
 
 @dataclass(frozen=True)
@@ -90,23 +100,45 @@ def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> No
 
 def _fitted(pieces: np.ndarray, period: float) -> NoiseSpectrum:
     """White and low-passed noise by the spectrum of pieces (M, L)."""
+    f, typical = _typical(pieces, period)
+    fine = np.linspace(0, 0.5 / period, 200)
+    white = float(typical.mean())
+    corners = np.geomspace(f[0] / 2, fine[-1] / 3, _CORNERS)
+    fits = [_low_passed(f, typical, corner) for corner in corners]
+    misses = [_miss(typical, _shapes(f, c) @ size) for c, size in zip(corners, fits, strict=True)]
+    best = int(np.argmin(misses))
+    told = _TOLD * len(pieces)  # times each bin is seen
+    gain = told * (_miss(typical, np.full(len(f), white)) - misses[best])
+    odds = np.exp(min(gain - _FURTHER / 2 * np.log(told * len(f)), _CERTAIN))
+    density = (white + odds * _shapes(fine, corners[best]) @ fits[best]) / (1 + odds)
+    return NoiseSpectrum(fine, density, period)
+
+
+def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] that pieces (M, L) resolve, and the density that they typically have there."""
     length = pieces.shape[1]
     basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, length), _SMOOTH))[0]
     window = np.hanning(length)
     smooth = pieces @ basis @ basis.T
     S = np.abs(np.fft.rfft((pieces - smooth) * window, axis=1)) ** 2 / np.sum(window**2) * 2 * period
     f = np.fft.rfftfreq(length, period)
-    typical = np.median(S, axis=0)[_FIRST:-1] / np.log(2)
-    f_seen, top = f[_FIRST:-1], f[-1]
-    fine = np.linspace(0, top, 200)
-    best, least = np.zeros(len(fine)), np.inf
-    for corner in np.geomspace(f_seen[0] / 2, top / 3, _CORNERS):
-        shapes = [np.column_stack([np.ones_like(x), 1 / (1 + (x / corner) ** 2)]) for x in (f_seen, fine)]
-        model = np.full(len(typical), typical.mean())
-        for _ in range(_ROUNDS):  # over the typical values themselves it would lean on the lowest
-            size = nnls(shapes[0] / model[:, None], typical / model)[0]
-            model = np.maximum(shapes[0] @ size, 1e-6 * typical.mean())
-        miss = float(np.sum(np.log(model) + typical / model))  # Whittle's likelihood
-        if miss < least:
-            best, least = shapes[1] @ size, miss
-    return NoiseSpectrum(fine, best, period)
+    return f[_FIRST:-1], np.median(S, axis=0)[_FIRST:-1] / np.log(2)
+
+
+def _low_passed(f: np.ndarray, typical: np.ndarray, corner: float) -> np.ndarray:
+    """(2,) sizes of white noise and of noise below a corner [Hz] beside it."""
+    shapes, model, size = _shapes(f, corner), np.full(len(f), typical.mean()), np.zeros(2)
+    for _ in range(_ROUNDS):  # over the typical values themselves it would lean on the lowest
+        size = nnls(shapes / model[:, None], typical / model)[0]
+        model = np.maximum(shapes @ size, _LEAST * typical.mean())
+    return size
+
+
+def _shapes(f: np.ndarray, corner: float) -> np.ndarray:
+    return np.column_stack([np.ones_like(f), 1 / (1 + (f / corner) ** 2)])
+
+
+def _miss(typical: np.ndarray, model: np.ndarray) -> float:
+    """What Whittle's likelihood has against a model of a density, of a spectrum that is seen once."""
+    model = np.maximum(model, _LEAST * typical.mean())
+    return float(np.sum(np.log(model) + typical / model))

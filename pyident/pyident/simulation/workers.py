@@ -22,7 +22,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 from threadpoolctl import threadpool_limits
 
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.process_ends import end_with_parent, interrupts_blocked
+from pyident.simulation.process_ends import end_with_parent, interrupts_blocked, not_run_again
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -65,10 +65,10 @@ def workers_with(
 
 
 class _Pool(ProcessPoolExecutor):
-    """The first tasks start the processes, which are not to see Ctrl-C."""
+    """The first tasks start the processes, which are not to see Ctrl-C nor to run the caller's script."""
 
     def submit(self, fn: Callable[..., R], /, *args: Any, **kwargs: Any) -> "Future[R]":
-        with interrupts_blocked():
+        with interrupts_blocked(), not_run_again():
             return super().submit(fn, *args, **kwargs)
 
 
