@@ -29,7 +29,7 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
         "x": labels,
         "y": rows,
         "z": [[None if np.isnan(v) else float(v) for v in row] for row in shade],
-        "text": [["" if np.isnan(v) else f"{v:.2g}" for v in row] for row in ratio],
+        "text": [["" if np.isnan(v) else f"{float(f'{v:.2g}'):g}" for v in row] for row in ratio],
         "texttemplate": "%{text}",
         "colorscale": _SCALE,
         "zmin": 0,
