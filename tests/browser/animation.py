@@ -83,7 +83,7 @@ def session(film: Film, url: str) -> None:
     tab.wait_for_function(_DRAWN, arg=["waveform", 4], timeout=_PATIENCE)
     film.take("What would be left. Add it", "stretch", "law-add-1")
     there("version-1")
-    film.take("Fitted and judged: the errors have fallen to their floor", "outcome")
+    film.take("Fitted and judged, on held-out and on fitted logs: the errors have fallen", "outcome")
     by("job-compare").wait_for(state="detached", timeout=_PATIENCE)
     by("job-ask").wait_for(state="detached", timeout=_PATIENCE)
     by("place-where").click()

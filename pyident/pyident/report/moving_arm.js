@@ -20,7 +20,8 @@ function flexidentArm(root, data) {
   let time = began, turn = -0.9, tilt = 0.45, loop = 0, size = 1;
   const all = data.rigid.flat().concat([[0, 0, 0]]);
   const middle = [0, 1, 2].map(i => (Math.min(...all.map(p => p[i])) + Math.max(...all.map(p => p[i]))) / 2);
-  const reach = 1.15 * Math.max(...all.map(p => Math.hypot(...p.map((v, i) => v - middle[i]))));
+  const widest = Math.max(...all.map(p => Math.hypot(...p.map((v, i) => v - middle[i]))));
+  const reach = 1.15 * widest || 1;  // a slide that stands at the origin is a point
 
   const at = (motion, deltas) => {
     const x = frames < 2 ? 0 : (time - began) / (last - began) * (frames - 1);

@@ -100,7 +100,8 @@ class Fit(Result):
         sums = [b.expression for b in self.identified.base if len(b.terms) > 1]
         words = f"{alone} of {len(support)} parameters are determined alone"
         if sums:
-            words += f", {support.count('combination')} more only in {len(sums)} combinations"
+            many = "" if len(sums) == 1 else "s"
+            words += f", {support.count('combination')} more only in {len(sums)} combination{many}"
         words += f", {never} act on nothing that was measured." if never else "."
         if sums:
             more = ", …" if len(sums) > _COMBINATIONS else ""

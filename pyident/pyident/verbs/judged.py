@@ -230,12 +230,13 @@ def _told(log: Any) -> list[tuple[str, Any]]:
 def _row(finding: Any) -> tuple[str, str, str, str]:
     best = finding.tie[0]
     held = "-" if finding.heldout_gain_percent is None else f"{finding.heldout_gain_percent:.0f} %"
-    values = ", ".join(_value(best, name) for name in best.values)
+    values = ", ".join(said_value(best, name) for name in best.values)
     names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
     return names, f"{finding.share_percent:.0f} %", held, values
 
 
-def _value(named: Any, parameter: str) -> str:
+def said_value(named: Any, parameter: str) -> str:
+    """A parameter of a named effect with its standard deviation, where the logs determine it."""
     std = named.std[parameter]
     if std == float("inf") and parameter not in named.nonlinear:
         return f"{parameter} not determined by itself"

@@ -29,18 +29,18 @@ def band_map(bins: Sequence[Any]) -> dict[str, Any]:
         "x": labels,
         "y": rows,
         "z": [[None if np.isnan(v) else float(v) for v in row] for row in shade],
-        "text": [["" if np.isnan(v) else f"{v:.2g}" for v in row] for row in ratio],
+        "text": [["" if np.isnan(v) else f"{float(f'{v:.2g}'):g}" for v in row] for row in ratio],
         "texttemplate": "%{text}",
         "colorscale": _SCALE,
         "zmin": 0,
         "zmax": max(1.0, float(np.nanmax(shade))),
         "showscale": False,
-        "hovertemplate": "%{y}, %{x}: %{text} times the floor<extra></extra>",
+        "hovertemplate": "%{y}, %{x} Hz: %{text} times the floor<extra></extra>",
     }
     layout = {
-        "height": 90 + 24 * len(rows),
-        "margin": {"l": 90, "r": 10, "t": 40, "b": 20},
-        "xaxis": {"side": "top", "fixedrange": True, "tickangle": 0},
+        "height": 110 + 24 * len(rows),
+        "margin": {"l": 90, "r": 10, "t": 60, "b": 20},
+        "xaxis": {"side": "top", "fixedrange": True, "automargin": True, "title": {"text": "frequency [Hz]"}},
         "yaxis": {"autorange": "reversed", "fixedrange": True},
     }
     return {"data": [heat], "layout": layout, "config": {"displayModeBar": False, "responsive": True}}
@@ -183,7 +183,7 @@ def line(time: np.ndarray, values: np.ndarray, name: str, colour: str, axis: str
 
 
 def _band(b: Any) -> str:
-    return f"{b.low:g}–{b.high:.3g} Hz"
+    return f"{b.low:g}–{b.high:.3g}"
 
 
 def _order_spectrum(angle: np.ndarray, values: np.ndarray) -> tuple[list[float], list[float]]:

@@ -123,6 +123,10 @@ def chosen_trace(page: "Page", comparison: Any) -> Any:
 def _map(page: "Page", comparison: Any) -> None:
     plot = ui.plotly(figures.band_map(comparison.bins)).classes("w-full")
     plot.props('data-testid="map" role="figure" aria-label="rms over floor by equation and band"')
+    words = "rms over the floor, with the values that the model has; a click shows a cell alone"
+    if comparison.structural:
+        words += ". The sentence above is of what stays when all values are fitted anew."
+    ui.label(words).classes("text-sm")
 
     def chosen(event: events.GenericEventArguments) -> None:
         point = event.args["points"][0]

@@ -159,11 +159,13 @@ def _no_ranking(page: "Page", compared: Any) -> str:
 
 
 def _finding(page: "Page", number: int, finding: Any) -> None:
+    from pyident.verbs.judged import said_value
+
     with ui.card().classes("w-full").props(f'data-testid="finding-{number + 1}"'):
         if len(finding.tie) > 1:
             ui.label("These logs cannot tell these apart:").classes("text-sm")
         for i, named in enumerate(finding.tie):
-            values = ", ".join(f"{n} {v:.4g} {named.units[n]}" for n, v in named.values.items())
+            values = ", ".join(said_value(named, n) for n in named.values)
             with ui.row().classes("items-center"):
                 of = " of the robot file" if named.describes else ""
                 ui.label(f"{named.effect} at {named.joint}{of}").classes("font-bold")
