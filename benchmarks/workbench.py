@@ -73,12 +73,14 @@ def served(folder: Path) -> Iterator[tuple[str, int]]:
 
 
 def cpu(pid: int) -> float:
-    """Seconds of a process and of those that it started and that ended; NaN where the system does not say."""
-    status = Path(f"/proc/{pid}/stat")
-    if not status.exists():
+    """Seconds of a process and of all that it started, over or not; NaN where the system does not say."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        listed = [file.read_text().split() for file in Path(f"/proc/{pid}/task").glob("*/children")]
+    except OSError:
         return float("nan")
-    fields = status.read_text().rpartition(")")[2].split()
-    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    own = sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    return own + float(np.nansum([cpu(int(child)) for children in listed for child in children]))
 
 
 def measured(tab, url: str, pid: int) -> Iterator[tuple[str, tuple[float, float]]]:

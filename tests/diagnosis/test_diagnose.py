@@ -66,6 +66,7 @@ def test_the_hidden_law_is_named(asymmetric):
     assert finding.heldout_gain_percent > 50
     assert found.localised == ("joint2", "motor")
     assert found.remaining < 2 < found.excess
+    assert ("asymmetric_coulomb", "joint2") not in {(x.effect, x.joint) for x in found.limits if x.reason}
 
 
 def test_nothing_hidden_is_nothing_found(folder):

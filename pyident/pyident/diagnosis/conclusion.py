@@ -31,6 +31,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
     verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
     stages = tuple(_stages(search, findings, steps))
+    shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
@@ -39,7 +40,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         sentence=_in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
-        limits=tuple(limits(search)),
+        limits=tuple(x for x in limits(search) if not x.reason or (x.effect, x.joint) not in shown),
         rows=tuple(rows),
         excess=stages[0].over_floor,
         remaining=stages[-1].over_floor,
