@@ -42,8 +42,9 @@ def test_what_lies_in_bands_that_no_fitted_log_has_does_not_count():
         (Unseen(0.80, 0.10, 5.0, 1.0), 0.90, True),
         (Unseen(0.40, 0.10, 5.0, 1.0), 0.90, False),  # less than half of what was fitted
         (Unseen(0.60, 0.70, 5.0, 1.0), 0.90, False),  # as much by chance
-        (Unseen(0.08, 0.07, 0.1, 0.9), 0.42, True),  # hardly anything to explain, but what it says is there
-        (Unseen(0.08, 0.07, 0.1, 0.3), 0.42, False),  # most of it is not
+        (Unseen(0.40, 0.07, 0.1, 0.9), 0.42, True),  # hardly anything to explain, but what it says is there
+        (Unseen(0.08, 0.07, 0.1, 0.9), 0.42, False),  # by chance, perhaps
+        (Unseen(0.40, 0.07, 0.1, 0.3), 0.42, False),  # most of it is not
         (Unseen(-0.01, 0.07, 0.1, -0.5), 0.42, False),
     ],
 )

@@ -63,10 +63,10 @@ class HeldOut:
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
 
-        Where the unseen data hold hardly anything to explain, what the effects take must be there.
+        Where these hold hardly anything to explain, what the effects take must be there, and not by chance.
         """
         if unseen.excess < rules.unseen_excess:
-            return unseen.kept >= rules.unseen
+            return unseen.kept >= rules.unseen and unseen.share > rules.chance * unseen.std
         return unseen.share >= rules.unseen * fitted_share and unseen.share > unseen.std
 
 
