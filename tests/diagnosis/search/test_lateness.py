@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.interpolate import CubicSpline
 from six_axis_logs import arm, made, plain, three_laws
@@ -58,8 +59,16 @@ def test_positions_in_time_stay_there():
 
 def test_a_log_moved_there_and_back_is_itself():
     log = made(arm(), 0, plain, 5.0, PACE)
-    again = earlier(arm(), late(log, 2.0), 2.0 * log.period)
-    inner = log.frame.iloc[20:-20]
-    both = inner.merge(again.frame, on="time", suffixes=("", ".again"))
-    assert len(both) > 0.9 * len(inner)
-    np.testing.assert_allclose(both["joint2.e.again"], both["joint2.e"], atol=1e-4)
+    for samples in (2.0, -2.0):
+        again = earlier(arm(), late(log, samples), samples * log.period)
+        both = log.frame.iloc[20:-20].merge(again.frame, on="time", suffixes=("", ".again"))
+        assert len(both) == len(log.frame) - 40
+        np.testing.assert_allclose(both["joint2.e.again"], both["joint2.e"], atol=1e-4)
+
+
+def test_a_moved_log_goes_straight_on_where_it_ends():
+    time = np.arange(50) * 0.01
+    frame = pd.DataFrame({"time": time} | {f"joint{k}.e": k * time for k in range(1, 7)})
+    for moved in (0.033, -0.033):
+        found = earlier(arm(), Log(frame, "line"), moved).frame
+        np.testing.assert_allclose(found["joint3.e"], 3 * (time + moved), atol=1e-12)

@@ -86,10 +86,15 @@ def _tells(ex: Examination, base: Base, data: Sequence[Equations], k: int) -> bo
 
 
 def earlier(robot: Robot, log: Log, late: float) -> Log:
-    """The log with its positions where they belong if they came late [s]; without the ends that it lacks."""
+    """The log with its positions where they belong if they came late [s], straight on where it ends."""
+    if late == 0.0:
+        return log
     lost = int(np.ceil(abs(late) / log.period))
     frame = delayed(log.frame, dict.fromkeys(robot.coordinates, late))
-    return replace(log, frame=frame.iloc[lost : len(frame) - lost].reset_index(drop=True)) if lost else log
+    values = frame[list(robot.coordinates)].to_numpy(copy=True)
+    ends = values[::-1] if late > 0 else values  # the lost samples come first
+    ends[:lost] = ends[lost] + np.arange(lost, 0, -1)[:, None] * (ends[lost] - ends[lost + 1])
+    return replace(log, frame=frame.assign(**dict(zip(robot.coordinates, values.T, strict=True))))
 
 
 def all_earlier(robot: Robot, logs: Sequence[Log], late: float) -> list[Log]:
