@@ -1,5 +1,6 @@
 """The floor: errors that no model is free of, in every replica; and what stands out above it."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ from flexmodels.settings.processing import Processing
 from pyident.conditioning.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
-from pyident.diagnosis.base.residual_over_floor import Examination, examine
+from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, examine
 from pyident.diagnosis.base.setting import set_up, workers_of
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
-from pyident.rules.rules import RULES
+from pyident.regression.spectrum import Floor
+from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
 
 TIME = np.arange(4000) * PERIOD
@@ -84,15 +86,24 @@ SAMPLES = 100
 CALM, WILD = [1.0] * 20, [0.2] * 19 + [16.2]  # energy that each of 20 replicas leaves: on average 1
 
 
+@dataclass(frozen=True)
 class Fitted:
-    rules = RULES
+    continued: np.ndarray
+    rules: Rules = RULES
 
 
-def standing_out(residual: np.ndarray, in_bands: np.ndarray, replicas: np.ndarray) -> bool:
-    """Of one equation: residual (E,), in_bands (E, bands), what replicas leave on average (20, bands)."""
-    setting: Any = Fitted()
+def standing_out(
+    residual: np.ndarray, in_bands: np.ndarray, replicas: np.ndarray, continued: float = 0.0
+) -> bool:
+    """Of one equation: residual (E,), in_bands (E, bands), what replicas leave on average (20, bands).
+
+    continued   Hz: below, the noise is not measured
+    """
+    setting: Any = Fitted(np.array([continued]))
+    more = ((0, 0), (0, len(EDGES) - in_bands.shape[1]))
+    in_bands, replicas = np.pad(in_bands, more), np.pad(replicas, more)
     count, nothing = in_bands.sum(axis=0), np.zeros((20, 0))
-    floor: Any = None
+    floor: Any = Floor(np.array([0.0, 20.0]), np.ones((1, 2)))
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual[None]])
     examined: Any = ([], [], [], nothing, [], np.zeros((1, len(count))), replicas[:, None], count)
     examination = Examination(setting, floor, [], base, *examined)
@@ -117,3 +128,14 @@ def test_noise_of_other_bands_does_not_dilute_what_stands_out_in_one(energy, sta
     residual[: SAMPLES // 10] = np.sqrt(energy)
     low = np.arange(SAMPLES) < SAMPLES // 10
     assert standing_out(residual, np.column_stack([low, ~low]).astype(float), np.ones((20, 2))) == stands_out
+
+
+@pytest.mark.parametrize(("energy", "stands_out"), [(4.1, False), (48.0, False), (50.0, True)])
+def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
+    """As 1/f below 4 Hz: 16 times at the middle of the band up to 0.5 Hz."""
+    residual = np.ones(10 * SAMPLES)
+    residual[:20] = np.sqrt(energy)
+    low = np.arange(10 * SAMPLES) < 20
+    bands = np.column_stack([low, ~low]).astype(float)
+    assert standing_out(residual, bands, np.ones((20, 2)), 4.0) == stands_out
+    assert standing_out(residual, bands, np.ones((20, 2)))

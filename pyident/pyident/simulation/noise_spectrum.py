@@ -13,7 +13,7 @@ white noise alone and with a low pass are averaged by their odds (Schwarz 1978).
 what the stretches resolve is told too small under it, as nothing says how far it goes on rising.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -42,11 +42,13 @@ class NoiseSpectrum:
     """Noise of a channel that is sampled with a period [s].
 
     frequencies, density   (F,) Hz, and unit² per Hz, of positive frequencies alone
+    continued              Hz: below, it was not measured but continued
     """
 
     frequencies: np.ndarray
     density: np.ndarray
     period: float
+    continued: float = 0.0
 
     @staticmethod
     def white(sigma: float, period: float) -> "NoiseSpectrum":
@@ -62,7 +64,7 @@ class NoiseSpectrum:
     def without_rounding(self, step: float) -> "NoiseSpectrum":
         """What else there is in a channel of this resolution."""
         rounding = step**2 / 12 * 2 * self.period
-        return NoiseSpectrum(self.frequencies, np.maximum(self.density - rounding, 0.0), self.period)
+        return replace(self, density=np.maximum(self.density - rounding, 0.0))
 
     def draw(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """(count,) samples."""
@@ -84,8 +86,9 @@ def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseS
     while edges[-1] + narrowest < len(S):
         edges.append(min(len(S), max(edges[-1] + narrowest, int(_WIDER * edges[-1]))))
     bins = 1 / (len(noise) * step * period)
-    middle = [0.5 * (a + b - 1) * bins for a, b in pairwise(edges)]
-    return NoiseSpectrum(np.array(middle), np.array([S[a:b].mean() for a, b in pairwise(edges)]), period)
+    middle = np.array([0.5 * (a + b - 1) * bins for a, b in pairwise(edges)])
+    density = np.array([S[a:b].mean() for a, b in pairwise(edges)])
+    return NoiseSpectrum(middle, density, period, continued=edges[0] * bins)
 
 
 def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum | None:
@@ -111,7 +114,7 @@ def _fitted(pieces: np.ndarray, period: float) -> NoiseSpectrum:
     gain = told * (_miss(typical, np.full(len(f), white)) - misses[best])
     odds = np.exp(min(gain - _FURTHER / 2 * np.log(told * len(f)), _CERTAIN))
     density = (white + odds * _shapes(fine, corners[best]) @ fits[best]) / (1 + odds)
-    return NoiseSpectrum(fine, density, period)
+    return NoiseSpectrum(fine, density, period, continued=float(f[0]))
 
 
 def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:

@@ -61,6 +61,16 @@ class Setting:
         """Whether its replicas are simulated, else they go along the measured motion."""
         return all(isinstance(r, Repeat) for r in self.repeats)
 
+    @property
+    def continued(self) -> np.ndarray:
+        """(n,) Hz: below, the noise of an equation's torque is not measured but continued."""
+        found = np.zeros(len(self.robot.coordinates))
+        for r in self.repeats:
+            if isinstance(r, AlongMotion):
+                own = [r.noise[name].continued for name in self.robot.torques]
+                found[: len(own)] = np.maximum(found[: len(own)], own)
+        return found
+
 
 def set_up(
     robot: Robot, logs: Sequence[Log], rules: Rules = RULES, estimator: Estimator = weighted

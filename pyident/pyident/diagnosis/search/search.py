@@ -264,7 +264,7 @@ class Search:
     def bands_standing_out(self) -> np.ndarray:
         """(n, bands) by equation and band: the same there. Noise of all others must not dilute it."""
         ex = self.examination
-        least = np.maximum(1 + self.rules.band_stands_out, ex.most_in_bands)
+        least = np.maximum(1 + self.rules.band_stands_out * ex.may_rise, ex.most_in_bands)
         return ex.over_floor_in_bands(self.base) > least
 
     def needed(self, family: int) -> float:
