@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import save_robot
 from flexmodels.robot import RobotError
-from pyident.simulation.workers import workers_with
+from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult
 
 from .cases import Case, case_list

@@ -24,7 +24,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
-from pyident.simulation.workers import workers_with
+from pyident.simulation.processes.workers import workers_with
 
 from .generator.cases import LOGS, Case
 from .generator.logs_and_key import generate

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from flexmodels.atomic import replacing
 from pyident.diagnosis.diagnose import concluded, searched
-from pyident.simulation.workers import workers_with
+from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
 from .arm import arm

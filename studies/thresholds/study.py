@@ -21,7 +21,7 @@ from pyident.diagnosis.search.search import Search, search_of
 from pyident.rules.rule import RulesError
 from pyident.rules.rules import RULES, Rules
 from pyident.rules.search import SearchRules
-from pyident.simulation.workers import workers_with
+from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
 from ..rigid_arm.arm import arm

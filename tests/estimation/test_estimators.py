@@ -15,7 +15,7 @@ from pyident.estimation.identify import identified
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.simulation.simulator import Unsimulated
-from pyident.simulation.workers import inline
+from pyident.simulation.processes.workers import inline
 
 
 def problem(robot: Robot, log: Log) -> Problem:

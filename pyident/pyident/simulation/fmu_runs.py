@@ -17,9 +17,9 @@ from flexmodels.experiment import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.growing_pool import growing_pool
+from pyident.simulation.processes.growing_pool import growing_pool
 from pyident.simulation.simulator import runs_at_once
-from pyident.simulation.workers import Make, Processes, inline, workers_with
+from pyident.simulation.processes.workers import Make, Processes, inline, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -22,7 +22,7 @@ from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.workers import Processes, configured_scheduler, dask_cluster
+from pyident.simulation.processes.workers import Processes, configured_scheduler, dask_cluster
 from pyident.sweep.metrics import METRICS, Metric, evaluate
 from pyident.sweep.plan import StudyPlan
 from pyident.sweep.store import ResultsStore, StudyError

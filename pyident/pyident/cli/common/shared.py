@@ -27,7 +27,7 @@ from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputErro
 from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
 from pyident.simulation.references import ExperimentError
-from pyident.simulation.workers import WorkersError, scheduler_configured
+from pyident.simulation.processes.workers import WorkersError, scheduler_configured
 from pyident.sweep.store import StudyError
 from pyident.workbench.project import ProjectError
 

@@ -9,7 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from pyident.simulation.workers import Make, Processes, inline, local_processes, workers_with
+from pyident.simulation.processes.workers import Make, Processes, inline, local_processes, workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -22,7 +22,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 from threadpoolctl import threadpool_limits
 
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.process_ends import end_with_parent, interrupts_blocked, not_run_again
+from pyident.simulation.processes.process_ends import end_with_parent, interrupts_blocked, not_run_again
 
 P = ParamSpec("P")
 R = TypeVar("R")
