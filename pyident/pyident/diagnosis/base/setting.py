@@ -19,11 +19,11 @@ from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
+from pyident.simulation.processes.workers import inline
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
-from pyident.simulation.processes.workers import inline
 
 _FITTED = "_identified"  # behind the name of a robot
 _TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
