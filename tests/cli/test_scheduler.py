@@ -3,7 +3,7 @@
 from click.testing import CliRunner
 
 from pyident.cli.main import main
-from pyident.simulation.processes.workers import configured_scheduler
+from pyident.simulation.processes.dask_cluster import configured_scheduler
 
 
 def test_the_address_is_configured_for_the_command_alone(tmp_path, monkeypatch):
@@ -17,7 +17,7 @@ def test_the_address_is_configured_for_the_command_alone(tmp_path, monkeypatch):
 
 
 def test_a_cluster_that_does_not_answer_ends_in_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr("pyident.simulation.processes.workers._CONNECT_SECONDS", 1)
+    monkeypatch.setattr("pyident.simulation.processes.dask_cluster._CONNECT_SECONDS", 1)
     plan = tmp_path / "plan.toml"
     plan.write_text(
         'model = "four_link"\nexperiment = "line"\nruns = 2\n[parameters]\n"joint1.coulomb" = 0.1\n'

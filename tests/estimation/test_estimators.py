@@ -14,7 +14,7 @@ from pyident.estimation.estimator import ordinary, reweighted, total, weighted
 from pyident.estimation.identify import identified
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
-from pyident.simulation.processes.workers import inline
+from pyident.simulation.processes.tools import inline
 from pyident.simulation.simulator import Unsimulated
 
 

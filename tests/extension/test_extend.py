@@ -53,14 +53,14 @@ def test_a_wrong_effect_is_refused(folder, logs):
 
 
 def test_a_law_whose_model_cannot_be_simulated_is_refused(monkeypatch, folder, logs):
-    fitted = extension._fitted
+    fitted = extension.fit_to
 
     def only_without(robot, *rest):
         if robot.parameters.keys() > two_link().parameters.keys():
             raise SimulationError("it rings")
         return fitted(robot, *rest)
 
-    monkeypatch.setattr(extension, "_fitted", only_without)
+    monkeypatch.setattr(extension, "fit_to", only_without)
     found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
     assert not found.accepted
     assert found.reason.endswith("is refused: the model fitted with it cannot be simulated (it rings)")

@@ -8,7 +8,7 @@ from pyident.simulation.processes.process_ends import not_run_again
 SCRIPT = """
 from functools import partial
 from contextlib import nullcontext
-from pyident.simulation.processes.workers import local_processes
+from pyident.simulation.processes.this_machine import local_processes
 
 print("running")
 with local_processes(partial(nullcontext, 7)) as workers:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from flexmodels import scratch
-from pyident.simulation.processes.workers import dask_cluster
+from pyident.simulation.processes.dask_cluster import dask_cluster
 
 pytest.importorskip("distributed", reason="Dask is not installed")
 

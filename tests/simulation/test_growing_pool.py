@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 from one_joint import one_joint, swing
 
-from pyident.simulation import growing_pool
 from pyident.simulation.fmu_runs import FmuRuns, runs_here
-from pyident.simulation.processes.workers import WorkersError, scheduler_configured
+from pyident.simulation.processes import growing_pool
+from pyident.simulation.processes.dask_cluster import WorkersError, scheduler_configured
 
 
 def process_of(fmu):
@@ -46,7 +46,7 @@ def test_a_task_that_fails_here_fails_as_it_would_there():
 
 
 def test_a_cluster_that_is_configured_gets_all_of_it(monkeypatch):
-    monkeypatch.setattr("pyident.simulation.processes.workers._CONNECT_SECONDS", 1)
+    monkeypatch.setattr("pyident.simulation.processes.dask_cluster._CONNECT_SECONDS", 1)
     with scheduler_configured("tcp://127.0.0.1:9"), pytest.raises(WorkersError, match="no Dask scheduler"):
         growing_pool.growing_pool(_fails).__enter__()
 

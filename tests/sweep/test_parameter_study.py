@@ -18,7 +18,7 @@ from flexmodels.files.robot_file import save_robot
 from flexmodels.mechanics.plant import equations
 from pyident.cli.main import main
 from pyident.simulation.fmu_runs import FmuRuns
-from pyident.simulation.processes.workers import WorkersError, dask_workers, scheduler_configured
+from pyident.simulation.processes.dask_cluster import WorkersError, dask_workers, scheduler_configured
 from pyident.sweep.metrics import METRICS, evaluate
 from pyident.sweep.run import parameter_study
 from pyident.sweep.sampling import latin_hypercube
@@ -195,7 +195,7 @@ def test_bad_designs(fmu, cluster, tmp_path):
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch):
-    monkeypatch.setattr("pyident.simulation.processes.workers._CONNECT_SECONDS", 1)
+    monkeypatch.setattr("pyident.simulation.processes.dask_cluster._CONNECT_SECONDS", 1)
     with pytest.raises(WorkersError, match=r"no Dask scheduler.*127\.0\.0\.1:9"):
         dask_workers(ThreadPoolExecutor, "tcp://127.0.0.1:9").__enter__()
 

@@ -108,7 +108,7 @@ def run_trial(
 
     workers   processes that hold the FMU of `trial.simulated`
     """
-    data = workers.submit(_of_logs, trial).result()
+    data = judged_logs(trial, workers)
     trial = _with_tip_noise(trial, data)
     told = _Told(progress, 2 * replicas + 1, 1)
     groups = [range(first, min(first + _TOGETHER, replicas)) for first in range(0, replicas, _TOGETHER)]
@@ -118,6 +118,11 @@ def run_trial(
     scatters = [widen * (f.solution.p - middle) for f in refits]
     own = [([refits[i] for i in seeds], [scatters[i] for i in seeds]) for seeds in groups]
     return data, told.all_of([workers.submit(_of_replicas, trial, *group) for group in own])
+
+
+def judged_logs(trial: Trial, workers: Workers) -> list[Part]:
+    """What the model leaves of the judged logs, without a floor beside it."""
+    return workers.submit(_of_logs, trial).result()
 
 
 @dataclass

@@ -10,7 +10,6 @@ corrections from the search.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,18 +18,16 @@ from flexmodels.coordinate import is_motor, is_torque, signal_of
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.comparison.bins import mean_square_over_floor
-from pyident.comparison.compare import log_errors
 from pyident.comparison.errors import Error, LogErrors
-from pyident.comparison.model_against_replicas import Part, Progress, Trial, run_trial
-from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
+from pyident.comparison.model_against_replicas import Progress, Trial
 from pyident.extension.ask import Asked, ask
 from pyident.extension.extended_robot import Correction, extended_robot, require_new
-from pyident.extension.split import Split, split
+from pyident.extension.fit import Fit, fit_to
+from pyident.extension.split import split
 from pyident.extension.waterfall import Step
 from pyident.logs.log import Log
 from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
 
 
@@ -39,7 +36,7 @@ class Extended:
     """The outcome of adding an effect.
 
     base, robot      without and with the effect, both fitted to the same logs
-    before, after    their errors on held-out data
+    before, after    their errors on held-out data, above the floor of the model with the effect
     waterfall        torque or moment where the effect acts, then the simulation, on held-out and fitted data
     gains            relative fall of the mean square error: equations, simulation
     reason           why the effect is refused; empty: it is accepted
@@ -100,61 +97,17 @@ def add_effect(
     """
     require_new(robot, joint, effect)
     parts = split(logs, heldout, rules)
-    base = _fitted(robot, parts, open_pool, rules, _share(progress, 0.0, 0.3))
-    asked = ask(base.setting, joint, effect, parts.unseen, open_pool, _share(progress, 0.3, 0.6))
+    base = fit_to(robot, parts, open_pool, rules, progress)
+    progress(0.2)
+    asked = ask(base.setting, joint, effect, parts.unseen, open_pool, _share(progress, 0.2, 0.5))
     wider, correction = extended_robot(robot, asked)
+    rest, replicas = _share(progress, 0.6, 1.0), rules.replicas.trial
     try:
-        new = _fitted(wider, parts, open_pool, rules, _share(progress, 0.6, 1.0))
+        new = fit_to(wider, parts, open_pool, rules, rest, replicas)
     except SimulationError as error:
+        base = fit_to(robot, parts, open_pool, rules, rest, replicas)
         return _not_simulated(base, wider, asked, correction, error)
-    return _judged(base, new, asked, correction)
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """data, replicas: parts of the fitted logs, so many as `fitted`, then of those held out."""
-
-    setting: Setting
-    trial: Trial
-    data: list[Part]
-    replicas: list[list[Part]]
-    fitted: int
-
-    @cached_property
-    def unseen(self) -> tuple[LogErrors, ...]:
-        """On held-out data."""
-        return self._errors(range(self.fitted, len(self.data)))
-
-    @cached_property
-    def seen(self) -> tuple[LogErrors, ...]:
-        """On fitted data."""
-        return self._errors(range(self.fitted))
-
-    def _errors(self, logs: range) -> tuple[LogErrors, ...]:
-        return tuple(
-            log_errors(self.trial, i, self.data[i], [parts[i] for parts in self.replicas]) for i in logs
-        )
-
-
-def _fitted(robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progress: Progress) -> _Fit:
-    """Fit, remove the bias, judge."""
-    setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
-    with open_pool(setting.simulated) as workers:
-        setting = unbiased(setting, workers)
-        progress(0.3)
-        judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
-        fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
-        trial = Trial(
-            setting.robot,
-            setting.simulated,
-            fitted,
-            (*fitted, *judged),
-            (*(0.0 for _ in fitted), *parts.since),
-            setting.noise,
-            setting.estimator,
-        )
-        data, replicas = run_trial(trial, workers, _share(progress, 0.3, 1.0), rules.replicas.trial)
-    return _Fit(setting, trial, data, replicas, len(fitted))
+    return _judged(base.beside(new.replicas), new, asked, correction)
 
 
 def _share(progress: Progress, start: float, end: float) -> Progress:
@@ -162,7 +115,7 @@ def _share(progress: Progress, start: float, end: float) -> Progress:
 
 
 def _not_simulated(
-    base: _Fit, wider: Robot, asked: Asked, correction: Correction | None, error: SimulationError
+    base: Fit, wider: Robot, asked: Asked, correction: Correction | None, error: SimulationError
 ) -> Extended:
     """A law that the logs show so badly that no model with it can be simulated."""
     errors, joint, effect = base.unseen, asked.candidate.joint, asked.candidate.effect
@@ -172,7 +125,7 @@ def _not_simulated(
     return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason, asked, correction)
 
 
-def _judged(base: _Fit, new: _Fit, asked: Asked, correction: Correction | None) -> Extended:
+def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) -> Extended:
     joint, effect = asked.candidate.joint, asked.candidate.effect
     before, after = base.unseen, new.unseen
     rows = _acts_on(new.trial.robot, joint, effect)
@@ -222,7 +175,7 @@ def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names
     return float(np.mean([(rmse / max(level, 1e-300)) ** 2 for rmse, level in pairs]))
 
 
-def _steps(kind: str, name: str, base: _Fit, new: _Fit) -> list[Step]:
+def _steps(kind: str, name: str, base: Fit, new: Fit) -> list[Step]:
     """On held-out data, then on fitted ones."""
     steps = [_step(kind, name, base.unseen, new.unseen)]
     before, after = base.seen, new.seen

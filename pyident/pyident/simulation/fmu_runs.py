@@ -18,7 +18,8 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
 from pyident.simulation.processes.growing_pool import growing_pool
-from pyident.simulation.processes.workers import Make, Processes, inline, workers_with
+from pyident.simulation.processes.tools import Make, Processes, inline
+from pyident.simulation.processes.workers import workers_with
 from pyident.simulation.simulator import runs_at_once
 
 P = ParamSpec("P")

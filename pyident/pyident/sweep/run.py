@@ -22,7 +22,8 @@ from flexmodels.inputs import Experiment
 from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 from flexmodels.scratch import scratch_folder
-from pyident.simulation.processes.workers import Processes, configured_scheduler, dask_cluster
+from pyident.simulation.processes.dask_cluster import configured_scheduler, dask_cluster
+from pyident.simulation.processes.tools import Processes
 from pyident.sweep.metrics import METRICS, Metric, evaluate
 from pyident.sweep.plan import StudyPlan
 from pyident.sweep.store import ResultsStore, StudyError

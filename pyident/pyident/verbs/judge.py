@@ -14,6 +14,7 @@ from pyident.extension.split import split
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.fmu_runs import FmuRuns
+from pyident.simulation.processes.this_machine import processes_kept
 from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
@@ -43,6 +44,7 @@ def compare(
     return Compared(outcome, read.notes, tuple(_arms(read, outcome)))
 
 
+@processes_kept()
 @one_thread()
 def diagnose(
     model: Model,
@@ -71,6 +73,7 @@ def diagnose(
     return Diagnosed(replace(found, notes=notes), notes)
 
 
+@processes_kept()
 @one_thread()
 def add_effect(
     model: Model,

@@ -126,7 +126,7 @@ def parameter_study(
     The same call goes on after an interrupt.
     Raises StudyError, WorkersError, RobotError, SimulationError.
     """
-    from pyident.simulation.processes.workers import scheduler_configured
+    from pyident.simulation.processes.dask_cluster import scheduler_configured
     from pyident.sweep.plan import load_study_plan
     from pyident.sweep.run import parameter_study as run_design
     from pyident.sweep.run import run_plan

@@ -26,7 +26,7 @@ from flexmodels.robot import RobotError
 from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
 from pyident.cli.common.progress import lines
 from pyident.logs.log import LogError
-from pyident.simulation.processes.workers import WorkersError, scheduler_configured
+from pyident.simulation.processes.dask_cluster import WorkersError, scheduler_configured
 from pyident.simulation.references import ExperimentError
 from pyident.sweep.store import StudyError
 from pyident.workbench.project import ProjectError

@@ -19,7 +19,7 @@ from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
-from pyident.simulation.processes.workers import inline
+from pyident.simulation.processes.tools import inline
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.sensor_noise import sensor_noise, torque_noise

@@ -9,7 +9,9 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from pyident.simulation.processes.workers import Make, Processes, inline, local_processes, workers_with
+from pyident.simulation.processes.this_machine import already_started, local_processes
+from pyident.simulation.processes.tools import Make, Processes, inline
+from pyident.simulation.processes.workers import workers_with
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -20,7 +22,7 @@ _START = 4.0  # s of computing that a process takes before its first task: it im
 
 @dataclass(frozen=True)
 class _Growing(Processes[T]):
-    """Tasks are done by `here` at once until they have taken as long as other processes would to start."""
+    """Tasks are done by `here` at once until others are at work, or would have been started as soon."""
 
     here: Processes[T]
     taken: list[float] = field(default_factory=list)
@@ -28,7 +30,7 @@ class _Growing(Processes[T]):
     def submit(
         self, work: Callable[Concatenate[T, P], R], *arguments: P.args, **named: P.kwargs
     ) -> "Future[R]":
-        if sum(self.taken) >= _START:
+        if already_started() or sum(self.taken) >= _START:
             return super().submit(work, *arguments, **named)
         begin = time.process_time()
         try:

@@ -1,0 +1,78 @@
+"""A robot fitted to logs, what it misses of those that judge it, and the floor of that among replicas."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from flexmodels.robot import Robot
+from pyident.comparison.compare import log_errors
+from pyident.comparison.errors import LogErrors
+from pyident.comparison.model_against_replicas import Part, Progress, Trial, judged_logs, run_trial
+from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
+from pyident.extension.split import Split
+from pyident.rules.rules import Rules
+from pyident.simulation.replica import Repeat, repeat_like
+from pyident.simulation.simulator import OpenPool, Workers
+
+
+@dataclass(frozen=True)
+class Fit:
+    """data, replicas: parts of the fitted logs, so many as `fitted`, then of those held out."""
+
+    setting: Setting
+    trial: Trial
+    fitted: int
+    data: list[Part]
+    replicas: list[list[Part]] = field(default_factory=list)
+
+    @cached_property
+    def unseen(self) -> tuple[LogErrors, ...]:
+        """On held-out data."""
+        return self._errors(range(self.fitted, len(self.data)))
+
+    @cached_property
+    def seen(self) -> tuple[LogErrors, ...]:
+        """On fitted data."""
+        return self._errors(range(self.fitted))
+
+    def beside(self, replicas: list[list[Part]]) -> "Fit":
+        """The same fit above the floor of another's."""
+        return replace(self, replicas=replicas)
+
+    def _errors(self, logs: Sequence[int]) -> tuple[LogErrors, ...]:
+        return tuple(
+            log_errors(self.trial, i, self.data[i], [parts[i] for parts in self.replicas]) for i in logs
+        )
+
+
+def fit_to(
+    robot: Robot, parts: Split, open_pool: OpenPool, rules: Rules, progress: Progress, replicas: int = 0
+) -> Fit:
+    """replicas: how many tell the floor; none: there is no floor.
+
+    Raises LogError and what the simulation raises.
+    """
+    setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
+    with open_pool(setting.simulated) as workers:
+        fit = _simulated(setting, parts, workers)
+        if not replicas:
+            return replace(fit, data=judged_logs(fit.trial, workers))
+        data, made = run_trial(fit.trial, workers, progress, replicas)
+        return replace(fit, data=data, replicas=made)
+
+
+def _simulated(setting: Setting, parts: Split, workers: Workers) -> Fit:
+    """Free of the regression's bias, and on trial."""
+    setting = unbiased(setting, workers)
+    judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
+    fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
+    trial = Trial(
+        setting.robot,
+        setting.simulated,
+        fitted,
+        (*fitted, *judged),
+        (*(0.0 for _ in fitted), *parts.since),
+        setting.noise,
+        setting.estimator,
+    )
+    return Fit(setting, trial, len(fitted), [])
