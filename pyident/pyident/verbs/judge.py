@@ -19,6 +19,7 @@ from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
 Progress = Callable[[float], None]
+_DIAGNOSIS, _EXTENSION = diagnosed.__module__, extended.__module__  # what their processes are to import
 
 
 @one_thread()
@@ -44,7 +45,7 @@ def compare(
     return Compared(outcome, read.notes, tuple(_arms(read, outcome)))
 
 
-@processes_kept()
+@processes_kept(_DIAGNOSIS)
 @one_thread()
 def diagnose(
     model: Model,
@@ -73,7 +74,7 @@ def diagnose(
     return Diagnosed(replace(found, notes=notes), notes)
 
 
-@processes_kept()
+@processes_kept(_EXTENSION)
 @one_thread()
 def add_effect(
     model: Model,

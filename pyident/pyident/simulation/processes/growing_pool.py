@@ -9,7 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from pyident.simulation.processes.this_machine import already_started, local_processes
+from pyident.simulation.processes.this_machine import local_processes, processes_ready
 from pyident.simulation.processes.tools import Make, Processes, inline
 from pyident.simulation.processes.workers import workers_with
 
@@ -22,7 +22,7 @@ _START = 4.0  # s of computing that a process takes before its first task: it im
 
 @dataclass(frozen=True)
 class _Growing(Processes[T]):
-    """Tasks are done by `here` at once until others are at work, or would have been started as soon."""
+    """Tasks are done by `here` at once until others are ready, or would have been started as soon."""
 
     here: Processes[T]
     taken: list[float] = field(default_factory=list)
@@ -30,7 +30,7 @@ class _Growing(Processes[T]):
     def submit(
         self, work: Callable[Concatenate[T, P], R], *arguments: P.args, **named: P.kwargs
     ) -> "Future[R]":
-        if already_started() or sum(self.taken) >= _START:
+        if processes_ready() or sum(self.taken) >= _START:
             return super().submit(work, *arguments, **named)
         begin = time.process_time()
         try:

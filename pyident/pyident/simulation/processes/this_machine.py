@@ -8,6 +8,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from contextlib import contextmanager
 from contextvars import ContextVar
+from importlib import import_module
 from multiprocessing import get_context
 from os import cpu_count
 from typing import Any, TypeVar
@@ -26,10 +27,20 @@ class _Pool(ProcessPoolExecutor):
 
     def __init__(self, count: int):
         super().__init__(count, mp_context=get_context("spawn"), initializer=_start_process)
-        self.count, self.started = count, False
+        self.count, self.begun = count, False
+        self._preparing: list[Future[Any]] = []
+
+    def prepare(self, module: str) -> None:
+        """Start every process now and let it import a module."""
+        self._preparing = [self.submit(import_module, module) for _ in range(self.count)]
+
+    @property
+    def ready(self) -> bool:
+        """Whether its processes have been started, and have prepared themselves where they were to."""
+        return self.begun and all(future.done() for future in self._preparing)
 
     def submit(self, fn: Callable[..., R], /, *args: Any, **kwargs: Any) -> "Future[R]":
-        self.started = True
+        self.begun = True
         with interrupts_blocked(), not_run_again():
             return super().submit(fn, *args, **kwargs)
 
@@ -58,23 +69,28 @@ _kept: ContextVar[_Pool | None] = ContextVar("processes that work for every call
 
 
 @contextmanager
-def processes_kept() -> Iterator[None]:
-    """What asks for local processes in the block gets the same ones: they start, and import, once."""
+def processes_kept(module: str | None = None) -> Iterator[None]:
+    """What asks for local processes in the block gets the same ones: they start, and import, once.
+
+    module   where the work is long: they start at once, and import this one, while this process goes on
+    """
     if _kept.get() is not None:
         yield
         return
     with _new_pool() as pool:
         before = _kept.set(pool)
         try:
+            if module is not None:
+                pool.prepare(module)
             yield
         finally:
             _kept.reset(before)
 
 
-def already_started() -> bool:
-    """Whether local processes are at work for this caller."""
+def processes_ready() -> bool:
+    """Whether local processes wait for this caller's work."""
     pool = _kept.get()
-    return pool is not None and pool.started
+    return pool is not None and pool.ready
 
 
 @contextmanager
