@@ -10,7 +10,7 @@ from pyident.workbench.thinned import thinned, thinned_band, window
 EXCESS, INK, GREY, BLUE, GREEN = "#b5480d", "#1c2126", "#59616b", "#2b6ca3", "#2e7d32"
 _BARS = {"held out": (EXCESS, GREEN), "fitted": ("#e3ae92", "#9cc79f")}  # before and after
 _SCALE = [[0, "#fffaf0"], [0.2, "#fdd9a0"], [0.5, "#f3a14b"], [0.75, "#cf6214"], [1, "#521d02"]]
-_SCATTER = 1_200  # points of a residual against a state
+_SCATTER = 600  # points of a residual against a state
 _ORDERS = np.arange(0.5, 40.25, 0.25)  # per turn
 Curve = tuple[np.ndarray, str, str]  # values, name, colour
 
@@ -119,7 +119,7 @@ def states(trace: Any, span: tuple[float, float] | None) -> dict[str, Any]:
     """The residual against the state of the joint, its orders of the angle, and against time."""
     at = window(trace.time, span)
     used = np.flatnonzero(trace.used[at]) + at.start
-    rows = used[:: max(1, len(used) // _SCATTER)]
+    rows = used[:: max(1, -(-len(used) // _SCATTER))]
     over = {"speed": trace.speed, "position": trace.position}
     if trace.deformation is not None:
         over["deformation"] = trace.deformation

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-POINTS = 2_000  # of a trace on the page
+POINTS = 1_200  # of a trace on the page
 
 
 def thinned(time: np.ndarray, values: np.ndarray, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
