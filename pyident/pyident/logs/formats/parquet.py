@@ -25,17 +25,13 @@ def read_parquet(path: Path, episode: int | None = None) -> Recording:
     root = _root(path)
     info = _info(root) if root else {}
     file = _episode_file(path, episode or 0) if path.is_dir() else path
-    table = pq.read_table(file)
-    if "episode_index" in table.column_names and root is not None:
-        numbers = table["episode_index"]
-        wanted = numbers[0].as_py() if episode is None else episode
-        table = table.filter(pc.equal(numbers, wanted))  # pyright: ignore
-        if not len(table):
-            raise LogError(f"{file} holds no episode {episode}")
     columns: dict[str, np.ndarray] = {}
-    for name in table.column_names:
-        named = _names(info.get("features", {}).get(name, {}).get("names"))
-        columns |= _columns(name, table[name], named)
+    with pq.ParquetFile(file) as content:
+        rows = _rows(content, file, episode) if root else None
+        for name in content.schema_arrow.names:  # one at a time: a log may nearly fill the memory
+            column = content.read([name])[name]
+            named = _names(info.get("features", {}).get(name, {}).get("names"))
+            columns |= _columns(name, column if rows is None else column.filter(rows), named)
     if not columns:
         raise LogError(f"{file} holds no column of numbers")
     if "timestamp" not in columns and "fps" in info:
@@ -43,6 +39,17 @@ def read_parquet(path: Path, episode: int | None = None) -> Recording:
         columns["timestamp"] = np.arange(length) / float(info["fps"])
     units = {"timestamp": "s"} if info else {}
     return Recording(columns, units)
+
+
+def _rows(content: pq.ParquetFile, file: Path, episode: int | None) -> pa.ChunkedArray | None:
+    """Which rows belong to an episode; None where they all do."""
+    if "episode_index" not in content.schema_arrow.names:
+        return None
+    numbers = content.read(["episode_index"])["episode_index"]
+    rows = pc.equal(numbers, numbers[0].as_py() if episode is None else episode)  # pyright: ignore
+    if not pc.any(rows).as_py():  # pyright: ignore
+        raise LogError(f"{file} holds no episode {episode}")
+    return rows
 
 
 def is_data_set(path: Path) -> bool:
