@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pyident.workbench.page import Page
 
 _MARGIN = 0.5  # s shown before and behind a bump
+_LATER = 0.1  # s after the traces, which are looked at first, the scatters under them follow
 
 
 def show(page: "Page") -> None:
@@ -76,8 +77,8 @@ class _Equation:
         self.page.look(span=span, log=at[0], coordinate=at[1])
         self.page.tell(commands.explaining(self.page.bench.inputs, *at, span, self.trace.band))
         self.traces.update_figure(figures.equation(self.trace, span, self.bumps))
-        self.states.update_figure(figures.states(self.trace, span))
         self.whole.set_visibility(span is not None)
+        ui.timer(_LATER, lambda: self.states.update_figure(figures.states(self.trace, span)), once=True)
 
     def _zoomed(self, event: events.GenericEventArguments) -> None:
         left, right = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")
