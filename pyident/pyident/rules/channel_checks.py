@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pyident.rules.rule import in_range, rule
 
 _BENCH = (
-    "by hand, on the logs of studies/log_checks as they were gathered; "
-    "studies/check_thresholds halves and doubles it"
+    "by hand, on the logs of studies/log_checks as they were gathered; half or twice as much changes none"
 )
+_FLAGS = "by hand, on the logs of studies/log_checks as they were gathered; half as much flags a good one"
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,12 @@ class ChannelCheckRules:
         40.0, "steps of the encoder in a fourth difference", "less is rounding", _BENCH
     )
     bent_ends: int = rule(
-        25, "samples at either end that are left out", "a filter without phase shift bends them", _BENCH
+        25, "samples at either end that are left out", "a filter without phase shift bends them", _FLAGS
     )
     braking: float = rule(
         0.01, "s between samples", "with more, a joint may start or stop from one to the next", _BENCH
     )
-    few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _BENCH)
+    few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _FLAGS)
     wide_spike: float = rule(1.0, "the range of all other samples", "less may be a torque's peak", _BENCH)
     many: float = rule(0.002, "the samples that are odd", "with more, the log is refused", _BENCH)
     neighbours: int = rule(
@@ -43,7 +43,7 @@ class ChannelCheckRules:
         0.03, "a joint's range that it goes while its torque is frozen", "less may be rest", _BENCH
     )
     standing: int = rule(30, "steps of the encoder", "an axis that moves by less stands still", _BENCH)
-    busy: float = rule(0.7, "the channels that change in a row", "a log that moves has more", _BENCH)
+    busy: float = rule(0.7, "the channels that change in a row", "a log that moves has more", _FLAGS)
 
     def __post_init__(self) -> None:
         in_range(self, "channel_checks", 0, 1, "large_jump", "tiny_jump", "many", "way", "busy")
