@@ -1,0 +1,93 @@
+"""How far two explanations are apart along a cosine, against integrals over its period."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_criterion import DURATION, PERIOD, SIGMA, cosine, level, smooth_joint
+
+from flexmodels.robot import RobotError
+from pyident.excitation.criterion import along
+from pyident.excitation.separation.rivals import Rivals, Suspect, having
+from pyident.logs.log import Log
+
+QUADRATIC, HALF = -0.8, 0.3  # N m s2/rad2, N m s/rad
+SPEED = 0.4 * np.pi  # largest [rad/s]
+SAMPLES = round(DURATION / PERIOD)
+ODD, EVEN = Suspect("nonlinear_viscous", 1), Suspect("asymmetric_coulomb", 1)
+LEFT_OF_SQUARE = 3 / 8 - (8 / (3 * np.pi)) ** 2 / 2  # mean square of sin|sin| that no multiple of sin takes
+
+
+def with_odd():
+    return (
+        smooth_joint()
+        .with_effect(1, ODD.effect)
+        .with_parameters({"joint1.nonlinear_viscous.quadratic": QUADRATIC})
+    )
+
+
+def with_even():
+    return (
+        smooth_joint()
+        .with_effect(1, EVEN.effect)
+        .with_parameters({"joint1.asymmetric_coulomb.viscous": HALF})
+    )
+
+
+def driven() -> Log:
+    """The same cosine as a recording, under the torque of an inertia of 1.1 kg m2 and of the friction."""
+    motion = cosine()
+    time = np.arange(4 * SAMPLES) * PERIOD / 4
+    e, de = (np.interp(time, motion.time, x[:, 0]) for x in (motion.q, motion.dq))
+    tau = -1.1 * np.pi**2 * e + 2.0 * de
+    return Log.from_frame(pd.DataFrame({"time": time, "joint1.e": e, "joint1.tau": tau}))
+
+
+def score(rivals: Rivals) -> float:
+    return rivals.score([[{}], [{}]])(along(rivals.base, level(PERIOD), cosine()))
+
+
+def test_a_law_beside_none_is_as_far_as_the_robot_leaves_of_it():
+    rivals = Rivals(smooth_joint(), (ODD, None), (with_odd(), smooth_joint()))
+    expected = abs(QUADRATIC) * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
+    assert score(rivals) == pytest.approx(expected, rel=0.01)
+
+
+def test_of_two_laws_the_closer_way_round_counts():
+    """One is odd in the speed, the other even: neither takes anything of the other."""
+    even = HALF * SPEED * np.sqrt(SAMPLES / 2) / SIGMA
+    odd = abs(QUADRATIC) * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
+    assert odd < even
+    both = Rivals(smooth_joint(), (ODD, EVEN), (with_odd(), with_even()))
+    turned = Rivals(smooth_joint(), (EVEN, ODD), (with_even(), with_odd()))
+    assert score(both) == score(turned) == pytest.approx(odd, rel=0.01)
+
+
+def test_the_grid_of_a_suspect_holds_its_own_values():
+    log = driven()
+    slow = having(smooth_joint(), Suspect("stribeck", 1), log).with_parameters(
+        {"joint1.stribeck.velocity": 0.123}
+    )
+    rivals = Rivals(smooth_joint(), (Suspect("stribeck", 1), None), (slow, smooth_joint()))
+    first, second = rivals.grids(log)
+    assert first[-1] == {"velocity": 0.123}
+    assert len(first) > 2
+    assert second == [{}]
+
+
+def test_an_effect_of_unknown_size_is_small_beside_the_torque():
+    log = driven()
+    extended = having(smooth_joint(), EVEN, log)
+    values = extended.joints[0].values[EVEN.effect]
+    speed = np.gradient(log.frame["joint1.e"], log.period)
+    force = values["coulomb"] + values["viscous"] * np.abs(speed)
+    share = np.sqrt(np.mean(force**2) / np.mean(log.frame["joint1.tau"] ** 2))
+    assert 0.02 < share < 0.06
+    sized = having(smooth_joint(), replace(ODD, size=-2.5), log)
+    assert sized.parameters["joint1.nonlinear_viscous.quadratic"] == -2.5
+
+
+def test_a_law_that_is_there_already_is_refused():
+    with pytest.raises(RobotError, match="has nonlinear_viscous@1 already"):
+        having(with_odd(), ODD, driven())
