@@ -1,4 +1,4 @@
-"""Several laws at one joint: their set is named where no law of it would be alone. Torques of a closed form."""
+"""Several laws at one joint: a set is named where no law of it would be alone. Torques of a closed form."""
 
 import numpy as np
 import pandas as pd
