@@ -21,7 +21,7 @@ from studies.rigid_arm.pinocchio_chain import body
 from flexmodels.files.robot_file import load_robot
 from flexmodels.joint import Joint
 from flexmodels.link import Link
-from flexmodels.linkage import PassiveJoint
+from flexmodels.loops.linkage import PassiveJoint
 from flexmodels.robot import Robot
 
 pin = pytest.importorskip("pinocchio", reason="Pinocchio (package pin) is the oracle and is not installed")

@@ -16,7 +16,7 @@ from flexmodels.effects.restriction import objection
 from flexmodels.gearing import Transmission
 from flexmodels.joint import Joint, parameter_name, unit_at
 from flexmodels.link import LINK_PARAMETERS, Link
-from flexmodels.linkage import Closure, PassiveJoint
+from flexmodels.loops.linkage import Closure, PassiveJoint
 from flexmodels.settings.controller import Controller
 from flexmodels.settings.servo import Servo
 from flexmodels.settings.settings import Settings

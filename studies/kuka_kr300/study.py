@@ -15,9 +15,10 @@ from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
 from pyident.estimation.instrumental import STRONG, two_stage
-from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.datasets import fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log, LogError
+from pyident.logs.mapping import read_mapping
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor
 from pyident.report.page import Section, write_page
@@ -57,7 +58,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         files = fetch("kuka_kr300", download=False)
     except LogError as error:
         return StudyResult([], notes=[f"skipped: {error}"])
-    raw = [import_log([file], shipped_mapping("kuka_kr300"), robot) for file in files]
+    raw = [import_log([file], read_mapping("kuka_kr300"), robot) for file in files]
     skews = [encoder_skews(robot, log) for log in raw]
     progress(0.5)
     delays = [_common(found) for found in skews]

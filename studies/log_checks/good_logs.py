@@ -13,9 +13,10 @@ from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
-from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.datasets import fetch
 from pyident.logs.foreign import import_log, robot_log
 from pyident.logs.log import Log, LogError
+from pyident.logs.mapping import read_mapping
 from pyident.simulation.fmu_runs import simulate_robot
 
 from .swings import Motion, recorded, six_axes
@@ -99,7 +100,7 @@ def measured() -> Iterator[tuple[Robot, Log]]:
         except LogError:
             continue
         for group in [files] if name == "tx40" else [[file] for file in files]:
-            yield robot, import_log(group, shipped_mapping(name), robot)
+            yield robot, import_log(group, read_mapping(name), robot)
     yield from _so101()
 
 

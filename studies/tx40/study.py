@@ -13,9 +13,10 @@ from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import Identified, identified, identify
-from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.datasets import fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log, LogError
+from pyident.logs.mapping import read_mapping
 from pyident.regression.equations import Problem
 from pyident.report.page import Section, write_page
 from pyident.sweep.studies import StudyResult, row
@@ -31,7 +32,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     """Identify the measured run twice. Without the data the table says so."""
     robot = load_robot("tx40")
     try:
-        log = import_log(fetch("tx40", download=False), shipped_mapping("tx40"), robot)
+        log = import_log(fetch("tx40", download=False), read_mapping("tx40"), robot)
     except LogError as error:
         return StudyResult([], notes=[f"skipped: {error}"])
     coupled = identify(robot, [log])

@@ -1,6 +1,7 @@
 """A model that cannot be simulated is still compared: its equations against their own definition."""
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,8 @@ def log():
 def test_its_equations_are_compared_without_a_floor(log, tmp_path):
     viscous = one_joint().parameters["joint1.viscous"]
     wrong = one_joint().with_parameters({"joint1.viscous": 2 * viscous})
-    found = compare(wrong, [log], REFUSING, lambda _: None)
+    found = compare(wrong, [replace(log, source="/a/folder/monday.parquet")], REFUSING, lambda _: None)
+    assert found.sentence.endswith("torque in monday.parquet.")
     error = found.logs[0].equations["joint1.e"]
     speed = np.gradient(log.frame["joint1.e"], 0.004)
     assert error.rmse == pytest.approx(viscous * np.sqrt(np.mean(speed**2)), rel=0.05)

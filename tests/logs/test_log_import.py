@@ -27,6 +27,13 @@ def mapping(folder, text):
     return read_mapping(file)
 
 
+def test_a_shipped_mapping_is_read_by_its_name():
+    file = resources.files("pyident.logs") / "mappings" / "tx40.toml"
+    assert read_mapping("tx40") == read_mapping(str(file))
+    with pytest.raises(LogError, match=r"no mapping file tx41; .* emps, kuka_kr300, tx40"):
+        read_mapping("tx41")
+
+
 def test_units_signs_offsets_and_several_files(tmp_path):
     pd.DataFrame({"ms": [0, 4, 8, 12], "a": [1.0, 2, 3, 4]}).to_csv(tmp_path / "one.csv", index=False)
     pd.DataFrame({"a": [10.0, 20, 30, 40]}).to_csv(tmp_path / "two.csv", index=False)

@@ -7,7 +7,7 @@ import pytest
 from pinocchio_model import PinocchioRobot, random_motion
 
 from flexmodels.files.robot_file import load_robot
-from flexmodels.linkage_check import check_linkage
+from flexmodels.loops.linkage_check import check_linkage
 from flexmodels.robot import RobotError
 
 

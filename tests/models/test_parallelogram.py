@@ -12,7 +12,7 @@ from flexfmu.build import export_fmu
 from flexfmu.simulate import LoadedFmu
 from flexmodels.experiment import Experiment, identification, line
 from flexmodels.files.robot_file import load_robot
-from flexmodels.linkage import Closure
+from flexmodels.loops.linkage import Closure
 from flexmodels.mechanics import dynamics
 from flexmodels.mechanics.plant import equations
 from pyident.conditioning.motion import Motion

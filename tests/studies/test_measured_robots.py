@@ -13,9 +13,10 @@ from pyident.checks.check_log import check_log
 from pyident.checks.encoder_delay import encoder_skews, without_skew
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
-from pyident.logs.datasets import fetch, shipped_mapping
+from pyident.logs.datasets import fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log
+from pyident.logs.mapping import read_mapping
 from pyident.refinement.auxiliary_model import NAME
 from pyident.regression.equations import Problem
 from pyident.simulation.replica import repeats
@@ -38,7 +39,7 @@ def test_published_figures(name, goals, data, tmp_path):
 
 def test_regression_of_all_equations_leaves_the_kuka_its_stiffness(data):
     robot = load_robot("kuka_kr300")
-    run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
+    run_a = import_log([fetch("kuka_kr300", download=False)[0]], read_mapping("kuka_kr300"), robot)
     late = [replace(skew, delay=0.003) for skew in encoder_skews(robot, run_a)]
     log, _ = without_skew(run_a, [replace(skew, std=1e-5) for skew in late])
     found = weighted(Problem(robot, (condition(log, robot),)))
@@ -54,7 +55,7 @@ def test_the_whole_kuka_beside_a_prior(data):
     With the gas spring that the arm has, all masses but one are within a factor of two of rough guesses.
     """
     robot = load_robot("kuka_kr300")
-    run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
+    run_a = import_log([fetch("kuka_kr300", download=False)[0]], read_mapping("kuka_kr300"), robot)
     log, _ = without_skew(run_a, encoder_skews(robot, run_a))
     found = pi.identify(robot.with_effect(2, "gravity_spring"), log, prior=robot).identified
     assert found.estimator == NAME
@@ -77,7 +78,7 @@ def test_zeros_of_the_kukas_twists_give_axis_3_its_stiffness(data):
         with_zeros = with_zeros.with_effect(k, "twist_offset")
     zeros = []
     for file in fetch("kuka_kr300", download=False):
-        run = import_log([file], shipped_mapping("kuka_kr300"), robot)
+        run = import_log([file], read_mapping("kuka_kr300"), robot)
         log, _ = without_skew(run, encoder_skews(robot, run))
         written = pi.identify(with_zeros, log, prior=robot).robot.parameters
         assert written["joint3.k[1]"] == pytest.approx(4.10e6, rel=0.25)  # the authors'
@@ -91,7 +92,7 @@ def test_masses_of_the_tx40_beside_its_urdf(data):
     urdf = import_urdf(positions.parent / "tx40_mdh_modified.urdf")
     settings = load_robot("tx40")
     arm = replace(urdf, transmission=settings.transmission, settings=settings.settings)
-    log = import_log([positions, currents], shipped_mapping("tx40"), arm)
+    log = import_log([positions, currents], read_mapping("tx40"), arm)
     found = pi.identify(arm.with_effect(5, "joint_coupling"), log, prior=arm).identified
     masses = [f"link{k}.m" for k in range(1, 7)]
     ratio = np.array([found.robot.parameters[m] / arm.parameters[m] for m in masses])
@@ -104,7 +105,7 @@ def test_masses_of_the_tx40_beside_its_urdf(data):
 
 def test_twist_only_joints_have_the_right_signs(data):
     robot = load_robot("kuka_kr300")
-    run_a = import_log([fetch("kuka_kr300", download=False)[0]], shipped_mapping("kuka_kr300"), robot)
+    run_a = import_log([fetch("kuka_kr300", download=False)[0]], read_mapping("kuka_kr300"), robot)
     assert check_log(robot, run_a) == ()
 
 

@@ -12,7 +12,7 @@ from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection
 from flexmodels.files.toml_table import Table
 from flexmodels.joint import Joint, Limits
-from flexmodels.linkage import Closure, PassiveJoint
+from flexmodels.loops.linkage import Closure, PassiveJoint
 from flexmodels.robot import RobotError
 
 _BASE_PARAMETERS = {p.name: e for e in BASE.values() for p in e.parameters if "[" not in p.name}

@@ -8,7 +8,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.effects import BASE
 from flexmodels.files.servo_table import servo_document
 from flexmodels.joint import Joint
-from flexmodels.linkage import PassiveJoint
+from flexmodels.loops.linkage import PassiveJoint
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 

@@ -25,7 +25,7 @@ from flexmodels.files.urdf.check import require_few
 from flexmodels.files.validate import validate
 from flexmodels.gearing import Transmission
 from flexmodels.link import Link
-from flexmodels.linkage_check import check_linkage
+from flexmodels.loops.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
 

@@ -14,7 +14,7 @@ import numpy as np
 from flexmodels.coordinate import deformation_of, motor_of
 from flexmodels.joint import Joint
 from flexmodels.link import LINK_PARAMETERS
-from flexmodels.linkage import PassiveJoint
+from flexmodels.loops.linkage import PassiveJoint
 from flexmodels.mechanics import quaternions
 from flexmodels.robot import Robot
 

@@ -33,7 +33,10 @@ def log() -> None:
 @log.command(name="import")
 @click.argument("files", nargs=-1, required=True)
 @click.option(
-    "--mapping", required=True, metavar="FILE", help="Names, units and signs of the columns (TOML)."
+    "--mapping",
+    required=True,
+    metavar="FILE",
+    help="Names, units and signs of the columns: TOML, or a shipped name.",
 )
 @click.option("--robot", "model", metavar="MODEL", help="Refer motor-side columns to this robot's joints.")
 @click.option("--skew", is_flag=True, help="Estimate and correct the delay of link encoders (needs --robot).")
@@ -46,7 +49,7 @@ def import_command(
 ) -> None:
     """Join FILES of one recording and write them as a log.
 
-    Example: pyident log import positions.csv torques.csv --mapping tx40.toml --robot tx40 -o log.parquet
+    Example: pyident log import positions.csv torques.csv --mapping tx40 --robot tx40 -o log.parquet
     """
     if skew and model is None:
         raise click.UsageError("--skew needs --robot")

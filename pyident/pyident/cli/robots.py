@@ -11,6 +11,7 @@ from pyident.cli.common.shared import (
     console,
     effects_option,
     json_option,
+    mapping_option,
     output_option,
     reported,
     show,
@@ -92,7 +93,7 @@ def schema_command(output: str) -> None:
     metavar="LOG",
     help="Report what the export loses on this log; repeatable.",
 )
-@click.option("--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML).")
+@mapping_option
 @effects_option
 @json_option
 @reported

@@ -16,7 +16,7 @@ from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial
 from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
 from pyident.comparison.without_simulation import parts_without_simulation, sentence_without_simulation
 from pyident.conditioning.filters import thin
-from pyident.logs.log import Log, LogError
+from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
@@ -56,12 +56,6 @@ class Comparison:
         found = next(t for t in self.traces if (t.log, t.coordinate) == (log, coordinate))
         if band is None or self.floor is None:
             return found
-        top = float(self.floor.frequencies[-1])
-        if np.count_nonzero((self.floor.frequencies >= band[0]) & (self.floor.frequencies <= band[1])) < 2:
-            sentence = (
-                f"no frequencies from {band[0]:g} to {band[1]:g} Hz; the equations hold up to {top:.3g} Hz"
-            )
-            raise LogError(f"{log}: {sentence}")
         row = [t.coordinate for t in self.traces if t.log == log].index(coordinate)
         return in_band(found, self.floor, row, band)
 

@@ -14,6 +14,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
+from pyident.logs.log import LogError
 from pyident.regression.spectrum import Floor
 from pyident.rules.bins import BINS
 from pyident.rules.rules import RULES
@@ -150,9 +151,17 @@ def low_passed(values: np.ndarray, period: float, cutoff: float) -> np.ndarray:
 
 
 def in_band(trace: Trace, level: Floor, row: int, band: tuple[float, float]) -> Trace:
-    """The same equation at the frequencies of a band [Hz] alone; row: of the coordinate in the floor."""
+    """The same equation at the frequencies of a band [Hz] alone; row: of the coordinate in the floor.
+
+    Raises LogError for a band without any.
+    """
     period = float(trace.time[1] - trace.time[0])
     inside = (level.frequencies >= band[0]) & (level.frequencies <= band[1])
+    if np.count_nonzero(inside) < 2:
+        raise LogError(
+            f"{trace.log}: no frequencies from {band[0]:g} to {band[1]:g} Hz; the equations hold up to "
+            f"{level.frequencies[-1]:.3g} Hz"
+        )
     square = 2 * period * float(np.trapezoid(level.rms[row][inside] ** 2, level.frequencies[inside]))
     edge = np.full(len(trace.time), HALF_RIBBON * np.sqrt(square))
     shown = replace(trace, low=-edge, high=edge, band=band)

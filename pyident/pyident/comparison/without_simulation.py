@@ -1,5 +1,7 @@
 """What can be said of a model that cannot be simulated: how well its equations of motion fit the logs."""
 
+from pathlib import Path
+
 import numpy as np
 
 from flexmodels.coordinate import is_motor, joint_name, joint_number
@@ -31,5 +33,5 @@ def sentence_without_simulation(reason: str, errors: tuple[LogErrors, ...]) -> s
     return (
         f"The model cannot be simulated: {reason.rstrip('.')}. Its equations of motion are compared alone, "
         f"without replicas and so without a floor: they leave most at {joint_name(joint_number(name))}, "
-        f"{error.nrmse_percent:.3g} % of the torque in {log}."
+        f"{error.nrmse_percent:.3g} % of the torque in {Path(log).name}."
     )

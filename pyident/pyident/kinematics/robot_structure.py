@@ -3,7 +3,7 @@
 import numpy as np
 
 from flexmodels.coordinate import deformation_of, motor_of
-from flexmodels.linkage import Closure
+from flexmodels.loops.linkage import Closure
 from flexmodels.robot import Robot
 from pyident.kinematics.elements.beam import Beam
 from pyident.kinematics.elements.hinge import Hinge

@@ -2,12 +2,10 @@
 
 import os
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from urllib.parse import quote
 
 from pyident.logs.log import LogError
-from pyident.logs.mapping import Mapping, read_mapping
 
 _RAW = "https://raw.githubusercontent.com"
 
@@ -94,11 +92,6 @@ def fetch(name: str, download: bool = True) -> list[Path]:
         raise LogError(f"there is no data set {name}; there are {', '.join(DATA_SETS)}")
     found = DATA_SETS[name]
     return [_local(name, file) or _remote(name, found, file, download) for file in found.files]
-
-
-def shipped_mapping(name: str) -> Mapping:
-    """The mapping file of a data set."""
-    return read_mapping(Path(str(resources.files("pyident.logs") / "mappings" / f"{name}.toml")))
 
 
 def _local(name: str, file: Recording) -> Path | None:

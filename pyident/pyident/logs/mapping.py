@@ -2,6 +2,7 @@
 
 import tomllib
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 
 from flexmodels.files.toml_table import Table, number
@@ -41,10 +42,14 @@ class Mapping:
 
 
 def read_mapping(path: str | Path) -> Mapping:
-    """Read a mapping file (TOML); its grammar: docs/mapping.md. Raises LogError."""
-    path = Path(path)
+    """Read a mapping file (TOML), or one that ships, by its name. Raises LogError.
+
+    The grammar: docs/reference/mapping-file.md.
+    """
+    ships = shipped_mappings()
+    path = ships.get(str(path), Path(path))
     if not path.is_file():
-        raise LogError(f"there is no mapping file {path}; check the path")
+        raise LogError(f"there is no mapping file {path}; check the path (shipped: {', '.join(ships)})")
     try:
         table = Table(tomllib.loads(path.read_text(encoding="utf-8")), "")
         return _mapping(table)
@@ -52,6 +57,12 @@ def read_mapping(path: str | Path) -> Mapping:
         raise LogError(f"{path}: not a TOML file ({error})") from None
     except (RobotError, LogError) as error:
         raise LogError(f"{path}: {error}") from None
+
+
+def shipped_mappings() -> dict[str, Path]:
+    """Name -> file of every mapping that comes with the package, of a data set each."""
+    folder = Path(str(resources.files("pyident.logs") / "mappings"))
+    return {file.stem: file for file in sorted(folder.glob("*.toml"))}
 
 
 def _mapping(table: Table) -> Mapping:

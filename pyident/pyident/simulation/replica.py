@@ -7,6 +7,7 @@ the measured motion under a stabilising controller with the measured torque fed 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -94,7 +95,7 @@ def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...
         obstacle = loop_of(robot, log)
         if obstacle:
             controller = _stand_in(robot, log.signals(robot.coordinates)[:1], log.period)
-            note = f"{log.source}: {obstacle}"
+            note = f"{Path(log.source).name}: {obstacle}"
             return replace(robot, controller=controller), tuple(_along(robot, log, note) for log in logs)
     return robot, tuple(_in_loop(robot, log) for log in logs)
 

@@ -55,6 +55,10 @@ class Inputs:
         held = [word for log in self.heldout for word in ("--holdout", Path(log).name)]
         return held + (["--mapping", Path(self.mapping).name] if self.mapping else [])
 
+    def arguments(self) -> dict[str, Any]:
+        """As every verb takes them that fits some logs and judges on others."""
+        return {"logs": list(self.logs), "heldout": list(self.heldout), "mapping": self.mapping or None}
+
     def log_names(self) -> list[str]:
         return [Path(log).name for log in self.logs]
 
@@ -73,23 +77,14 @@ def asked(inputs: Inputs, compared: Any, progress: Progress) -> Any:
     """What every law would take of the residual along every log; those held out fit nothing."""
     from pyident.verbs.explain import waves_of
 
-    heldout = list(inputs.heldout)
-    mapping = inputs.mapping or None
-    logs = list(inputs.logs)
-    return waves_of(compared, inputs.model, logs, heldout=heldout, mapping=mapping, progress=progress)
+    return waves_of(compared, inputs.model, **inputs.arguments(), progress=progress)
 
 
 def diagnosed(inputs: Inputs, json_file: str, progress: Progress) -> "Diagnosis":
     """The diagnosis, written to `json_file`, too."""
     import pyident as pi
 
-    diagnosed = pi.diagnose(
-        inputs.model,
-        list(inputs.logs),
-        heldout=list(inputs.heldout),
-        mapping=inputs.mapping or None,
-        progress=progress,
-    )
+    diagnosed = pi.diagnose(inputs.model, **inputs.arguments(), progress=progress)
     _write(json_file, diagnosed.to_dict())
     return diagnosed.diagnosis
 
@@ -100,15 +95,7 @@ def added(
     """The model with one more law, written to `output` if it is accepted."""
     import pyident as pi
 
-    added = pi.add_effect(
-        inputs.model,
-        effect,
-        joint,
-        list(inputs.logs),
-        heldout=list(inputs.heldout),
-        mapping=inputs.mapping or None,
-        progress=progress,
-    )
+    added = pi.add_effect(inputs.model, effect, joint, **inputs.arguments(), progress=progress)
     _write(json_file, added.to_dict())
     if added.accepted:
         added.save(output)
@@ -120,13 +107,7 @@ def identified(inputs: Inputs, output: str, json_file: str, progress: Progress) 
     """The model with parameters from the logs, judged on those held out, written to `output`."""
     import pyident as pi
 
-    fit = pi.identify(
-        inputs.model,
-        list(inputs.logs),
-        heldout=list(inputs.heldout),
-        mapping=inputs.mapping or None,
-        progress=progress,
-    )
+    fit = pi.identify(inputs.model, **inputs.arguments(), progress=progress)
     fit.save(output)
     _write(json_file, fit.to_dict())
     return Fitted(fit.determined(), str(fit.summary()))

@@ -15,7 +15,7 @@ from flexmodels.atomic import replacing
 from flexmodels.files.body_tree import centred
 from flexmodels.joint import Joint
 from flexmodels.link import Link
-from flexmodels.linkage import PassiveJoint
+from flexmodels.loops.linkage import PassiveJoint
 from flexmodels.robot import Robot, RobotError
 
 KEPT = frozenset({"motor_inertia", "coulomb", "viscous", "stiffness", "damping", "joint_spring"})

@@ -16,7 +16,7 @@ import numpy as np
 from flexmodels.files.body_tree import Body, lumped, plain, triad_along, with_hinges
 from flexmodels.files.mjcf.drives import controller_of, couplings_of, left_out
 from flexmodels.joint import Joint, Limits
-from flexmodels.linkage import PassiveJoint
+from flexmodels.loops.linkage import PassiveJoint
 from flexmodels.robot import Robot, RobotError
 
 _MISSING = "MuJoCo is missing, which reads MJCF; pip install 'flexident[mujoco]'"

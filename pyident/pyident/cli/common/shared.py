@@ -187,7 +187,9 @@ def force_option(command: Command) -> Command:
 def mapping_option(command: Command) -> Command:
     """`--mapping FILE`, wherever a log is read."""
     return click.option(
-        "--mapping", metavar="FILE", help="Names, units and signs of the logs' columns (TOML)."
+        "--mapping",
+        metavar="FILE",
+        help="Names, units and signs of the logs' columns: TOML, or a shipped name.",
     )(command)
 
 

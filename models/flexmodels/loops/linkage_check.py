@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexmodels.linkage import Closure
+from flexmodels.loops.linkage import Closure
 from flexmodels.robot import Robot, RobotError
 
 _SWING = 0.4  # of the driven joints in the poses that are tried [rad or m]
