@@ -1,9 +1,11 @@
 """Where a residual leaves its ribbon: stretches with known edges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pyident.comparison.traces import Trace, bumps
+from pyident.comparison.traces import Trace, _ribbon, bumps, low_passed
 
 RATE = 500.0
 TIME = np.arange(5000) / RATE
@@ -46,3 +48,38 @@ def test_humps_above_the_ribbon_are_parted_at_their_valley():
 
 def test_a_dent_does_not_part_a_bump():
     assert len(bumps(trace(0.3 + hump(4, 0.8) + hump(5, 0.8)))) == 1
+
+
+@pytest.mark.parametrize("cutoff", [5.0, 20.0, 80.0])
+def test_the_ribbon_holds_nine_tenths_of_what_replicas_are(cutoff):
+    """Seven draws of the same noise, one of them taken for the data: 5 to 95 % is 90 %."""
+    rng = np.random.default_rng(3)
+    inside = []
+    for _ in range(10):
+        noise = [low_passed(rng.standard_normal(len(TIME)), 1 / RATE, cutoff) for _ in range(7)]
+        low, high = _ribbon(noise[1:], len(TIME), 1 / RATE)
+        inside.append(np.mean((noise[0] > low) & (noise[0] < high)))
+    assert np.mean(inside) == pytest.approx(0.9, abs=0.05)
+
+
+def test_what_all_replicas_share_lies_inside_the_ribbon():
+    rng = np.random.default_rng(4)
+    trend = np.sin(2 * np.pi * 0.2 * TIME)
+    low, high = _ribbon(
+        [trend + 0.01 * rng.standard_normal(len(TIME)) for _ in range(6)], len(TIME), 1 / RATE
+    )
+    assert np.mean((trend > low) & (trend < high)) > 0.95
+    assert np.mean(high - low) == pytest.approx(2 * 1.645 * 0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(("cutoff", "most"), [(5.0, 0.5), (20.0, 0.5), (80.0, 0.2)])
+def test_noise_leaves_its_ribbon_seldom(cutoff, most):
+    """Mean number of bumps in 10 s of noise; each is a place to look at, not a verdict."""
+    rng = np.random.default_rng(6)
+    counts = []
+    for _ in range(40):
+        noise = [low_passed(rng.standard_normal(len(TIME)), 1 / RATE, cutoff) for _ in range(7)]
+        low, high = _ribbon(noise[1:], len(TIME), 1 / RATE)
+        made = trace(np.zeros(len(TIME)))
+        counts.append(len(bumps(replace(made, residual=noise[0], low=low, high=high))))
+    assert np.mean(counts) < most

@@ -4,43 +4,46 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_IN_USE = "not recorded; in use when studies/log_checks was scored"
+_BENCH = (
+    "by hand, on the logs of studies/log_checks as they were gathered; "
+    "studies/check_thresholds halves and doubles it"
+)
 
 
 @dataclass(frozen=True)
 class ChannelCheckRules:
     """Jumps, values that stay, steps of an encoder, rows; shares are of one."""
 
-    fewest_rows: int = rule(50, "rows of a log", "with fewer, nothing can be said", _IN_USE)
-    large_jump: float = rule(0.02, "a channel's range, size of a jump", "no fit survives more", _IN_USE)
-    tiny_jump: float = rule(1e-5, "a channel's range, size of a jump", "less does no harm", _IN_USE)
+    fewest_rows: int = rule(50, "rows of a log", "with fewer, nothing can be said", _BENCH)
+    large_jump: float = rule(0.02, "a channel's range, size of a jump", "no fit survives more", _BENCH)
+    tiny_jump: float = rule(1e-5, "a channel's range, size of a jump", "less does no harm", _BENCH)
     whole_turns: float = rule(
-        0.02, "turns per sample, median", "of a faster joint, a jump of a turn is no jump", _IN_USE
+        0.02, "turns per sample, median", "of a faster joint, a jump of a turn is no jump", _BENCH
     )
     encoder_steps: float = rule(
-        40.0, "steps of the encoder in a fourth difference", "less is rounding", _IN_USE
+        40.0, "steps of the encoder in a fourth difference", "less is rounding", _BENCH
     )
     bent_ends: int = rule(
-        25, "samples at either end that are left out", "a filter without phase shift bends them", _IN_USE
+        25, "samples at either end that are left out", "a filter without phase shift bends them", _BENCH
     )
     braking: float = rule(
-        0.01, "s between samples", "with more, a joint may start or stop from one to the next", _IN_USE
+        0.01, "s between samples", "with more, a joint may start or stop from one to the next", _BENCH
     )
-    few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _IN_USE)
-    wide_spike: float = rule(1.0, "the range of all other samples", "less may be a torque's peak", _IN_USE)
-    many: float = rule(0.002, "the samples that are odd", "with more, the log is refused", _IN_USE)
+    few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _BENCH)
+    wide_spike: float = rule(1.0, "the range of all other samples", "less may be a torque's peak", _BENCH)
+    many: float = rule(0.002, "the samples that are odd", "with more, the log is refused", _BENCH)
     neighbours: int = rule(
-        6, "runs on either side with which a stuck one is compared", "more are of another motion", _IN_USE
+        6, "runs on either side with which a stuck one is compared", "more are of another motion", _BENCH
     )
     at_speed: float = rule(
-        0.25, "a joint's rms speed that it has at the end of its channel", "a crest is met at rest", _IN_USE
+        0.25, "a joint's rms speed that it has at the end of its channel", "a crest is met at rest", _BENCH
     )
-    frozen: float = rule(0.1, "s that a torque keeps one value", "less is a slow bus", _IN_USE)
+    frozen: float = rule(0.1, "s that a torque keeps one value", "less is a slow bus", _BENCH)
     way: float = rule(
-        0.03, "a joint's range that it goes while its torque is frozen", "less may be rest", _IN_USE
+        0.03, "a joint's range that it goes while its torque is frozen", "less may be rest", _BENCH
     )
-    standing: int = rule(30, "steps of the encoder", "an axis that moves by less stands still", _IN_USE)
-    busy: float = rule(0.7, "the channels that change in a row", "a log that moves has more", _IN_USE)
+    standing: int = rule(30, "steps of the encoder", "an axis that moves by less stands still", _BENCH)
+    busy: float = rule(0.7, "the channels that change in a row", "a log that moves has more", _BENCH)
 
     def __post_init__(self) -> None:
         in_range(self, "channel_checks", 0, 1, "large_jump", "tiny_jump", "many", "way", "busy")

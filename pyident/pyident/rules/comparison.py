@@ -4,27 +4,33 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_SHIPPED = "not recorded"
+_BY_HAND = "by hand; not measured"
+_NOISE = "40 parts drawn from chi-square law, data and replicas alike (tests/comparison/test_chance.py)"
 
 
 @dataclass(frozen=True)
 class ComparisonRules:
     """Where a model fails."""
 
-    replicas: int = rule(6, "replicas of a comparison", "their spread per bin leans on all bins", _SHIPPED)
+    replicas: int = rule(
+        6,
+        "replicas of a comparison",
+        "their spread per bin leans on all bins",
+        f"{_NOISE}: noise stands out in 3 % (half as many: 2, twice: 1)",
+    )
     certain: float = rule(
         1.25,
         "deviations, in those of a replica among the others",
         "what is less a replica shows as well",
-        _SHIPPED,
+        f"{_NOISE}: noise stands out in 3 % (half: 68, twice: 0)",
     )
-    matters: float = rule(1.25, "rms residual over its floor", "less is not worth a sentence", _SHIPPED)
+    matters: float = rule(1.25, "rms residual over its floor", "less is not worth a sentence", _BY_HAND)
     carries: float = rule(
-        0.1, "an equation's excess that the named part holds", "a smaller part explains nothing", _SHIPPED
+        0.1, "an equation's excess that the named part holds", "a smaller part explains nothing", _BY_HAND
     )
-    samples: float = rule(0.02, "the samples that the named part holds", "fewer are an accident", _SHIPPED)
+    samples: float = rule(0.02, "the samples that the named part holds", "fewer are an accident", _BY_HAND)
     of_signal: float = rule(
-        5e-4, "an equation's signal that its excess reaches", "less is arithmetic and sampling", _SHIPPED
+        5e-4, "an equation's signal that its excess reaches", "less is arithmetic and sampling", _BY_HAND
     )
 
     def __post_init__(self) -> None:

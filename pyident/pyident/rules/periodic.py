@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_IN_USE = "not recorded"
+_BY_HAND = "by hand; not measured"
+_TIME = "by hand: time only"
 
 
 @dataclass(frozen=True)
@@ -12,20 +13,23 @@ class PeriodicRules:
     """Orders are per turn of a joint; a neighbour is the next order or frequency that is tried."""
 
     lowest: float = rule(
-        5.0, "orders that are tried apart", "below, a law's own grid is fine enough", _IN_USE
+        5.0, "orders that are tried apart", "below, a law's own grid is fine enough", _BY_HAND
     )
     highest: float = rule(1000.0, "orders that a law is tried at", "a harmonic drive's teeth, twice", "gears")
     fastest: float = rule(
         0.8, "the Nyquist frequency, at the joint's median speed", "above, an order has an alias", "by reason"
     )
-    highest_unexplained: int = rule(200, "orders of an unexplained residual", "time only", _IN_USE)
+    highest_unexplained: int = rule(200, "orders of an unexplained residual", "time only", _TIME)
     neighbours: int = rule(
-        101, "neighbours that a peak counts against", "fewer hold the peak itself", _IN_USE
+        101,
+        "neighbours that a peak counts against",
+        "fewer hold the peak itself",
+        "60 pairs of drawn logs of 20 s: a wave of 0.3 of the noise is found in 98 % (half: 90)",
     )
-    quiet: float = rule(20.0, "percent of the neighbours: noise", "others are skirts of the peak", _IN_USE)
+    quiet: float = rule(20.0, "percent of the neighbours: noise", "others are skirts of the peak", _BY_HAND)
     chance: float = rule(0.001, "chance of such a peak in a spectrum", "many joints and logs", "convention")
-    peaks: int = rule(3, "peaks of a joint that laws are tried at", "each costs a candidate", _IN_USE)
-    left: float = rule(0.05, "a wave that the base leaves", "what it imitates is the motion itself", _IN_USE)
+    peaks: int = rule(3, "peaks of a joint that laws are tried at", "each costs a candidate", _TIME)
+    left: float = rule(0.05, "a wave that the base leaves", "what it imitates is the motion itself", _BY_HAND)
 
     def __post_init__(self) -> None:
         in_range(self, "periodic", 0, 1, "fastest", "chance", "left")

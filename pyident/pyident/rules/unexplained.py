@@ -4,22 +4,23 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_OUTSIDE = "not recorded"
+_BY_HAND = "by hand; not measured"
+_READING = "by hand: it changes how much is said and how long it takes, no verdict"
 
 
 @dataclass(frozen=True)
 class UnexplainedRules:
     """Terms of a residual that no law explains."""
 
-    equations: int = rule(2, "equations that are looked at", "the worst ones; time", _OUTSIDE)
+    equations: int = rule(2, "equations that are looked at", "the worst ones; time", _READING)
     equation: float = rule(
-        0.2, "excess that an equation still has to be looked at", "the worst ones; time", _OUTSIDE
+        0.2, "excess that an equation still has to be looked at", "the worst ones; time", _READING
     )
-    terms: int = rule(3, "terms of one equation", "more are read by nobody", _OUTSIDE)
-    tie: float = rule(0.95, "best gain: who explains as much is named as well", "splines are alike", _OUTSIDE)
-    material: float = rule(0.03, "excess that a term takes", "less is not worth a sentence", _OUTSIDE)
+    terms: int = rule(3, "terms of one equation", "more are read by nobody", _READING)
+    tie: float = rule(0.95, "best gain: who explains as much is named as well", "splines are alike", _BY_HAND)
+    material: float = rule(0.03, "excess that a term takes", "less is not worth a sentence", _BY_HAND)
     sure: float = rule(6.0, "standard deviations of a chi-square", "many terms are tried", "chi-square law")
-    beyond: float = rule(3.0, "the most that a replica pretends", "few replicas are made", _OUTSIDE)
+    beyond: float = rule(3.0, "the most that a replica pretends", "few replicas are made", _BY_HAND)
     level: float = rule(0.01, "p-value of a peak, corrected for the spectrum", "convention", "convention")
 
     def __post_init__(self) -> None:
@@ -35,7 +36,7 @@ class ExtensionRules:
         0.05,
         "mean square error on held-out data that a law takes away",
         "less is no reason for a law",
-        "not recorded",
+        _BY_HAND,
     )
 
     def __post_init__(self) -> None:

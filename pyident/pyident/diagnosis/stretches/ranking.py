@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.comparison.traces import HALF_RIBBON, Trace
+from pyident.comparison.traces import Trace
 from pyident.diagnosis.stretches.waves import LawWave, Waves
 from pyident.logs.log import LogError
+from pyident.rules.bins import BINS
 
 
 @dataclass(frozen=True)
@@ -90,4 +91,4 @@ def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share,
 
 def _replicas_square(trace: Trace) -> np.ndarray:
     """(N,) mean square of the replicas, from their ribbon."""
-    return ((trace.high + trace.low) / 2) ** 2 + ((trace.high - trace.low) / 2 / HALF_RIBBON) ** 2
+    return ((trace.high + trace.low) / 2) ** 2 + ((trace.high - trace.low) / 2 / BINS.ribbon) ** 2
