@@ -71,8 +71,8 @@ def test_a_ripple_of_a_gear_is_seen_hundreds_of_times_a_turn():
     setting = set_up(robot, logs)
     data = equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
     found = order_peaks(robot, data, setting.solution.p, RULES.periodic)
-    assert found[1][0] == pytest.approx(202.0, abs=1.0)
-    assert not found[6]
+    assert found[1].steady[0] == pytest.approx(202.0, abs=1.0)
+    assert not found[6].steady
 
 
 def test_nothing_hidden_in_another_simulators_logs_is_nothing_found(nothing):

@@ -1,6 +1,6 @@
 """The floor: errors that no model is free of, in every replica; and what stands out above it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -9,12 +9,14 @@ import pytest
 from one_joint import PERIOD, one_joint
 
 from flexmodels.files.robot_file import load_robot
+from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 from pyident.conditioning.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, examine
 from pyident.diagnosis.base.setting import set_up, workers_of
+from pyident.diagnosis.conclusion import _in_doubt
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
@@ -90,11 +92,12 @@ CALM, WILD = [1.0] * 20, [0.2] * 19 + [16.2]  # energy that each of 20 replicas 
 class Fitted:
     continued: np.ndarray
     rules: Rules = RULES
+    robot: Robot = field(default_factory=one_joint)
 
 
-def standing_out(
+def search_of(
     residual: np.ndarray, in_bands: np.ndarray, replicas: np.ndarray, continued: float = 0.0
-) -> bool:
+) -> Search:
     """Of one equation: residual (E,), in_bands (E, bands), what replicas leave on average (20, bands).
 
     continued   Hz: below, the noise is not measured
@@ -109,7 +112,12 @@ def standing_out(
     examination = Examination(setting, floor, [], base, *examined)
     vars(examination)["bands"] = [in_bands]
     families: Any = None
-    return bool(Search(examination, families, base).standing_out[0])
+    return Search(examination, families, base)
+
+
+def standing_out(residual: np.ndarray, in_bands: np.ndarray, replicas: np.ndarray) -> bool:
+    """Whether that equation does."""
+    return bool(search_of(residual, in_bands, replicas).standing_out[0])
 
 
 @pytest.mark.parametrize(
@@ -137,5 +145,11 @@ def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
     residual[:20] = np.sqrt(energy)
     low = np.arange(10 * SAMPLES) < 20
     bands = np.column_stack([low, ~low]).astype(float)
-    assert standing_out(residual, bands, np.ones((20, 2)), 4.0) == stands_out
+    search = search_of(residual, bands, np.ones((20, 2)), 4.0)
+    assert bool(search.standing_out[0]) == stands_out
+    doubts = list(_in_doubt(search))
+    assert bool(doubts) == (not stands_out)
+    if doubts:
+        assert doubts[0].startswith(f"at joint1, motor side, the residual is {np.sqrt(energy):.2g} times its")
+        assert "from 0 to 0.5 Hz" in doubts[0]
     assert standing_out(residual, bands, np.ones((20, 2)))

@@ -79,15 +79,22 @@ def _peaks(torque, seconds: float = 24.0):
     robot = free_joint()
     log = analytic_log(seconds=seconds, torque_noise=SIGMA)
     frame = log.frame.copy()
-    frame["joint1.tau"] += torque(frame["joint1.e"])
+    frame["joint1.tau"] += torque(frame["joint1.e"], np.sign(np.gradient(frame["joint1.e"])))
     parts = equations(robot, [condition(replace(log, frame=frame), robot)], [log.period])
     return order_peaks(robot, parts, np.array(list(robot.linear_parameters.values())), RULES.periodic)[1]
 
 
 def test_the_orders_of_gears_stand_out_the_strongest_first():
-    found = _peaks(lambda q: 0.4 * np.cos(37 * q + 0.3) + 0.2 * np.sin(91 * q))
-    assert found[:2] == pytest.approx([37.0, 91.0], abs=0.3)
+    found = _peaks(lambda q, _: 0.4 * np.cos(37 * q + 0.3) + 0.2 * np.sin(91 * q))
+    assert found.steady[:2] == pytest.approx([37.0, 91.0], abs=0.3)
+
+
+def test_the_orders_of_friction_stand_out_where_it_is_turned_as_the_motion_is():
+    found = _peaks(lambda q, way: 0.4 * way * np.cos(53 * q + 0.3))
+    assert found.friction[0] == pytest.approx(53.0, abs=0.3)
+    assert found.steady == []
 
 
 def test_noise_has_no_order():
-    assert _peaks(lambda q: 0 * q) == []
+    found = _peaks(lambda q, _: 0 * q)
+    assert found.steady == found.friction == []

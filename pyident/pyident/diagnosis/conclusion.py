@@ -52,6 +52,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *_of_time(ex.setting),
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
+            *_in_doubt(beside),
             *selection.notes,
         ),
         noise=ex.setting.noise,
@@ -168,6 +169,22 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
         yield (
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
             "there, and hide what is smaller than their floor"
+        )
+
+
+def _in_doubt(beside: Search) -> Iterator[str]:
+    """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
+    ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
+    above = ratio > np.maximum(1 + beside.rules.band_stands_out, ex.most_in_bands)
+    doubted = np.where(above & ~beside.bands_standing_out, np.sqrt(ratio), 0.0)
+    ends = (*EDGES, float(ex.floor.frequencies[-1]))
+    for row in np.flatnonzero(doubted.any(axis=1)):
+        band, c = int(np.argmax(doubted[row])), beside.robot.q[row]
+        yield (
+            f"at {joint_name(c.joint)}, {c.side} side, the residual is {doubted[row, band]:.2g} times its "
+            f"floor from {ends[band]:g} to {ends[band + 1]:g} Hz: slow noise of the torque may do that, "
+            f"which these logs do not show below {ex.setting.continued[row]:.2g} Hz, or something small that "
+            "is missing; a log of a motion that repeats would tell"
         )
 
 

@@ -13,6 +13,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
+from pyident.diagnosis.base.order_peaks import Orders
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.recent import Recent
@@ -51,11 +52,11 @@ class Candidate:
 
 
 def candidates(
-    robot: Robot, logs: Sequence[Equations], orders: Mapping[int, Sequence[float]] | None = None
+    robot: Robot, logs: Sequence[Equations], orders: Mapping[int, Orders] | None = None
 ) -> list[Candidate]:
     """Every effect that the robot does not have yet, over the grid of its nonlinear parameters.
 
-    orders   joint -> orders per turn that periodic laws are tried at besides those of their grid
+    orders   of every joint at which periodic laws are tried besides those of their grid
     """
     found = []
     motions = [log.part.motion for log in logs]
@@ -69,8 +70,8 @@ def candidates(
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
-            if effect.order:
-                further = (orders or {}).get(joint, ())
+            if effect.order and orders:
+                further = orders[joint].friction if effect.is_friction else orders[joint].steady
                 grid = [*grid, *({**grid[0], effect.order.name: order} for order in further)]
             scopes = range(len(logs)) if effect.body else (None,)
             found += [

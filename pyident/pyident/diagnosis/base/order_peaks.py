@@ -3,10 +3,11 @@
 Gears, bearings and motors repeat hundreds of times a turn, too finely for a grid that knows nothing. The
 residual of a joint's equation is held against cos nφ and sin nφ of its angle for every order n that the
 motion resolves and the sampling can follow; an order counts against the median of its neighbours, and
-against all that were tried.
+against all that were tried. Waves of friction turn round with the motion.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -21,18 +22,30 @@ _MEDIAN = float(np.log(2))  # of an exponential variable, per its mean
 _BLOCK = 64  # orders at once
 
 
+@dataclass(frozen=True)
+class Orders:
+    """Of a joint, per turn, or per 2 pi metres of a slider; the strongest first.
+
+    steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
+    """
+
+    steady: list[float]
+    friction: list[float]
+
+
 def order_peaks(
     robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
-) -> dict[int, list[float]]:
-    """Joint (from 1) -> orders per turn, the strongest first. p (P,): parameters that leave the residual."""
+) -> dict[int, Orders]:
+    """Orders of every joint (from 1). p (P,): parameters that leave the residual."""
     left = [residual_of(robot, log.part, p) for log in logs]
     found = {}
-    for k, joint in robot.numbered:
-        if joint.kind == "revolute":
-            angles = [log.part.motion.q[:, k - 1] for log in logs]
-            speeds = np.concatenate([np.abs(log.part.motion.dq[:, k - 1]) for log in logs])
-            orders = _orders(angles, speeds, logs[0].band.period, rules)
-            found[k] = _peaks([r[:, k - 1] for r in left], angles, orders, rules)
+    for k, _ in robot.numbered:
+        angles = [log.part.motion.q[:, k - 1] for log in logs]
+        speeds = [log.part.motion.dq[:, k - 1] for log in logs]
+        orders = _orders(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, rules)
+        steady = [r[:, k - 1] for r in left]
+        turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
+        found[k] = Orders(*(_peaks(r, angles, orders, rules) for r in (steady, turning)))
     return found
 
 

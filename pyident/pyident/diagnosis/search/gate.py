@@ -4,7 +4,7 @@ All shares are of what exceeds the floor on the equations where the effect acts:
 nothing about this one. `admission` is the gate. Who passes it may be added; who takes most besides is named.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,8 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import fall_per_row
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.search import Found, Search, Step
+
+_EXCHANGES = 4  # rounds; two are the rule
 
 
 @dataclass(frozen=True)
@@ -90,38 +92,81 @@ def share_on(search: Search, candidates: Sequence[Candidate], rows: Sequence[int
     return 1 - after / before if before > 0 else 1.0
 
 
-def group_for(search: Search, step: Step, lead: Found, held: HeldOut) -> tuple[list[Step], Refusal | None]:
-    """The smallest set of effects, `lead` first, that explains its equations; else why there is none.
+def sets_for(
+    search: Search, step: Step, lead: Found, held: HeldOut
+) -> Iterator[tuple[list[Step], Refusal | None]]:
+    """Sets of effects, of one, two and more, that may explain the lead's equations; and why one does not.
 
+    What one effect takes alone is spoilt, on held-out logs first, by another that acts there too. So a set
+    grows where it does not pass, and its effects are exchanged until none can be bettered beside the others.
     The search rests on what was accepted before; step: its ranking.
     """
     steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
-    first = None
+    rows = main_rows(search, lead.candidate)
     for needed in search.rules.explained:
-        entry = admission(search, lead, [c for s in steps for c in s.candidates], held)
-        first = first or entry
-        if entry.share >= needed:
-            return (steps, None) if not entry.reason else ([], entry.refusal)
-        further = _next(search, steps, entry.rows)
+        entry = admission(search, steps[0].best, _candidates(steps), held)
+        if entry.share < needed:
+            yield steps, _too_little(entry, needed)
+        elif entry.reason:
+            yield steps, entry.refusal
+        else:
+            yield steps, _not_each(search, steps, rows, held)
+        further = _next(search, steps, rows)
         if further is None:
-            return [], _too_little(first, needed)
-        steps.append(further)
-    assert first is not None
-    return [], _too_little(first, search.rules.explained[0])
+            return
+        steps = _exchanged(search, [*steps, further], rows)
+
+
+def _candidates(steps: Sequence[Step]) -> list[Candidate]:
+    return [c for s in steps for c in s.candidates]
+
+
+def _not_each(search: Search, steps: Sequence[Step], rows: Sequence[int], held: HeldOut) -> Refusal | None:
+    """The first of several effects that does not hold on held-out logs beside the others, if there is one."""
+    if len(steps) < 2:
+        return None
+    for own in steps:
+        view = search.with_further(_candidates([s for s in steps if s is not own]))
+        share, unseen = share_on(view, own.candidates, rows), held.share(view, own.candidates, rows)
+        if unseen is not None and not held.holds(unseen, share, search.rules):
+            reason = f"on held-out data it takes {unseen} of what the others leave"
+            percent = 100 * unseen.share
+            return Refusal(own.best.candidate, tuple(rows), 100 * share, percent, reason)
+    return None
 
 
 def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
-    """The best further effect on the same equations."""
-    beside = search.with_further([s.best.candidate for s in steps])
+    """The best further effect on the same equations, if it takes enough."""
+    found = _best_beside(search, steps, rows)
+    if found is None or found.best.excess < search.rules.part * search.remaining_on(rows):
+        return None
+    return found
+
+
+def _best_beside(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
+    """What takes most of some equations beside a set, and counts."""
+    beside = search.with_further(_candidates(steps))
     step = beside.step()
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
         acts = set(main_rows(beside, found.candidate)) & set(rows)
         if acts and found.candidate.family not in named and counts(beside, found):
-            if found.excess < search.rules.part * search.remaining_on(rows):
-                return None
             return beside.led_by(found, step.ranked)
     return None
+
+
+def _exchanged(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> list[Step]:
+    """The set with each of its effects replaced by what takes more beside the others, while any does."""
+    out, left = list(steps), np.inf
+    for _ in range(_EXCHANGES):
+        for place in range(len(out)):
+            better = _best_beside(search, [*out[:place], *out[place + 1 :]], rows)
+            if better is not None:
+                out[place] = better
+        before, left = left, search.with_further(_candidates(out)).remaining_on(rows)
+        if not left < before:
+            break
+    return out
 
 
 def _too_little(entry: Admission, needed: float) -> Refusal:

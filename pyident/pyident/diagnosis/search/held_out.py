@@ -1,12 +1,19 @@
-"""What candidates, fitted to some logs, take away of the residual in others."""
+"""What candidates, fitted to some logs, take away of the residual in others.
+
+Their coefficients are those of the fitted logs. The model's own parameters are found anew in every held-out
+log: friction that has warmed up, an offset, or bodies that the fitted motion hardly shows would else leave
+more there than what is missing, and hide it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, columns
 from pyident.diagnosis.base.lateness import all_earlier
+from pyident.diagnosis.base.projection import Base, solve_base
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
@@ -45,8 +52,8 @@ class HeldOut:
         if not self.equations:
             return None
         listed = list(rows)
-        before = residuals(search, search.chosen, self.equations)
-        after = residuals(search, [*search.chosen, *further], self.equations)
+        before = self._residuals(search, search.chosen)
+        after = self._residuals(search, [*search.chosen, *further])
         pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
@@ -59,6 +66,19 @@ class HeldOut:
             excess / max(floor, 1e-300),
             fall / max(taken, 1e-300),
         )
+
+    @cached_property
+    def _bases(self) -> list[Base]:
+        """Of each log alone."""
+        return [solve_base([log]) for log in self.equations]
+
+    def _residuals(self, search: Search, chosen: Sequence[Candidate]) -> list[np.ndarray]:
+        """Per log (n, E)."""
+        _, x = search.fitted(chosen)
+        return [
+            _left_of(search, log, base, x, chosen)
+            for log, base in zip(self.equations, self._bases, strict=True)
+        ]
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
@@ -77,27 +97,25 @@ def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
     return HeldOut(tuple(whitened(ex.setting.robot, moved, ex.floor)))
 
 
-def residuals(search: Search, chosen: Sequence[Candidate], logs: Sequence[Equations]) -> list[np.ndarray]:
-    """Per log (n, E)."""
-    p, x = search.fitted(chosen)
-    return [_left_of(search, log, p, x, chosen) for log in logs]
-
-
 def _left_of(
-    search: Search, log: Equations, p: np.ndarray, x: np.ndarray, acting: Sequence[Candidate]
+    search: Search, log: Equations, base: Base, x: np.ndarray, acting: Sequence[Candidate]
 ) -> np.ndarray:
     """Of one log; a payload is there or not, whichever fits."""
-    residual = log.y - log.A @ p
-    at = 0
+    residual, at = base.residual[0], 0
     for candidate in acting:
         everywhere = Candidate(candidate.effect, candidate.joint, candidate.values)
-        X = columns(search.robot, everywhere, [log], [np.ones_like(log.y)])[0]
+        X = columns(search.robot, everywhere, [log], [search.examination.floor.at(log.band)])[0]
         width = next(iter(X.values())).shape[1]
-        level = search.examination.floor.at(log.band)
-        more = residual.copy()
+        force = np.zeros_like(residual)
         for c, values in X.items():
-            more[c] -= values @ x[at : at + width] / level[c]
+            force[c] = values @ x[at : at + width]
+        more = residual - _beyond(base, force)
         if candidate.log is None or np.square(more).sum() < np.square(residual).sum():
             residual = more
         at += width
     return residual
+
+
+def _beyond(base: Base, force: np.ndarray) -> np.ndarray:
+    """What a base cannot imitate of one log's (n, E)."""
+    return force - base.basis[0] @ np.tensordot(force, base.basis[0], 2)

@@ -18,7 +18,7 @@ from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.further_orders import with_further_orders
-from pyident.diagnosis.search.gate import Refusal, admission, counts, group_for, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, sets_for, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.modulation import grows_with
@@ -59,12 +59,8 @@ def select(search: Search, held: HeldOut) -> Selection:
         lead = next((f for f in step.ranked if _may_lead(view, f, chosen, refusals)), None)
         if lead is None:
             break
-        group, refusal = _group(view, step, lead, chosen, held)
-        if group:
-            group = _with_orders(search, [*chosen, *group])[len(chosen) :]
-            group, faults = _faultless(view, group)
-            imitators |= faults
-            refusal = None if group else _imitator(view, lead, faults)
+        group, refusal, faults = _group(view, step, lead, chosen, held)
+        imitators |= faults
         if refusal is not None:
             worst = max(refusal.rows, key=lambda row: view.remaining_on([row]))
             refusals[worst] = refusal
@@ -86,14 +82,60 @@ def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict
 
 def _group(
     view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut
-) -> tuple[list[Step], Refusal | None]:
-    """A set for equations that have no effect yet; where they have one, a single one that takes the rest."""
+) -> tuple[list[Step], Refusal | None, dict[str, str]]:
+    """The set that explains the lead's equations, else why there is none; and what only imitates, with why.
+
+    Equations that have an effect already get a single one that takes the rest. A larger set takes the place
+    of a smaller one only where that leaves what stands out and it takes most of this.
+    """
     rows = main_rows(view, lead.candidate)
     taken = {row for s in chosen for row in view.rows(s.best.candidate)}
-    if taken.isdisjoint(rows):
-        return group_for(view, step, lead, held)
+    if not taken.isdisjoint(rows):
+        found, why = _further(view, step, lead, chosen, held)
+        return _checked(view, found, why, lead, chosen)
+    best: list[Step] = []
+    first: Refusal | None = None
+    imitators: dict[str, str] = {}
+    for found, why in sets_for(view, step, lead, held):
+        if best and not _betters(view, found, best, rows):
+            continue
+        group, why, faults = _checked(view, found, why, lead, chosen)
+        imitators |= faults
+        first = first or why
+        best = group or best
+        if best and not view.with_further(_candidates(best)).standing_out[list(rows)].any():
+            break
+    return best, None if best else first, imitators
+
+
+def _checked(
+    view: Search, found: list[Step], why: Refusal | None, lead: Found, chosen: Sequence[Step]
+) -> tuple[list[Step], Refusal | None, dict[str, str]]:
+    """What passed the gate, with all its orders and without imitators."""
+    if why is not None:
+        return [], why, {}
+    group, faults = _faultless(view, _with_orders(view, [*chosen, *found])[len(chosen) :])
+    return group, None if group else _imitator(view, lead, faults), faults
+
+
+def _betters(view: Search, larger: Sequence[Step], smaller: Sequence[Step], rows: Sequence[int]) -> bool:
+    """Whether a set takes most of what a smaller one leaves, and each of it a part of the whole."""
+    least, left = view.rules.part * view.excess_on(rows), view.with_further(_candidates(smaller))
+    each = [
+        view.with_further(_candidates([s for s in larger if s is not own])).remaining_on(rows)
+        for own in larger
+    ]
+    rest = view.with_further(_candidates(larger)).remaining_on(rows)
+    mostly = rest <= (1 - view.rules.own) * left.remaining_on(rows)
+    return mostly and all(without - rest >= least for without in each)
+
+
+def _further(
+    view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut
+) -> tuple[list[Step], Refusal | None]:
+    """An effect beside those that its equations have already."""
     entry = admission(view, lead, [lead.candidate], held)
-    if not _owns(view, lead, rows):
+    if not _owns(view, lead, entry.rows):
         return [], replace(
             entry, reason="beside the effects found there it takes too little of the rest"
         ).refusal
