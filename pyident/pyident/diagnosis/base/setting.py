@@ -26,6 +26,7 @@ from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 
 _FITTED = "_identified"  # behind the name of a robot
+_SOFTEST = 0.1  # of the stiffness in the middle of a hinge's
 _TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
 
 
@@ -173,15 +174,21 @@ def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
 
 
 def steadied(setting: Setting) -> Setting:
-    """The setting for a fit that cannot be simulated as it is: with small steps and no hinge without damping.
+    """The setting for a fit that cannot be simulated: small steps, and no hinge without spring or damping.
 
-    What a model lacks may bend its fit that far. Damping is taken as at least proportional to the stiffness,
-    with the ratio that the hinges have in the middle.
+    What a model lacks may bend its fit that far. A stiffness is taken as at least a tenth of the one in the
+    middle of its hinge's, damping as at least proportional to it, with the ratio of the hinge in the middle.
     """
-    values = setting.robot.parameters
+    values = dict(setting.robot.parameters)
+    for number, _ in setting.robot.numbered:
+        own = [k for k in values if k.startswith(f"joint{number}.k[")]
+        if own:
+            least = _SOFTEST * float(np.median([values[k] for k in own]))
+            values |= {k: max(values[k], least) for k in own}
     pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
     ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
-    damped = {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
+    springs = {k: values[k] for k in pairs.values()}
+    damped = springs | {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
     return replace(
         setting,
         robot=setting.robot.with_parameters(damped),
