@@ -1,8 +1,9 @@
 """What candidates, fitted to some logs, take away of the residual in others.
 
-Their coefficients are those of the fitted logs. The model's own parameters are found anew in every held-out
-log: friction that has warmed up, an offset, or bodies that the fitted motion hardly shows would else leave
-more there than what is missing, and hide it.
+Their coefficients are those of the fitted logs. So are the model's own parameters, or these are found anew in
+every held-out log, whichever tells more: friction that has warmed up, an offset, or bodies that the fitted
+motion hardly shows may leave more there than what is missing, and hide it; and in a short log new parameters
+may imitate what is missing.
 """
 
 from collections.abc import Sequence
@@ -51,9 +52,14 @@ class HeldOut:
         """What further candidates take beyond what the search rests on; None without held-out logs."""
         if not self.equations:
             return None
+        found = [self._share(search, further, rows, anew) for anew in (False, True)]
+        return max(found, key=lambda unseen: unseen.share - unseen.std)
+
+    def _share(self, search: Search, further: Sequence[Candidate], rows: Sequence[int], anew: bool) -> Unseen:
+        """anew: with parameters of the model that each log has for itself."""
+        before = self._residuals(search, search.chosen, anew)
+        after = self._residuals(search, [*search.chosen, *further], anew)
         listed = list(rows)
-        before = self._residuals(search, search.chosen)
-        after = self._residuals(search, [*search.chosen, *further])
         pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
@@ -72,13 +78,11 @@ class HeldOut:
         """Of each log alone."""
         return [solve_base([log]) for log in self.equations]
 
-    def _residuals(self, search: Search, chosen: Sequence[Candidate]) -> list[np.ndarray]:
+    def _residuals(self, search: Search, chosen: Sequence[Candidate], anew: bool) -> list[np.ndarray]:
         """Per log (n, E)."""
-        _, x = search.fitted(chosen)
-        return [
-            _left_of(search, log, base, x, chosen)
-            for log, base in zip(self.equations, self._bases, strict=True)
-        ]
+        p, x = search.fitted(chosen)
+        pairs = zip(self.equations, self._bases, strict=True)
+        return [_left_of(search, log, base if anew else p, x, chosen) for log, base in pairs]
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
@@ -98,10 +102,11 @@ def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
 
 
 def _left_of(
-    search: Search, log: Equations, base: Base, x: np.ndarray, acting: Sequence[Candidate]
+    search: Search, log: Equations, own: Base | np.ndarray, x: np.ndarray, acting: Sequence[Candidate]
 ) -> np.ndarray:
-    """Of one log; a payload is there or not, whichever fits."""
-    residual, at = base.residual[0], 0
+    """Of one log under its own base, or parameters (P,); a payload is there or not, whichever fits."""
+    residual = own.residual[0] if isinstance(own, Base) else log.y - log.A @ own
+    at = 0
     for candidate in acting:
         everywhere = Candidate(candidate.effect, candidate.joint, candidate.values)
         X = columns(search.robot, everywhere, [log], [search.examination.floor.at(log.band)])[0]
@@ -109,7 +114,7 @@ def _left_of(
         force = np.zeros_like(residual)
         for c, values in X.items():
             force[c] = values @ x[at : at + width]
-        more = residual - _beyond(base, force)
+        more = residual - (_beyond(own, force) if isinstance(own, Base) else force)
         if candidate.log is None or np.square(more).sum() < np.square(residual).sum():
             residual = more
         at += width
