@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyident.regression.machine.svd import svd
+
 _SEEN = 1e-3  # of the largest singular value of the scaled instruments: below are no directions of their own
 STRONG = 10.0  # F of the first stage below which instruments are weak (Staiger and Stock 1997)
 
@@ -32,7 +34,7 @@ def two_stage(
     signal: np.ndarray, exact: np.ndarray, instruments: np.ndarray, y: np.ndarray, lags: int
 ) -> Instrumented:
     """signal (N,) with errors, exact (N, K) without, instruments (N, Z), y (N,); lags: of the residuals."""
-    U, s, _ = np.linalg.svd(_unit(np.column_stack([exact, instruments])), full_matrices=False)
+    U, s, _ = svd(_unit(np.column_stack([exact, instruments])))
     U = U[:, s > _SEEN * s[0]]
     projected = U @ (U.T @ signal)
     A = np.column_stack([projected, exact])

@@ -19,6 +19,7 @@ import numpy as np
 
 from flexmodels.threads import gathered
 from pyident.estimation.least_squares import ROUNDING, Directions, Solution, solution_of
+from pyident.regression.machine.svd import svd
 from pyident.regression.machine.threads import each
 from pyident.regression.reduced import Reduced, absent
 from pyident.regression.regressor import predicted
@@ -152,7 +153,7 @@ def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Momen
     scale = np.linalg.norm(S, axis=0)
     nothing = absent(scale, reduced.columns)
     scale[nothing] = 1.0
-    _, s, Vt = np.linalg.svd(S / scale, full_matrices=False)
+    _, s, Vt = svd(S / scale)
     r = int((s > ROUNDING * s[0]).sum())
     Vt[:r, nothing] = 0.0
     turn = (Vt[:r].T / s[:r]) / scale[:, None]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import Reduced, absent
 
 ROUNDING = 1e-10  # of the largest singular value: below is arithmetic, not data
@@ -87,7 +88,7 @@ def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     scale = np.linalg.norm(A, axis=0)
     nothing = absent(scale, reduced.columns)
     scale[nothing] = 1.0
-    U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    U, s, Vt = svd(A / scale)
     Vt[: np.count_nonzero(s > ROUNDING * s[0]), nothing] = 0.0  # else rounding: taken for a direction later
     coefficients = U.T @ y
     equations = reduced.samples * len(reduced.rows)

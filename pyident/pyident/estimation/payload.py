@@ -15,6 +15,7 @@ from flexmodels.robot import Robot
 from pyident.estimation.identify import Identified
 from pyident.estimation.physical import pseudo_inertia
 from pyident.logs.log import LogError
+from pyident.regression.machine.svd import svd
 
 _ABSENT = 1e-6  # singular value, of the largest, below which a direction is not determined
 _OPEN = 1e-3  # entry of an undetermined direction from which on a parameter takes part in it
@@ -53,7 +54,7 @@ def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
     size = np.linalg.norm(A, axis=0)
     unseen = size <= _ABSENT * size.max()
     size[unseen], A[:, unseen] = 1.0, 0.0
-    U, s, Vt = np.linalg.svd(A / size)
+    U, s, Vt = svd(A / size, full=True)
     rank = int((s > _ABSENT * s[0]).sum())
     spread = Vt[:rank].T / s[:rank] / size[:, None]
     p, covariance = spread @ (U[:, :rank].T @ b), spread @ spread.T
@@ -76,7 +77,7 @@ def _determined(empty: Identified, loaded: Identified) -> np.ndarray:
     N = np.concatenate([*open_ones, np.eye(len(scale))[:, untold]], axis=1)
     if N.shape[1] == 0:
         return np.eye(len(scale))
-    U, s, _ = np.linalg.svd(N / np.linalg.norm(N, axis=0))
+    U, s, _ = svd(N / np.linalg.norm(N, axis=0), full=True)
     return U[:, int((s > _ABSENT).sum()) :]
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyident.estimation.least_squares import Solution, residual_squares
+from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import Reduced
 
 
@@ -16,7 +17,7 @@ def total_least_squares(reduced: Reduced, like: Solution) -> Solution:
     A, y = reduced.stacked(like.weights)
     length = max(float(np.linalg.norm(y)), 1e-300)
     seen = np.column_stack([A / like.scale @ like.seen, y / length])
-    smallest = np.linalg.svd(seen, full_matrices=False)[2][-1]
+    smallest = svd(seen)[2][-1]
     p = like.seen @ (-smallest[:-1] / smallest[-1]) * length / like.scale
     residual = np.sqrt(residual_squares(reduced, p) / reduced.samples)
     return replace(like, p=p, residual=residual, covariance=np.full_like(like.covariance, np.nan))

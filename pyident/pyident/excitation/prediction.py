@@ -13,6 +13,7 @@ from pyident.estimation.least_squares import ROUNDING
 from pyident.logs.log import Log
 from pyident.refinement.noise_scatter import carries, noise_scatter
 from pyident.regression.equations import Problem
+from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor, residual_of
 
@@ -53,7 +54,7 @@ def predicted(robot: Robot, log: Log, noise: Mapping[str, float]) -> Prediction:
     scale = np.linalg.norm(A, axis=0)
     absent = scale == 0
     scale[absent] = 1.0
-    U, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
+    U, s, Vt = svd(A / scale)
     Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0
     rank = _rank(s, U.T @ y)
     seen, null = Vt[:rank].T, Vt[rank:].T

@@ -16,6 +16,7 @@ from pyident.estimation.instrumental_variables import Rows, spectral
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
 from pyident.greybox.search import Derivatives, Free, Search
+from pyident.regression.machine.svd import svd
 from pyident.rules.greybox import GREYBOX
 
 _FINER = (0.1, 0.01)  # of that step: slopes by two must agree, or the outputs jump with the parameters
@@ -175,7 +176,7 @@ def _variances(
     """
     scale = np.linalg.norm(slopes, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
-    _, s, Vt = np.linalg.svd(slopes / scale, full_matrices=False)
+    _, s, Vt = svd(slopes / scale)
     blind = Vt[s <= GREYBOX.unseen * max(s[0], np.finfo(float).tiny)]
     seen = (np.linalg.norm(blind, axis=0) < 1e-3) & (np.linalg.norm(slopes, axis=0) > 0)
     inverse = np.where(s > GREYBOX.unseen * s[0], 1 / np.maximum(s, np.finfo(float).tiny), 0)

@@ -15,6 +15,7 @@ from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
 from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
+from pyident.regression.machine.svd import svd
 from pyident.regression.regressor import regressor
 
 _LAGS = 8  # samples of error and torque from which the next ones are predicted
@@ -122,7 +123,7 @@ def _answer(r: np.ndarray, error: np.ndarray, tau: np.ndarray) -> tuple[float, f
     past = [x[rows - lag] for lag in range(1, _LAGS + 1) for x in (error, tau)]
     known = np.column_stack([*past, *(r[rows - lag] for lag in range(3)), np.ones(len(rows))])
     scale = np.maximum(np.linalg.norm(known, axis=0), 1e-300)
-    U, s, _ = np.linalg.svd(known / scale, full_matrices=False)
+    U, s, _ = svd(known / scale)
     U = U[:, s > _ROUNDING * s[0]]
     new = error[rows] - U @ (U.T @ error[rows])
     answer = tau[rows] - U @ (U.T @ tau[rows])

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from pyident.regression.machine.svd import svd
 from pyident.regression.spectrum import Equations
 
 _IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
@@ -78,7 +79,7 @@ def _solved(whitened: Sequence[Equations]) -> tuple[np.ndarray, np.ndarray]:
     scale[scale == 0] = 1.0
     each = [_triangle(A, y, scale) for e in whitened for A, y in zip(e.A, e.y, strict=True)]
     R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
-    U, s, Vt = np.linalg.svd(R[:, :-1], full_matrices=False)
+    U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]
     return directions @ (U.T @ R[:, -1])[kept], directions
