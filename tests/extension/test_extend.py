@@ -11,6 +11,7 @@ from pyident.cli.main import main
 from pyident.extension import add_effect as extension
 from pyident.extension.add_effect import add_effect
 from pyident.extension.extended_robot import require_new
+from pyident.extension.fit import fit_to
 from pyident.extension.split import split
 from pyident.logs.log import write_log
 from pyident.regression.descriptions import corrected, value_of
@@ -53,12 +54,10 @@ def test_a_wrong_effect_is_refused(folder, logs):
 
 
 def test_a_law_whose_model_cannot_be_simulated_is_refused(monkeypatch, folder, logs):
-    fitted = extension.fit_to
-
     def only_without(robot, *rest):
         if robot.parameters.keys() > two_link().parameters.keys():
             raise SimulationError("it rings")
-        return fitted(robot, *rest)
+        return fit_to(robot, *rest)
 
     monkeypatch.setattr(extension, "fit_to", only_without)
     found = add_effect(two_link(), 1, "stribeck", logs[:1], logs[1:], in_process, lambda _: None)
