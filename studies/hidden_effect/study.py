@@ -42,7 +42,10 @@ REDUCED = Plan(TUNING, 12, {"null": 2, "single": 3, "outside": 1, "unobservable"
 
 
 def run(folder: Path, progress: Progress, plan: Plan | None = None, seed: int = SEED) -> StudyResult:
-    """Make, diagnose and score the cases of a plan; none: all of `seed`, or few where PYIDENT_HIDDEN_EFFECT=reduced."""
+    """Make, diagnose and score the cases of a plan; none: all of `seed`.
+
+    Few of them where PYIDENT_HIDDEN_EFFECT=reduced.
+    """
     if plan is None:
         plan = REDUCED if os.environ.get("PYIDENT_HIDDEN_EFFECT") == "reduced" else Plan(seed)
     cases = plan.cases()
