@@ -23,6 +23,7 @@ from pyident.regression.spectrum import Band, Floor, equations, floor
 
 _DRAWS = 4  # of the noise, over which its level is taken
 _SLOW = 0.02  # of a joint's rms speed: near a reversal friction is not known
+_ROUNDING = 1e-12  # of the largest column: what is left of one that is zero but for arithmetic
 _INDEPENDENT = 1e-5  # of the largest, in scaled columns: less is a combination of the others
 
 
@@ -107,7 +108,7 @@ def along(robot: Robot, measure: Yardstick, reference: Reference) -> Along:
 def independent(gram: np.ndarray) -> np.ndarray:
     """Columns that no combination of the others imitates, of a motion rich enough to tell."""
     size = np.sqrt(np.diag(gram))
-    present = np.flatnonzero(size > 0)
+    present = np.flatnonzero(size > _ROUNDING * size.max())
     scaled = gram[np.ix_(present, present)] / np.outer(size[present], size[present])
     w, V = np.linalg.eigh(scaled)
     root = np.sqrt(np.maximum(w, 0))[:, None] * V.T

@@ -8,16 +8,8 @@ from pathlib import Path
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.criterion import Yardstick
-from pyident.excitation.design import (
-    Design,
-    designed,
-    informative,
-    measure,
-    starts,
-    well_conditioned,
-)
-from pyident.excitation.drawing import Drawing, Task
+from pyident.excitation.design import Design, best_conditioned, designed, measure, most_informative
+from pyident.excitation.drawing import Drawing, Task, starts
 from pyident.excitation.limits import Limits, limits_of
 from pyident.excitation.prediction import predicted
 from pyident.excitation.rehearsal import (
@@ -40,7 +32,7 @@ from pyident.verbs.planned import Checked, Planned, Promise
 
 Progress = Callable[[float], None]
 Pair = tuple[Suspect | None, Suspect | None]
-CRITERIA = {"information": informative, "condition": well_conditioned}
+CRITERIA = {"information": most_informative, "condition": best_conditioned}
 ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
 _TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
 _RATE = 250.0  # Hz, of robots without a controller
@@ -100,12 +92,10 @@ def excite(
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
     with rehearsal(robot) as own:
-        level = measure(task, drawing, own)
         if pair is not None:
-            found, promise = _apart(task, drawing, level, own, pair, budget, progress)
+            found, promise = _apart(task, drawing, own, pair, budget, progress)
         else:
-            score, promise = CRITERIA[criterion](task, drawing, level), None
-            found = designed(task, drawing, score, level, own, budget, progress)
+            found, promise = designed(task, drawing, CRITERIA[criterion], own, budget, progress), None
         prediction = predicted(robot, own.log(found.plan), task.noise)
     return Planned(robot, found, _notes(task), prediction, promise)
 
@@ -166,13 +156,13 @@ def export_plan(
 def _apart(
     task: Task,
     drawing: Drawing,
-    level: Yardstick,
     own: Rehearsal,
     pair: Pair,
     budget: Budget,
     progress: Progress | None,
 ) -> tuple[Design, Promise]:
     """The motion that brings two rivals apart; None of a pair is the robot as it is."""
+    level = measure(task, drawing, own)
     drawn = (drawing.reference(x, 1 / task.rate) for x in starts(drawing.family, 20))
     log = own.log(drawing.plan(next(reference for reference in drawn if reference is not None)))
     first, second = (task.robot if who is None else having(task.robot, who, log) for who in pair)
