@@ -5,8 +5,11 @@ from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
 
+import pandas as pd
+
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
+from pyident.conditioning.weak_form import recipe
 from pyident.excitation.capsules import Geometry, geometry_of
 from pyident.excitation.design import Design, best_conditioned, designed, measure, most_informative
 from pyident.excitation.drawing import Drawing, Task, starts
@@ -26,6 +29,7 @@ from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
+from pyident.logs.log import Log, LogError
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
 from pyident.verbs.planned import Checked, Planned, Promise
@@ -91,6 +95,7 @@ def excite(
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
+    _long_enough(task)
     with rehearsal(robot) as own:
         if pair is not None:
             found, promise = _apart(task, drawing, own, pair, budget, progress)
@@ -229,6 +234,17 @@ def _require(
             f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; "
             f"a plan has from {_FEWEST} to {_MOST:g}"
         )
+
+
+def _long_enough(task: Task) -> None:
+    """Raises RobotError where a log of the plan would be refused by the robot's [processing]."""
+    robot, samples = task.robot, range(round(task.duration * task.rate) + 1)
+    rest = pd.DataFrame(0.0, index=samples, columns=[*robot.coordinates, *robot.torques])
+    rest.insert(0, "time", rest.index / task.rate)
+    try:
+        recipe(Log(rest, "a log of the plan"), robot)
+    except LogError as error:
+        raise RobotError(f"{error}; give a longer duration or, without a controller, a higher rate") from None
 
 
 def _notes(task: Task) -> tuple[str, ...]:
