@@ -41,10 +41,13 @@ class Plan:
 REDUCED = Plan(TUNING, 12, {"null": 2, "single": 3, "outside": 1, "unobservable": 1}, replicas=19)
 
 
-def run(folder: Path, progress: Progress, plan: Plan | None = None) -> StudyResult:
-    """Make, diagnose and score the cases of a plan; none: all, or few where PYIDENT_HIDDEN_EFFECT=reduced."""
+def run(folder: Path, progress: Progress, plan: Plan | None = None, seed: int = SEED) -> StudyResult:
+    """Make, diagnose and score the cases of a plan; none: all of `seed`.
+
+    Few of them where PYIDENT_HIDDEN_EFFECT=reduced.
+    """
     if plan is None:
-        plan = REDUCED if os.environ.get("PYIDENT_HIDDEN_EFFECT") == "reduced" else Plan()
+        plan = REDUCED if os.environ.get("PYIDENT_HIDDEN_EFFECT") == "reduced" else Plan(seed)
     cases = plan.cases()
     solve_all(cases, folder, plan.replicas, progress)
     return report([unseal(folder, case.id) for case in cases], folder)

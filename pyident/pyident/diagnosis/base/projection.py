@@ -266,7 +266,8 @@ class _System:
             x = np.clip(x, lower, upper)
         elif (x < lower).any() or (x > upper).any():
             lo, hi = lower * size, upper * size
-            x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
+            with np.errstate(invalid="ignore"):  # SciPy tries steps along bounds that are infinite
+                x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
         z = half.T @ (x * size)
         free = np.square(self.V[:, ~self.kept]).sum(axis=1) > _IMITATED
         std = np.where(free, np.inf, np.sqrt(np.square(V / root).sum(axis=1)) / size)
