@@ -13,7 +13,7 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import Log, LogError, check, read_log
+from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
@@ -48,7 +48,6 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]
     if robot is not None:
         frame = at_joints(frame, robot, source)
-    check(frame, source)
     return Log(frame, source, tuple(notes))
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from pyident.rules.rule import in_range, rule
+from pyident.rules.rule import RulesError, in_range, rule
 
 _BENCH = (
     "by hand, on the logs of studies/log_checks as they were gathered; "
@@ -58,6 +58,12 @@ class EquationCheckRules:
     def __post_init__(self) -> None:
         shares = ("slow", "stands", "energy", "determined", "estimable", "speaks", "heavy")
         in_range(self, "equation_checks", 0, 1, *shares)
+        low, high = self.band
+        if not 0 < low < high < 1:
+            raise RulesError(
+                f"rules: equation_checks.band goes from {low:g} to {high:g} of the Nyquist frequency; "
+                "it must rise within 0 and 1"
+            )
 
 
 EQUATIONS = EquationCheckRules()
