@@ -16,9 +16,9 @@ test: lint
 slow: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-# How much of pyident the tests reach, branch by branch, in other processes too. A part per folder of tests, kept in
-# out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
-COVERED_BY ?= not importers
+# How much of pyident the tests of `make test` reach, branch by branch, in other processes too. A part per folder of
+# tests, kept in out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
+COVERED_BY ?= not slow and not importers and not browser
 PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
 PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
 COVERED := $(PARTS:%=out/coverage/%.data)

@@ -87,6 +87,8 @@ def refine(
     """
     read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     found = refined(read.robot, list(read.logs), runs_in_threads, progress)
+    if progress:
+        progress(1.0)
     return Fit(found, (*read.notes, *found.notes), read.logs)
 
 
