@@ -44,3 +44,9 @@ def test_too_few_replicas_for_the_level_are_refused():
 def test_thresholds_that_contradict_each_other_are_refused(change):
     with pytest.raises(RulesError):
         replace(SearchRules(), **change)
+
+
+@pytest.mark.parametrize("quantiles", [(0.0, 0.5, 0.4, 1.0), (0.0, 1.5)])
+def test_quantiles_are_rising_shares(quantiles):
+    with pytest.raises(RulesError, match=r"bins\.quantiles must rise"):
+        replace(BINS, quantiles=quantiles)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import log
 
-from pyident.rules.rule import in_range, rule
+from pyident.rules.rule import RulesError, in_range, rule
 
 _BY_HAND = "by hand; not measured"
 _READING = "by hand: it changes what is shown, no verdict"
@@ -60,6 +60,8 @@ class BinRules:
 
     def __post_init__(self) -> None:
         in_range(self, "bins", 0, 1, "top", "least_gain", "least_spread")
+        if list(self.quantiles) != sorted(self.quantiles) or not all(0 <= x <= 1 for x in self.quantiles):
+            raise RulesError("rules: bins.quantiles must rise, with shares between 0 and 1")
 
 
 BINS = BinRules()
