@@ -32,6 +32,7 @@ from ..rigid_arm.generator import Case, case_list, logs_of
 
 GROUPS = {"comparison": RULES.comparison, "bins": BINS}
 SEED, NULLS = 6007, 3
+MADE_ONCE = "replicas"  # their number would have them made again
 
 
 def run(
@@ -52,6 +53,10 @@ def run(
     rows = [row(f"as they are, {len(cases)} cases", counted(cases, said, Variant()) or "")]
     rows += [row(v["threshold"], f"half: {v['half']}; twice: {v['twice']}") for v in table.to_dict("records")]
     return StudyResult(rows, [folder / "compare_thresholds.csv"])
+
+
+def _variants() -> Iterator[Variant]:
+    return (v for v in variants(GROUPS) if v.name != MADE_ONCE)
 
 
 def counted(cases: list[Case], said: dict[str, Any], variant: Variant) -> str | None:
@@ -78,7 +83,7 @@ def _answered(_: None, case: Case, file: Path) -> None:
         with runs_here(trial.simulated) as workers:
             data, replicas = run_trial(trial, workers, lambda _: None, RULES.comparison.replicas)
         said: dict[str, Any] = {}
-        for variant in variants(GROUPS):
+        for variant in _variants():
             try:
                 with in_force(variant, GROUPS):
                     found = compared(trial, data, replicas, RULES.comparison)
@@ -95,7 +100,7 @@ def _answered(_: None, case: Case, file: Path) -> None:
 
 def _lines(cases: list[Case], said: dict[str, Any]) -> Iterator[dict[str, str]]:
     usual = counted(cases, said, Variant())
-    for variant in variants(GROUPS):
+    for variant in _variants():
         if variant.factor != "half":
             continue
         words = {}
