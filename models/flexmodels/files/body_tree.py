@@ -62,6 +62,7 @@ def with_hinges(
     """The robot with flexible hinges at joints (from 1), stiffness and damping at their placeholders.
 
     bodies, places   per link, 0 being the base: what it is made of, and where its joint is [m]
+    Raises RobotError.
     """
     for k in (*flexible, *twist):
         if not 1 <= k <= len(robot.joints):

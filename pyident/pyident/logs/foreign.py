@@ -84,7 +84,10 @@ def _at_its_joints(log: Log, robot: Robot) -> Log:
 
 
 def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
-    """Motor angles, torques or currents through the robot's transmission; link encoders as twists."""
+    """Motor angles, torques or currents through the robot's transmission; link encoders as twists.
+
+    Raises LogError.
+    """
     n = len(robot.joints)
     out = frame.copy()
     motors = [name for name in frame if str(name).startswith("motor")]

@@ -104,7 +104,7 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def write_log(log: Log, path: str | Path) -> None:
-    """Write CSV, Parquet or MAT by the ending. Raises LogError."""
+    """Write a log as CSV, Parquet or MAT by the ending of `path`. Raises LogError."""
     path = Path(path)
     if path.suffix not in (".csv", ".parquet", ".mat"):
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
@@ -152,7 +152,7 @@ def _read_mat(path: Path) -> pd.DataFrame:
 
 
 def renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) -> pd.DataFrame:
-    """Columns under the contract's names; a file that has them already is taken as it is."""
+    """Columns under the contract's names; a file that has them already is taken as it is. Raises LogError."""
     out = {}
     for signal, column in columns.items():
         if column.source in frame:

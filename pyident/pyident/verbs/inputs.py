@@ -56,9 +56,10 @@ def read_log(
 ) -> Log:
     """Read a log (CSV, Parquet, MAT; others through a mapping) under our names and in SI units.
 
+    path      of the file
     robot     whose [columns] name the file's columns and whose transmission refers motors to joints
     mapping   names, units and signs of the columns (a Mapping or its file)
-    Raises LogError, RobotError.
+    The others as in `identify`. Raises LogError, RobotError.
     """
     columns = mapping_of(mapping)
     if robot is not None:

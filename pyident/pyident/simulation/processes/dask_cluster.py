@@ -44,7 +44,10 @@ class Cluster:
 
     @contextmanager
     def holding(self, make: Make[T]) -> Iterator[Processes[T]]:
-        """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too."""
+        """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too.
+
+        Raises WorkersError.
+        """
         token = uuid.uuid4().hex
         try:
             self.client.wait_for_workers(self.count, timeout=_START_SECONDS)
