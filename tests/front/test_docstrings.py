@@ -45,13 +45,24 @@ def _errors(function: ast.FunctionDef) -> set[str]:
     return {ast.unparse(call.func) for call in made} - {"AssertionError", "NotImplementedError"}
 
 
+def _shaped(function: ast.FunctionDef, doc: str) -> bool:
+    types = ast.unparse(function.args) + ast.unparse(function.returns or ast.Constant(None))
+    return "ndarray" not in types or bool(re.search(r"\(\w[^)]*\)|\(\.\.\.\)|\[[^\]]+\]", doc))
+
+
 @pytest.mark.parametrize("root", sorted(ROOTS))
 def test_every_public_function_says_what_it_is_and_what_it_raises(root):
-    """Commands of the command line apart: an error of theirs is a sentence and an exit code."""
+    """Commands of the command line apart: an error of theirs is a sentence and an exit code.
+
+    Functions of arrays give shapes, (N,), or units, [rad].
+    """
     silent = []
     for file in sorted((PROJECT / root).rglob("*.py")):
-        for function in _public_functions(ast.parse(file.read_text("utf-8"))):
+        tree = ast.parse(file.read_text("utf-8"))
+        for function in _public_functions(tree):
             doc = ast.get_docstring(function) or ""
             errors = {e for e in _errors(function) if e.endswith("Error") and "cli" not in file.parts}
             silent += [f"{file.name}: {function.name}: {e}" for e in errors if e not in doc]
+            if function in tree.body and not (doc and _shaped(function, doc)):
+                silent.append(f"{file.name}: {function.name}: shapes or units")
     assert not silent

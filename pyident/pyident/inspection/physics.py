@@ -41,7 +41,7 @@ def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
 def with_physics(
     channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
 ) -> tuple[list[Channel], list[str]]:
-    """The channels as the equations of motion want them, and what was found, if they can say."""
+    """The channels as the equations of motion want them, and what was found; raw: column -> (N,)."""
     said: list[str] = []
     for _ in range(_ROUNDS):
         of = _balances(channels, raw, robot, rate)

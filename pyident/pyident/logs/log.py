@@ -197,7 +197,7 @@ def median_step(time: np.ndarray) -> float:
 
 
 def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) -> None:
-    """Time goes on in steps of one period; `first` rows came before. Raises LogError."""
+    """Time (N,) [s] goes on in steps of one period; `first` rows came before. Raises LogError."""
     uneven = np.flatnonzero(np.abs(np.diff(time) - period) > _JITTER * abs(period))
     if period <= 0 or len(uneven):
         i = int(uneven[0]) if len(uneven) else 0

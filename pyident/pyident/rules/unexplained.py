@@ -51,7 +51,7 @@ class ExtensionRules:
         0.05,
         "mean square error on held-out data that a law takes away",
         "less is no reason for a law",
-        "by hand, no data",
+        "by hand; half or twice changes no answer on eight arms of studies/thresholds",
     )
 
     def __post_init__(self) -> None:
