@@ -1,6 +1,7 @@
 """Studies that halve and double thresholds of comparisons and of foreign FMUs."""
 
 import json
+from typing import Any
 
 from studies.check_thresholds.variants import Variant, variants
 from studies.compare_thresholds import study as compared
@@ -19,7 +20,7 @@ def test_places_are_counted_by_what_was_hidden(tmp_path):
     joints = [None, cases[1].joint, cases[2].joint % 6 + 1]
     names = [str(v) for v in variants(compared.GROUPS)]
     for case, joint in zip(cases, joints, strict=True):
-        said = {name: {"joint": joint, "bumps": 2} for name in names}
+        said: dict[str, Any] = {name: {"joint": joint, "bumps": 2} for name in names}
         said["comparison.matters half"] = {"joint": 1, "bumps": 9}
         said["bins.quantiles twice"] = None
         (tmp_path / f"{compared.SEED}_{case.id}.json").write_text(json.dumps(said))

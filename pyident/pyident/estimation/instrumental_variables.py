@@ -230,7 +230,7 @@ def smoothed_power(values: np.ndarray) -> np.ndarray:
 
 
 def beyond_noise(left: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Share of an amplitude that no noise accounts for, by `smoothed_power` (bins, n) of residual and noise."""
+    """Share of an amplitude that no noise accounts for; `smoothed_power` (bins, n) of residual and noise."""
     ratio = left / np.maximum(noise, 1e-300)
     return np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0)))
 
