@@ -24,12 +24,18 @@ COMMANDS = {
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
     "open": Entry("pyident.cli.open", "open_command", "Open the workbench on FOLDER."),
-    "payload": Entry("pyident.cli.payload", "payload_command", "Find the inertia of what MODEL carries."),
-    "plan": Entry("pyident.cli.excite", "plan", "Check a planned motion, or write it for a controller."),
+    "payload": Entry(
+        "pyident.cli.payload", "payload_command", "Find the ten inertial parameters of what MODEL carries."
+    ),
+    "plan": Entry(
+        "pyident.cli.excite", "plan", "Check a planned motion, or write it for another controller."
+    ),
     "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
-    "sweep": Entry("pyident.cli.study", "sweep", "Simulate the parameter sets that a plan describes."),
+    "sweep": Entry(
+        "pyident.cli.study", "sweep", "Simulate the parameter sets that PLAN, a TOML file, describes."
+    ),
     "trust": Entry(
         "pyident.cli.trust",
         "trust_command",
