@@ -85,6 +85,18 @@ def test_a_column_that_only_moves_like_a_joint_is_asked(recording, tmp_path):
     assert guesses["elbow"].doubt == "is elbow the reference of joint 2? it moves alike, no name says so"
 
 
+def test_a_supply_is_no_drive(tmp_path):
+    """A duty beside a battery's voltage: the duty is asked about, the battery is left out."""
+    t = np.arange(0, 5, 0.01)
+    columns = {"time": t, "id1_q": np.sin(t), "id1_voltage": 12 + 0.1 * np.cos(t), "id1_pwm": 300 * np.cos(t)}
+    pd.DataFrame(columns).to_csv(tmp_path / "servo.csv", index=False)
+    guesses = {c.column: c for c in inspect_log([tmp_path / "servo.csv"]).channels}
+    assert guesses["id1_voltage"].name is None
+    assert guesses["id1_voltage"].doubt == ""
+    assert guesses["id1_pwm"].name == "joint1.tau"
+    assert "[servo]" in guesses["id1_pwm"].doubt
+
+
 def test_turns_are_not_called_radians(recording, tmp_path):
     """Without a robot nothing can tell them; with one, its weight does (above)."""
     found = inspect_log([turns(recording, tmp_path).path])

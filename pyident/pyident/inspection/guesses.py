@@ -16,6 +16,7 @@ from pyident.logs.units import FACTORS, KINDS, known_unit
 NAME = "its name"
 ORDER = "the order of names without numbers"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
+_STEADY = 0.15  # of its mean: within it a voltage is a supply
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
 _KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
@@ -37,6 +38,8 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     for name, values in recording.columns.items():
         m = said[name]
         signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
+        if signal == "voltage" and _supply(values):
+            signal = "other"
         unit = known_unit(recording.units.get(name, "")) or m.unit
         kinds = _KIND.get(signal, ())
         if unit is not None and kinds and KINDS[unit] not in kinds:
@@ -67,6 +70,11 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     found = [_time_unit(c) if c.signal == "time" else c for c in found]
     seconds = {c.column: FACTORS[c.unit or "s"] for c in found if c.signal == "time"}
     return [replace(c, rate=c.rate / seconds.get(c.clock or clock or "", 1.0)) for c in found]
+
+
+def _supply(values: np.ndarray) -> bool:
+    """Whether a voltage hardly changes, as that of a battery, which drives nothing."""
+    return bool(np.ptp(values) <= _STEADY * np.abs(np.mean(values)))
 
 
 def natural_unit(signal: str, kind: str) -> str:

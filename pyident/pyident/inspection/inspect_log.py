@@ -141,9 +141,9 @@ def _asked(c: Channel) -> Channel:
                                             "give, and "
                        "at the motor or at the joint? (drive, gear)")  # fmt: skip
     if c.signal == "voltage":
-        return replace(c, sure=False, doubt=f"{c.column} is a voltage or duty: is its drive a source of "
-                                            "current, "
-                       "with how many N m per unit? (drive)")  # fmt: skip
+        doubt = (f"{c.column} is a voltage or duty: it is not needed where the robot file has a [servo]; "
+                 "otherwise, how many N m (or N) does one unit give? (drive)")  # fmt: skip
+        return replace(c, sure=False, doubt=doubt)
     if c.doubt or c.sure:
         return c
     if c.signal in ("torque", "feedforward") and c.unit is not None:

@@ -41,6 +41,9 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     robot   refers the motors' signals to the joints; None leaves them. Raises LogError.
     """
     frame, notes = on_one_clock(raw, mapping, source)
+    if mapping.asked:
+        open_ones = f"the mapping still asks {len(mapping.asked)} questions (lines that begin with # ?)"
+        notes = [f"{open_ones}: what they are about is guessed; correct it and delete them", *notes]
     frame, resampled = _even(frame, source)
     notes += resampled
     delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
