@@ -172,6 +172,6 @@ def _as_large_as_allowed(task: Task, offer: Offer, jury: Jury, progress: Progres
 
 
 def starts(family: Family, count: int) -> list[np.ndarray]:
-    """Random members of the family, the same for the same count."""
+    """Random members (size,) of the family, the same for the same count."""
     rng = np.random.default_rng(0)
     return [rng.standard_normal(family.size) for _ in range(count)]

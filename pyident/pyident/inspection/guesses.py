@@ -83,13 +83,13 @@ def natural_unit(signal: str, kind: str) -> str:
 
 
 def si(channel: Channel) -> np.ndarray:
-    """The column in SI with sign and offset, the unit as guessed."""
+    """The column (N,) in SI with sign and offset, the unit as guessed."""
     factor = FACTORS[channel.unit or "1"]
     return channel.sign * factor * channel.values + channel.offset * factor
 
 
 def grows_evenly(x: np.ndarray) -> bool:
-    """Whether a column could be a clock."""
+    """Whether a column (N,) could be a clock."""
     steps = np.diff(x)
     if len(steps) < 3 or not np.isfinite(steps).all() or (steps <= 0).any():
         return False

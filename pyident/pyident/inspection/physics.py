@@ -46,7 +46,7 @@ def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
 def with_physics(
     channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
 ) -> tuple[list[Channel], list[str]]:
-    """The channels as the equations of motion want them, and what was found, if they can say."""
+    """The channels as the equations of motion want them, and what was found; raw: column -> (N,)."""
     channels, said = _angles(channels, raw, robot, rate)
     for _ in range(_ROUNDS):
         of = _balances(channels, raw, robot, rate)

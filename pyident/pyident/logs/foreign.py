@@ -13,7 +13,7 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import Log, LogError, check, read_log
+from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
@@ -51,7 +51,6 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]
     if robot is not None:
         frame = at_joints(frame, robot, source)
-    check(frame, source)
     return Log(frame, source, tuple(notes))
 
 
@@ -88,7 +87,10 @@ def _at_its_joints(log: Log, robot: Robot) -> Log:
 
 
 def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
-    """Motor angles, torques or currents through the robot's transmission; link encoders as twists."""
+    """Motor angles, torques or currents through the robot's transmission; link encoders as twists.
+
+    Raises LogError.
+    """
     n = len(robot.joints)
     out = frame.copy()
     motors = [name for name in frame if str(name).startswith("motor")]

@@ -14,7 +14,10 @@ _FIXED, _NONE, _AFFINE = 0, 0, 1  # gain and bias types of motors and servos
 
 
 def couplings_of(model: Any) -> dict[int, tuple[int, float]]:
-    """Following joint -> its leader and the factor, of the active linear equalities between two joints."""
+    """Following joint -> its leader and the factor, of the active linear equalities between two joints.
+
+    Raises RobotError.
+    """
     ties: dict[int, tuple[int, float]] = {}
     for i in range(model.neq):
         if model.eq_type[i] != _JOINT_EQUALITY or not model.eq_active0[i]:
