@@ -37,7 +37,7 @@ def shipped() -> dict[str, Path]:
 
 
 def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
-    """A shipped robot by name, or a TOML file by path. Raises RobotError.
+    """The robot that `model` names: one that ships, or a TOML file by its path. Raises RobotError.
 
     allow_effects   run the Python files that its `effects` names; without it only those that are trusted
     """
@@ -62,7 +62,7 @@ def check_readable(robot: Robot) -> None:
 
 
 def save_robot(robot: Robot, path: str | Path) -> None:
-    """Write a robot file, and beside it a copy of every effect file from elsewhere. Raises RobotError."""
+    """Write a robot file at `path`, beside it copies of effect files from elsewhere. Raises RobotError."""
     folder = Path(path).resolve().parent
     beside = {file: effects_beside(file, folder) for file in robot.effect_files}
     with replacing(path) as file:

@@ -106,7 +106,7 @@ def along(robot: Robot, measure: Yardstick, reference: Reference) -> Along:
 
 
 def independent(gram: np.ndarray) -> np.ndarray:
-    """Columns that no combination of the others imitates, of a motion rich enough to tell."""
+    """Numbers (r,) of columns of Φ that no others imitate, by Φᵀ Φ (P, P) of a motion rich enough to tell."""
     size = np.sqrt(np.diag(gram))
     present = np.flatnonzero(size > _ROUNDING * size.max())
     scaled = gram[np.ix_(present, present)] / np.outer(size[present], size[present])
@@ -118,6 +118,6 @@ def independent(gram: np.ndarray) -> np.ndarray:
 
 
 def information(gram: np.ndarray, base: np.ndarray) -> float:
-    """log det of the information of the base columns, per column and in powers of e; −inf without rank."""
+    """log det of the information (P, P) of columns `base` (r,), per column, in powers of e; −inf: no rank."""
     sign, value = np.linalg.slogdet(gram[np.ix_(base, base)])
     return float(value) / len(base) if sign > 0 else -np.inf

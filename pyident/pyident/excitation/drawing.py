@@ -127,6 +127,6 @@ class Drawing:
 
 
 def starts(family: Family, count: int) -> list[np.ndarray]:
-    """Random members of the family, the same for the same count."""
+    """Random members (size,) of the family, the same for the same count."""
     rng = np.random.default_rng(0)
     return [rng.standard_normal(family.size) for _ in range(count)]

@@ -78,7 +78,8 @@ def excite(
     radius      [m] of the links as capsules;  floor  its height [m] over the base, None: there is none
     spread      share by which the model's parameters may be off; robots so far off keep the limits, too
     evaluations, seconds   what the search may cost; an interrupt ends it with the best so far
-    Raises RobotError, SimulationError, BuildError.
+    seed        of the search: the same finds the same
+    The others as in `identify`. Raises RobotError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     asked = tuple(suspect(text) for text in separate)
@@ -122,7 +123,7 @@ def check_plan(
 
     plan     an Experiment, or what `simulate` takes as one
     others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`, 24 side by side
-    The rest as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
+    The others as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
@@ -149,8 +150,9 @@ def export_plan(
 ) -> Path:
     """Write a plan's references as a table (.csv) or a ROS JointTrajectory (.json, .yaml); its path.
 
+    path      ends in .csv, .json or .yaml
     rate      points a second, none: the plan's own;  degrees  and mm in a table, instead of SI units
-    Raises RobotError, ExperimentError.
+    The others as in `check_plan`. Raises RobotError, ExperimentError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
