@@ -29,6 +29,8 @@ from flexmodels.loops.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
 
+_FOREIGN = (".urdf", ".xml", ".mjcf", ".xacro")  # endings of other tools' robots
+
 
 def shipped() -> dict[str, Path]:
     """Names and files of the robots that come with the package."""
@@ -45,6 +47,9 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
     if not path.is_file():
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
+    if path.suffix.lower() in _FOREIGN:
+        own = path.with_suffix(".toml").name
+        raise RobotError(f"{path} is no robot file yet: pyident robots import {path.name} -o {own} makes one")
     content = read_toml(path)
     try:
         return _robot(content, path, allow_effects)
