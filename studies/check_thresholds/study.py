@@ -4,66 +4,45 @@ Every kind of wrong log of `log_checks` is made of one sound log, of another rob
 good ones are those that thresholds were fixed on; logs that judge the checks there are not looked at.
 """
 
-import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from dataclasses import asdict, replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-from threadpoolctl import threadpool_limits
-
-from flexmodels.atomic import replacing
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.rule import RulesError
-from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
+from ..half_and_twice.answers import answers, reported
+from ..half_and_twice.variants import Variant, in_force, variants
 from ..log_checks.good_logs import good_logs
 from ..log_checks.study import outcome, sound_bases
 from ..log_checks.wrong_logs import KINDS
-from .variants import Variant, in_force, variants
 
 GROUPS = {"channel_checks": CHANNELS, "equation_checks": EQUATIONS}
 
 
 def run(folder: Path, progress: Callable[[float], None], only: tuple[str, ...] = ()) -> StudyResult:
     """A line per threshold. only: names of thresholds; a second call goes on with what it lacks."""
-    folder.mkdir(parents=True, exist_ok=True)
-    tried = [v for v in variants(GROUPS) if not v.name or not only or v.name in only]
-    with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_scored, v, folder / f"{v}.json") for v in tried]
-        for number, job in enumerate(as_completed(jobs), start=1):
-            job.result()
-            progress(number / len(jobs))
-    said = {v: json.loads((folder / f"{v}.json").read_text()) for v in tried}
+    tried = {str(v): v for v in variants(GROUPS) if not v.name or not only or v.name in only}
+    found = answers(tried, _said, folder, progress)
+    said = {v: found[name] for name, v in tried.items()}
     usual = said[Variant()]
-    table = pd.DataFrame(_lines(said, usual))
-    with replacing(folder / "check_thresholds.csv") as file:
-        table.to_csv(file, index=False)
-    rows = [row("as they are", _counted(usual))]
-    rows += [
-        row(f"{v['threshold']} = {v['value']}", f"half: {v['half']}; twice: {v['twice']}")
-        for v in table.to_dict("records")
-    ]
-    return StudyResult(rows, [folder / "check_thresholds.csv"])
+    as_they_are = row("as they are", _counted(usual))
+    return reported(
+        folder / "check_thresholds.csv", as_they_are, _lines(said, usual), "{threshold} = {value}"
+    )
 
 
-def _scored(_: None, variant: Variant, file: Path) -> None:
-    """Outcome of every log, written to `file` unless it is there; null: the rules refuse the value."""
-    if file.exists():
-        return
+def _said(variant: Variant) -> dict[str, dict[str, str]] | None:
+    """Outcome of every log; None: the rules refuse the value."""
     try:
-        with threadpool_limits(1), in_force(variant, GROUPS):
-            said = {kind: dict(_outcomes(kind)) for kind in ("wrong", "good")}
+        with in_force(variant, GROUPS):
+            return {kind: dict(_outcomes(kind)) for kind in ("wrong", "good")}
     except RulesError:
-        said = None
-    with replacing(file) as path:
-        path.write_text(json.dumps(said))
+        return None
 
 
 def _outcomes(kind: str) -> Iterator[tuple[str, str]]:

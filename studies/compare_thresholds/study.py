@@ -4,18 +4,11 @@ The cases are those of the study `thresholds`. Each arm is identified and its la
 replicas; for every threshold and factor the residuals alone are judged again.
 """
 
-import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-from threadpoolctl import threadpool_limits
-
 import pyident as pi
-from flexmodels.atomic import replacing
 from flexmodels.coordinate import joint_number
 from pyident.comparison.compare import compared
 from pyident.comparison.model_against_replicas import on_trial, run_trial
@@ -23,10 +16,10 @@ from pyident.rules.bins import BINS
 from pyident.rules.rule import RulesError
 from pyident.rules.rules import RULES
 from pyident.simulation.fmu_runs import runs_here
-from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
-from ..check_thresholds.variants import Variant, in_force, variants
+from ..half_and_twice.answers import answers, reported
+from ..half_and_twice.variants import Variant, in_force, variants
 from ..rigid_arm.arm import arm
 from ..rigid_arm.generator import Case, case_list, logs_of
 
@@ -40,19 +33,10 @@ def run(
 ) -> StudyResult:
     """A line per threshold. most: cases. A second call with the same folder goes on with what it lacks."""
     cases = case_list(seed, nulls)[:most]
-    folder.mkdir(parents=True, exist_ok=True)
-    with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_answered, case, folder / f"{seed}_{case.id}.json") for case in cases]
-        for number, job in enumerate(as_completed(jobs), start=1):
-            job.result()
-            progress(number / len(cases))
-    said = {case.id: json.loads((folder / f"{seed}_{case.id}.json").read_text()) for case in cases}
-    table = pd.DataFrame(_lines(cases, said))
-    with replacing(folder / "compare_thresholds.csv") as file:
-        table.to_csv(file, index=False)
-    rows = [row(f"as they are, {len(cases)} cases", counted(cases, said, Variant()) or "")]
-    rows += [row(v["threshold"], f"half: {v['half']}; twice: {v['twice']}") for v in table.to_dict("records")]
-    return StudyResult(rows, [folder / "compare_thresholds.csv"])
+    found = answers({f"{seed}_{case.id}": case for case in cases}, _said, folder, progress)
+    said = {case.id: found[f"{seed}_{case.id}"] for case in cases}
+    as_they_are = row(f"as they are, {len(cases)} cases", counted(cases, said, Variant()) or "")
+    return reported(folder / "compare_thresholds.csv", as_they_are, _lines(cases, said))
 
 
 def _variants() -> Iterator[Variant]:
@@ -61,41 +45,35 @@ def _variants() -> Iterator[Variant]:
 
 def counted(cases: list[Case], said: dict[str, Any], variant: Variant) -> str | None:
     """Of how many cases a place was told, and of how many the right one; None: the rules refuse it."""
-    answers = {case: said[case.id][str(variant)] for case in cases}
-    if None in answers.values():
+    found = {case: said[case.id][str(variant)] for case in cases}
+    if None in found.values():
         return None
-    nulls = [a["joint"] for case, a in answers.items() if case.kind == "null"]
-    right = [a["joint"] == case.joint for case, a in answers.items() if case.kind != "null"]
-    whole = sum(a["bumps"] for a in answers.values())
+    nulls = [a["joint"] for case, a in found.items() if case.kind == "null"]
+    right = [a["joint"] == case.joint for case, a in found.items() if case.kind != "null"]
+    whole = sum(a["bumps"] for a in found.values())
     return (
         f"a place in {sum(j is not None for j in nulls)} of {len(nulls)} logs of a sound model, "
         f"the right joint in {sum(right)} of {len(right)} of a wrong one, {whole} bumps"
     )
 
 
-def _answered(_: None, case: Case, file: Path) -> None:
-    """What is said of a case under every variant, written to `file` unless it is there."""
-    if file.exists():
-        return
-    with threadpool_limits(1):
-        logs = logs_of(case)
-        trial = on_trial(pi.identify(arm(), logs[:-1]).robot, logs[-1:])
-        with runs_here(trial.simulated) as workers:
-            data, replicas = run_trial(trial, workers, lambda _: None, RULES.comparison.replicas)
-        said: dict[str, Any] = {}
-        for variant in _variants():
-            try:
-                with in_force(variant, GROUPS):
-                    found = compared(trial, data, replicas, RULES.comparison)
-                    joint = None if found.where is None else joint_number(found.where.coordinate)
-                    said[str(variant)] = {
-                        "joint": joint,
-                        "bumps": sum(len(found.bumps(trace)) for trace in found.traces),
-                    }
-            except RulesError:
-                said[str(variant)] = None
-    with replacing(file) as path:
-        path.write_text(json.dumps(said))
+def _said(case: Case) -> dict[str, Any]:
+    """Of a case under every variant; None: the rules refuse it."""
+    logs = logs_of(case)
+    trial = on_trial(pi.identify(arm(), logs[:-1]).robot, logs[-1:])
+    with runs_here(trial.simulated) as workers:
+        data, replicas = run_trial(trial, workers, lambda _: None, RULES.comparison.replicas)
+    said: dict[str, Any] = {}
+    for variant in _variants():
+        try:
+            with in_force(variant, GROUPS):
+                found = compared(trial, data, replicas, RULES.comparison)
+                joint = None if found.where is None else joint_number(found.where.coordinate)
+                bumps = sum(len(found.bumps(trace)) for trace in found.traces)
+                said[str(variant)] = {"joint": joint, "bumps": bumps}
+        except RulesError:
+            said[str(variant)] = None
+    return said
 
 
 def _lines(cases: list[Case], said: dict[str, Any]) -> Iterator[dict[str, str]]:

@@ -8,9 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from flexmodels.atomic import replacing
 from pyident.greybox.output_error import output_error
 from pyident.greybox.recording import Recording
 from pyident.greybox.residual import shown
@@ -19,7 +17,8 @@ from pyident.rules.greybox import GREYBOX
 from pyident.rules.rule import RulesError
 from pyident.sweep.studies import StudyResult, row
 
-from ..check_thresholds.variants import Variant, in_force, variants
+from ..half_and_twice.answers import reported
+from ..half_and_twice.variants import Variant, in_force, variants
 
 GROUPS = {"greybox": GREYBOX}
 LOOKED_AT = ("smooth", "starts", "folds", "material", "tie", "level")
@@ -39,12 +38,8 @@ def run(folder: Path, progress: Callable[[float], None], draws: int = DRAWS) -> 
         except RulesError:
             said[variant] = None
         progress(number / len(tried))
-    table = pd.DataFrame(_lines(said))
-    with replacing(folder / "greybox_thresholds.csv") as file:
-        table.to_csv(file, index=False)
-    rows = [row(f"as they are, {draws} of each kind", _sentence(said[Variant()] or {}))]
-    rows += [row(v["threshold"], f"half: {v['half']}; twice: {v['twice']}") for v in table.to_dict("records")]
-    return StudyResult(rows, [folder / "greybox_thresholds.csv"])
+    as_they_are = row(f"as they are, {draws} of each kind", _sentence(said[Variant()] or {}))
+    return reported(folder / "greybox_thresholds.csv", as_they_are, _lines(said))
 
 
 def counted(draws: int) -> dict[str, int]:

@@ -4,26 +4,19 @@ The cases are those of `rigid_arm`, of a seed that served for nothing else. Of e
 once; for every threshold and factor the search alone is run again.
 """
 
-import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-from threadpoolctl import threadpool_limits
-
-from flexmodels.atomic import replacing
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.rules.rule import RulesError
 from pyident.rules.rules import RULES, Rules
 from pyident.rules.search import SearchRules
-from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row
 
+from ..half_and_twice.answers import answers, reported
 from ..rigid_arm.arm import arm
 from ..rigid_arm.generator import Case, case_list, logs_of
 
@@ -54,23 +47,11 @@ def run(
 ) -> StudyResult:
     """A line per threshold. most: cases. A second call with the same folder goes on with what it lacks."""
     cases = case_list(seed, nulls)[:most]
-    folder.mkdir(parents=True, exist_ok=True)
-    with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_answered, case, folder / f"{seed}_{case.id}.json") for case in cases]
-        for number, job in enumerate(as_completed(jobs), start=1):
-            job.result()
-            progress(number / len(cases))
-    said = {case.id: json.loads((folder / f"{seed}_{case.id}.json").read_text()) for case in cases}
-    usual = scores(cases, {i: answers[_AS_IT_IS] for i, answers in said.items()})
-    table = pd.DataFrame(_lines(cases, said, usual))
-    with replacing(folder / "thresholds.csv") as file:
-        table.to_csv(file, index=False)
-    rows = [row(f"as they are, {len(cases)} cases", str(usual))]
-    rows += [
-        row(line["threshold"], f"half: {line['half']}; twice: {line['twice']}")
-        for line in _lines(cases, said, usual)
-    ]
-    return StudyResult(rows, [folder / "thresholds.csv"])
+    found = answers({f"{seed}_{case.id}": case for case in cases}, _said, folder, progress)
+    said = {case.id: found[f"{seed}_{case.id}"] for case in cases}
+    usual = scores(cases, {i: each[_AS_IT_IS] for i, each in said.items()})
+    as_they_are = row(f"as they are, {len(cases)} cases", str(usual))
+    return reported(folder / "thresholds.csv", as_they_are, _lines(cases, said, usual))
 
 
 def variants() -> Iterator[tuple[str, Rules | None]]:
@@ -108,21 +89,17 @@ def _with(name: str, value: Any) -> Rules | None:
         return None
 
 
-def _answered(_: None, case: Case, file: Path) -> None:
-    """What is said of a case under every variant, written to `file` unless it is there."""
-    if file.exists():
-        return
-    with threadpool_limits(1):
-        logs = logs_of(case)
-        search = searched(arm(), logs[:-1], _never)
-        said = {}
-        for name, rules in variants():
-            if rules is not None:
-                found = concluded(_under(search, rules), _never, logs[-1:])
-                ties = [[(n.effect, n.joint) for n in f.tie] for f in found.findings]
-                said[name] = {"verdict": found.verdict, "ties": ties}
-    with replacing(file) as path:
-        path.write_text(json.dumps(said))
+def _said(case: Case) -> dict[str, Any]:
+    """Of a case under every variant."""
+    logs = logs_of(case)
+    search = searched(arm(), logs[:-1], _never)
+    said = {}
+    for name, rules in variants():
+        if rules is not None:
+            found = concluded(_under(search, rules), _never, logs[-1:])
+            ties = [[(n.effect, n.joint) for n in f.tie] for f in found.findings]
+            said[name] = {"verdict": found.verdict, "ties": ties}
+    return said
 
 
 def _under(search: Search, rules: Rules) -> Search:
@@ -140,8 +117,8 @@ def _lines(cases: list[Case], said: dict[str, Any], usual: Scores) -> Iterator[d
         changed = {}
         for factor, word in zip(FACTORS, ("half", "twice"), strict=True):
             name = f"{field.name} {factor:g}"
-            known = all(name in answers for answers in said.values())
-            found = scores(cases, {i: answers[name] for i, answers in said.items()}) if known else None
+            known = all(name in each for each in said.values())
+            found = scores(cases, {i: each[name] for i, each in said.items()}) if known else None
             changed[word] = "refused" if found is None else _difference(usual, found)
         yield {"threshold": field.name, "value": str(getattr(RULES.search, field.name)), **changed}
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from studies.check_thresholds import study
 from studies.check_thresholds.study import GROUPS, _difference, run
-from studies.check_thresholds.variants import Variant, in_force, variants
+from studies.half_and_twice.variants import Variant, in_force, variants
 
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.equation_checks import EQUATIONS

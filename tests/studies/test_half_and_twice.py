@@ -3,9 +3,9 @@
 import json
 from typing import Any
 
-from studies.check_thresholds.variants import Variant, variants
 from studies.compare_thresholds import study as compared
 from studies.greybox_thresholds import study as greybox
+from studies.half_and_twice.variants import Variant, variants
 from studies.rigid_arm.generator import case_list
 
 from pyident.rules.greybox import GREYBOX
