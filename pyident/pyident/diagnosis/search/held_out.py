@@ -43,6 +43,15 @@ class Unseen:
 
 
 @dataclass(frozen=True)
+class _Fitted:
+    """Candidates, the model's parameters p (P,) and their coefficients x (K,), from the fitted logs."""
+
+    candidates: Sequence[Candidate]
+    p: np.ndarray
+    x: np.ndarray
+
+
+@dataclass(frozen=True)
 class HeldOut:
     """Equations of logs that were not used, over the floor of those that were; may be none."""
 
@@ -52,19 +61,23 @@ class HeldOut:
         """What further candidates take beyond what the search rests on; None without held-out logs."""
         if not self.equations:
             return None
-        found = [self._share(search, further, rows, anew) for anew in (False, True)]
+        before, after = (
+            _Fitted(chosen, *search.fitted(chosen)) for chosen in (search.chosen, [*search.chosen, *further])
+        )
+        found = [self._share(search, before, after, rows, anew) for anew in (False, True)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
 
-    def _share(self, search: Search, further: Sequence[Candidate], rows: Sequence[int], anew: bool) -> Unseen:
+    def _share(
+        self, search: Search, before: _Fitted, after: _Fitted, rows: Sequence[int], anew: bool
+    ) -> Unseen:
         """anew: with parameters of the model that each log has for itself."""
-        before = self._residuals(search, search.chosen, anew)
-        after = self._residuals(search, [*search.chosen, *further], anew)
         listed = list(rows)
-        pairs = [(b[listed], a[listed]) for b, a in zip(before, after, strict=True)]
+        left, rest = (self._residuals(search, fitted, anew) for fitted in (before, after))
+        pairs = [(b[listed], a[listed]) for b, a in zip(left, rest, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
         variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
-        excess, floor = search.examination.excess(before, bands_of(self.equations), rows)
+        excess, floor = search.examination.excess(left, bands_of(self.equations), rows)
         scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
         return Unseen(
             fall / scale,
@@ -78,11 +91,11 @@ class HeldOut:
         """Of each log alone."""
         return [solve_base([log]) for log in self.equations]
 
-    def _residuals(self, search: Search, chosen: Sequence[Candidate], anew: bool) -> list[np.ndarray]:
+    def _residuals(self, search: Search, fitted: _Fitted, anew: bool) -> list[np.ndarray]:
         """Per log (n, E)."""
-        p, x = search.fitted(chosen)
         pairs = zip(self.equations, self._bases, strict=True)
-        return [_left_of(search, log, base if anew else p, x, chosen) for log, base in pairs]
+        x, acting = fitted.x, fitted.candidates
+        return [_left_of(search, log, base if anew else fitted.p, x, acting) for log, base in pairs]
 
     def holds(self, unseen: Unseen, fitted_share: float, rules: SearchRules) -> bool:
         """Whether the share on unseen data stands beside the one on those that were fitted.
