@@ -29,7 +29,7 @@ from flexmodels.loops.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
 
-_FOREIGN = (".urdf", ".xml", ".mjcf", ".xacro")  # endings of other tools' robots
+_BEGINNING = 1000  # characters in which a file shows what it is
 
 
 def shipped() -> dict[str, Path]:
@@ -47,7 +47,7 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
     if not path.is_file():
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
-    if path.suffix.lower() in _FOREIGN:
+    if _is_xml(path):
         own = path.with_suffix(".toml").name
         raise RobotError(f"{path} is no robot file yet: pyident robots import {path.name} -o {own} makes one")
     content = read_toml(path)
@@ -55,6 +55,12 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
         return _robot(content, path, allow_effects)
     except (RobotError, EffectError) as error:
         raise RobotError(f"{path}: {error}") from None
+
+
+def _is_xml(path: Path) -> bool:
+    """Whether it begins like a URDF or MJCF."""
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        return file.read(_BEGINNING).lstrip().startswith("<")
 
 
 def check_readable(robot: Robot) -> None:
