@@ -16,11 +16,11 @@ test: lint
 slow: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-# How much of pyident the tests reach, branch by branch, in other processes too. A part per folder of tests, kept in
-# out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
-COVERED_BY ?= not importers
+# How much of pyident the tests of `make test` reach, branch by branch, in other processes too. A part per folder of
+# tests, kept in out/coverage: after an interruption the same call goes on; `make -j2 coverage` runs two at once.
+COVERED_BY ?= not slow and not importers and not browser
 PARTS := $(sort $(foreach file,$(wildcard tests/*/test_*.py),$(word 2,$(subst /, ,$(file)))))
-PARTS := $(filter-out importers,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
+PARTS := $(filter-out importers browser,$(PARTS)) $(basename $(notdir $(wildcard tests/test_*.py)))
 COVERED := $(PARTS:%=out/coverage/%.data)
 SOURCES = $(shell find models fmu pyident tests studies -name '*.py' -not -path '*/.*')
 .SECONDEXPANSION: # so that the tree is searched when a part is asked for, not at every call of make

@@ -24,7 +24,7 @@ def recorded(folder: Path) -> None:
     save_robot(one_joint(), folder / "robot.toml")
     with loaded(hidden(), folder) as fmu:
         for seed, name in enumerate(("a", "b"), start=1):
-            plan = _motion(seed)
+            plan = motion(seed)
             clean = Repeat(Log(fmu.simulate(plan), name), plan)
             log = clean.replica(fmu.simulate, hidden().parameters, {"joint1.e": 2e-6}, seed)
             write_log(log, folder / f"{name}.parquet")
@@ -32,7 +32,7 @@ def recorded(folder: Path) -> None:
         file.unlink()
 
 
-def _motion(seed: int) -> Experiment:
+def motion(seed: int) -> Experiment:
     time = np.arange(1000) * 0.004
     angle = 0.8 * (1 - np.cos(2 * np.pi * time / (1.7 + 0.3 * seed)))
     phases = np.random.default_rng(seed).uniform(0, 2 * np.pi, 30)

@@ -130,6 +130,11 @@ def test_files_are_short(folder):
 
 @pytest.mark.parametrize("tree", ["models", "fmu", "pyident", "studies", "tests", "benchmarks"])
 def test_folders_are_small(tree):
-    count = Counter(file.parent for file in (ROOT / tree).rglob("*.py") if file.name != "__init__.py")
+    count = Counter(file.parent for file in (ROOT / tree).rglob("*.py"))
     assert count
     assert not {folder: n for folder, n in count.items() if n > FULLEST}
+
+
+def test_no_two_test_files_have_one_name():
+    count = Counter(file.name for file in (ROOT / "tests").rglob("test_*.py"))
+    assert [name for name, number in count.items() if number > 1] == []

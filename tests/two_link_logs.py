@@ -56,3 +56,24 @@ def loaded(robot: Robot, folder: Path) -> Iterator[LoadedFmu]:
 
 
 in_process = runs_here  # what opens a pool, without processes
+
+
+_IDENTIFICATION = """
+[identification]
+swing = [1.2, 1.2]
+period = 4.1
+duration = 20.5
+[identification.multisine]
+rms = [20.0, 8.0]
+lines = 204
+lowest = 0.12
+highest = 50.0
+"""
+
+
+def planned(folder: Path) -> str:
+    """The file of the two-link robot with an experiment, so that cases can be drawn from it."""
+    file = folder / "two_link.toml"
+    controller, rest = TWO_LINK.read_text().split("[[joint]]", maxsplit=1)
+    file.write_text(f"{controller}{_IDENTIFICATION}[[joint]]{rest}")
+    return str(file)

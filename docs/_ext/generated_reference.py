@@ -10,6 +10,7 @@ from sphinx.util.docutils import SphinxDirective
 import pyident
 from flexmodels.effects import BASE, CATALOGUE
 from pyident.logs.units import FACTORS
+from pyident.rules.rules import every_threshold
 from pyident.sweep.metrics import METRICS
 
 
@@ -70,8 +71,16 @@ def _metrics() -> Iterator[list[str]]:
         yield [f"`{name}`", (inspect.getdoc(metric) or "").splitlines()[0]]
 
 
+def _thresholds() -> Iterator[list[str]]:
+    yield ["threshold", "value", "of", "why", "fixed on"]
+    for line in every_threshold():
+        value = f"{line.value:.4g}" if isinstance(line.value, float) else str(line.value)
+        yield [f"`{line.name}`", value, line.of, line.why, line.fixed_on]
+
+
 _TABLES: dict[str, Callable[[], Iterator[list[str]]]] = {
     "effects": _effects,
     "units": _units,
     "metrics": _metrics,
+    "thresholds": _thresholds,
 }

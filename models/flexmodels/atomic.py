@@ -10,7 +10,10 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A temporary file beside `path` (same ending) that takes its place when the block ends well."""
+    """A temporary file beside `path` (same ending) that takes its place when the block ends well.
+
+    Raises FileNotFoundError.
+    """
     path = Path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(ENOENT, "there is no such folder; make it first", str(path.parent))

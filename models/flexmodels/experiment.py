@@ -21,6 +21,7 @@ def identification(
 
     seed    of the random phases;  duration [s], none: the robot file's
     flat    optimise the phases for a small peak (crest factor) instead of leaving them random
+    Raises RobotError.
     """
     plan = robot.settings.identification
     if plan is None:
@@ -38,7 +39,10 @@ def identification(
 
 
 def line(robot: Robot) -> Experiment:
-    """The paper's validation: the tip of the rigid robot follows a straight line, at rest at both ends."""
+    """The paper's validation: the tip of the rigid robot follows a straight line, at rest at both ends.
+
+    Raises RobotError.
+    """
     plan = robot.settings.line
     if plan is None:
         raise RobotError(f"robot {robot.name} has no [line] experiment; add one or give a file")

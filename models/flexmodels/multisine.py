@@ -18,12 +18,12 @@ def wave(time: np.ndarray, frequencies: np.ndarray, phases: np.ndarray) -> np.nd
 
 
 def crest_factor(signal: np.ndarray) -> float:
-    """Peak over rms."""
+    """Peak over rms of a signal (N,)."""
     return float(np.abs(signal).max() / np.sqrt(np.mean(signal**2)))
 
 
 def flattened(phases: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
-    """Phases with a low crest factor: clip in time, keep the clipped phases, repeat.
+    """Phases (lines,) [rad] with a low crest factor: clip in time, keep the clipped phases, repeat.
 
     Van der Ouderaa, Schoukens and Renneboog 1988. The lines are taken as harmonics of their spacing; the
     offset of the first line only turns the wave within its envelope.

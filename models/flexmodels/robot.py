@@ -145,7 +145,7 @@ class Robot:
         return {name: units[name] for name in self.parameters}
 
     def with_parameters(self, values: Mapping[str, float], name: str | None = None) -> "Robot":
-        """The same robot with other values; every key must be one of `parameters`."""
+        """The same robot with other values; every key must be one of `parameters`. Raises RobotError."""
         unknown = set(values) - set(self.parameters)
         if unknown:
             raise RobotError(f"robot {self.name} has no parameter {sorted(unknown)[0]}")
@@ -162,7 +162,10 @@ class Robot:
         return replace(self, settings=replace(self.settings, **changes))
 
     def with_effect(self, joint: int, effect: str) -> "Robot":
-        """The same robot with one more law at `joint` (from 1), its parameters at their start values."""
+        """The same robot with one more law at `joint` (from 1), its parameters at their start values.
+
+        Raises RobotError.
+        """
         if effect not in self.catalogue:
             raise RobotError(f"unknown effect {effect!r}; known are {', '.join(sorted(self.catalogue))}")
         if not 1 <= joint <= len(self.joints):

@@ -7,8 +7,8 @@ good ones are those that thresholds were fixed on; logs that judge the checks th
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import as_completed
-from contextlib import contextmanager, nullcontext
-from dataclasses import asdict, dataclass, fields, replace
+from contextlib import nullcontext
+from dataclasses import asdict, replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -26,27 +26,15 @@ from pyident.sweep.studies import StudyResult, row
 from ..log_checks.good_logs import good_logs
 from ..log_checks.study import outcome, sound_bases
 from ..log_checks.wrong_logs import KINDS
+from .variants import Variant, in_force, variants
 
 GROUPS = {"channel_checks": CHANNELS, "equation_checks": EQUATIONS}
-FACTORS = {"half": 0.5, "twice": 2.0}
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A threshold and what it is multiplied by; no name: the rules as they are."""
-
-    group: str = ""
-    name: str = ""
-    factor: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.group}.{self.name} {self.factor}" if self.name else "as they are"
 
 
 def run(folder: Path, progress: Callable[[float], None], only: tuple[str, ...] = ()) -> StudyResult:
     """A line per threshold. only: names of thresholds; a second call goes on with what it lacks."""
     folder.mkdir(parents=True, exist_ok=True)
-    tried = [v for v in variants() if not v.name or not only or v.name in only]
+    tried = [v for v in variants(GROUPS) if not v.name or not only or v.name in only]
     with workers_with(nullcontext) as workers:
         jobs = [workers.submit(_scored, v, folder / f"{v}.json") for v in tried]
         for number, job in enumerate(as_completed(jobs), start=1):
@@ -65,46 +53,12 @@ def run(folder: Path, progress: Callable[[float], None], only: tuple[str, ...] =
     return StudyResult(rows, [folder / "check_thresholds.csv"])
 
 
-def variants() -> Iterator[Variant]:
-    """The rules as they are, then each number halved and doubled."""
-    yield Variant()
-    for group, rules in GROUPS.items():
-        for field in fields(rules):
-            for factor in FACTORS:
-                yield Variant(group, field.name, factor)
-
-
-@contextmanager
-def in_force(variant: Variant) -> Iterator[None]:
-    """While it lasts, the checks of this process go by the changed threshold. Raises RulesError.
-
-    The checks are not told their rules, so the only object of the group is changed and put back.
-    """
-    if not variant.name:
-        yield
-        return
-    rules = GROUPS[variant.group]
-    value = getattr(rules, variant.name)
-    changed = getattr(replace(rules, **{variant.name: _scaled(value, FACTORS[variant.factor])}), variant.name)
-    object.__setattr__(rules, variant.name, changed)
-    try:
-        yield
-    finally:
-        object.__setattr__(rules, variant.name, value)
-
-
-def _scaled(value: Any, factor: float) -> Any:
-    if isinstance(value, tuple):
-        return tuple(factor * x for x in value)
-    return max(1, round(factor * value)) if isinstance(value, int) else factor * value
-
-
 def _scored(_: None, variant: Variant, file: Path) -> None:
     """Outcome of every log, written to `file` unless it is there; null: the rules refuse the value."""
     if file.exists():
         return
     try:
-        with threadpool_limits(1), in_force(variant):
+        with threadpool_limits(1), in_force(variant, GROUPS):
             said = {kind: dict(_outcomes(kind)) for kind in ("wrong", "good")}
     except RulesError:
         said = None

@@ -17,6 +17,7 @@ import flexmodels
 import pyident
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import load_robot
+from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.held_out import held_out
@@ -25,6 +26,7 @@ from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.processes.workers import workers_with
+from pyident.verbs.inputs import Given
 
 from .generator.cases import LOGS, Case
 from .generator.logs_and_key import generate
@@ -33,6 +35,14 @@ from .oracle import Bound, bound
 ROBOT = "four_link"
 _OWN = ("blind.py", "oracle.py", "generator/*.py")
 
+Reader = Callable[[Path, Robot], Given]
+
+
+def _as_logged(folder: Path, robot: Robot) -> Given:
+    """All that was logged, taken as it is."""
+    logs = tuple(read_log(folder / f"{name}.parquet") for name in LOGS)
+    return Given(robot, logs[:2], logs[2:], ())
+
 
 def solve_all(
     cases: Sequence[Case],
@@ -40,47 +50,56 @@ def solve_all(
     replicas: int,
     progress: Callable[[float], None],
     robot: str = ROBOT,
+    read: Reader = _as_logged,
 ) -> None:
     """Every case that `folder` does not hold yet, one per core; after an interrupt the same call goes on.
 
     robot   the plain one that the cases were drawn from: shipped, or a file
+    read    what the diagnosis gets to see of a case's logs
     Writes per case logs/<id>, diagnosed/<id>.json and, sealed, sealed/<id>/key.json and oracle.json.
     """
-    of = _fingerprint(f"{robot} {replicas}")
+    of = _fingerprint(f"{robot} {replicas} {read.__qualname__}")
     left = [case for case in cases if not _finished(case.id, folder, of)]
     progress(1 - len(left) / len(cases))
     with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_solve, case, folder.absolute(), robot, replicas, of) for case in left]
+        jobs = [workers.submit(_solve, case, folder.absolute(), robot, replicas, read, of) for case in left]
         for i, job in enumerate(as_completed(jobs)):
             job.result()
             progress(1 - (len(left) - i - 1) / len(cases))
 
 
-def _solve(_: None, case: Case, folder: Path, robot: str, replicas: int, of: str) -> None:
+def _solve(_: None, case: Case, folder: Path, robot: str, replicas: int, read: Reader, of: str) -> None:
     with threadpool_limits(1):
         try:
-            _unseen(case, folder, robot, replicas, of)
+            _unseen(case, folder, robot, replicas, read, of)
         except Exception as error:
             failure = f"{type(error).__name__}: {error}"
             _write(folder / "diagnosed" / f"{case.id}.json", {"failure": failure})
 
 
-def _unseen(case: Case, folder: Path, robot: str, replicas: int, of: str) -> None:
+def _unseen(case: Case, folder: Path, robot: str, replicas: int, read: Reader, of: str) -> None:
     """The diagnosis is on the disk before the key is read."""
     begin, sealed = time.perf_counter(), folder / "sealed" / case.id
     generate(case, folder)
-    search, held, found = _diagnosed(folder / "logs" / case.id, robot, replicas)
+    seen = read(folder / "logs" / case.id, load_robot(robot))
+    search, found = _diagnosed(seen, replicas)
     said = {"of": of, "seconds": time.perf_counter() - begin, "diagnosis": found.json()}
     _write(folder / "diagnosed" / f"{case.id}.json", said)
-    best = _bound(search, found, held, sealed / "key.json")
+    best = _bound(search, found, seen.heldout, sealed / "key.json")
     _write(sealed / "oracle.json", {"of": of} | (asdict(best) if best else {}))
 
 
-def _diagnosed(folder: Path, robot: str, replicas: int) -> tuple[Search, list[Log], Diagnosis]:
-    """The diagnosis of an open folder, and what it rests on; nothing else is known here."""
-    logs = [read_log(folder / f"{name}.parquet") for name in LOGS]
-    search = searched(load_robot(robot), logs[:2], runs_here, rules=_rules(replicas))
-    return search, logs[2:], concluded(search, runs_here, logs[2:])
+def _diagnosed(seen: Given, replicas: int) -> tuple[Search, Diagnosis]:
+    """The diagnosis of an open folder's logs, and what it rests on; nothing else is known here."""
+    search = searched(seen.robot, seen.logs, runs_here, rules=_rules(replicas))
+    found = concluded(search, runs_here, seen.heldout)
+    return search, replace(found, notes=(*seen.notes, *found.notes))
+
+
+def notes_of(folder: Path, name: str) -> list[str]:
+    """What the diagnosis of a case of `folder` noted; nothing where it failed."""
+    said = json.loads((folder / "diagnosed" / f"{name}.json").read_text(encoding="utf-8"))
+    return said.get("diagnosis", {}).get("notes", [])
 
 
 def _bound(search: Search, found: Diagnosis, heldout: Sequence[Log], key: Path) -> Bound | None:

@@ -94,47 +94,47 @@ def score(cases: Sequence[Scored]) -> list[dict[str, str]]:
     }
     plain = [c for c in of["single"] if not c.aliases]
     return [
-        _share(
+        share(
             "false alarm with nothing hidden", [c.verdict != "nothing_detectable" for c in of["null"]], most=5
         ),
-        _share("the truth is in the first tie", [c.truth[0] in c.first_tie for c in of["single"]], least=95),
-        _share(
+        share("the truth is in the first tie", [c.truth[0] in c.first_tie for c in of["single"]], least=95),
+        share(
             "the truth is strictly first, effects without exact alias",
             [c.first_tie[:1] == c.truth for c in plain],
             least=85,
         ),
         _tie_size(of["single"]),
         _fall([*of["single"], *of["pair"]]),
-        _share("pairs: both found", [set(c.truth) <= c.named for c in of["pair"]], least=70),
-        _share("pairs: at least one found", [bool(set(c.truth) & c.named) for c in of["pair"]], least=95),
-        _share(
+        share("pairs: both found", [set(c.truth) <= c.named for c in of["pair"]], least=70),
+        share("pairs: at least one found", [bool(set(c.truth) & c.named) for c in of["pair"]], least=95),
+        share(
             "outside the catalogue: unexplained",
             [c.verdict == "unexplained" for c in of["outside"]],
             least=80,
         ),
-        _share(
+        share(
             "outside the catalogue: confidently wrong",
             [c.verdict in ("missing_effect", FAILED) for c in of["outside"]],
             most=10,
         ),
-        _share(
+        share(
             "not observable: cannot tell, or nothing",
             [c.verdict in ("cannot_tell", "nothing_detectable") for c in of["unobservable"]],
             least=95,
         ),
-        _share(
+        share(
             "single effects: the truth is in the first tie, and the verdict names it",
             [c.verdict in NAMING and c.truth[0] in c.first_tie for c in of["single"]],
         ),
-        _share(
+        share(
             "single effects: a further finding without the truth",
             [any(c.truth[0] not in tie for tie in c.ties[1:]) for c in of["single"]],
         ),
-        _share("failed cases", [bool(c.failure) for c in cases], most=0),
+        share("failed cases", [bool(c.failure) for c in cases], most=0),
     ]
 
 
-def _share(
+def share(
     what: str, hits: Sequence[bool], least: float | None = None, most: float | None = None
 ) -> dict[str, str]:
     """least, most: the goal in percent."""

@@ -11,7 +11,7 @@ import pandas as pd
 from flexmodels.robot import Robot
 from pyident.checks.check_log import check_log
 from pyident.checks.defect import Defect
-from pyident.logs.log import Log, LogError, check
+from pyident.logs.log import Log, LogError
 from pyident.sweep.studies import StudyResult, row
 
 from . import (  # their kinds register themselves
@@ -101,7 +101,6 @@ def sound_bases() -> Iterator[tuple[Robot, Log]]:
 def outcome(robot: Robot, frame: pd.DataFrame, source: str) -> tuple[str, tuple[Defect, ...] | str]:
     """refused, warned or missed; and why. A log that cannot even be read is refused."""
     try:
-        check(frame, source)
         defects = check_log(robot, Log(frame, source))
     except LogError as error:
         return "refused", str(error)

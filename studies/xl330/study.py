@@ -4,12 +4,14 @@ import os
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from flexmodels.files.robot_file import load_robot, save_robot
+from flexmodels.link import Link
 from flexmodels.robot import Robot
 from flexmodels.settings.servo import PER_JOINT
 from pyident.logs.foreign import robot_log
@@ -65,7 +67,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
             rows.append(row(f"kp {gain} held out: mean absolute error", text, "less", ours < theirs[best]))
             bars.append((gain, ours, theirs))
     rows += _described(fit)
-    save_robot(fit.robot, folder / "model.toml")
+    save_robot(as_a_body(fit.robot, start), folder / "model.toml")
     shutil.copy(_HERE / "mapping.toml", folder / "mapping.toml")
     picture = Picture(draw(bars, list(recordings.items()), replays), _CAPTION)
     sections = [
@@ -86,6 +88,24 @@ def held_out(
     chosen = climbed(start, others, fits, progress)
     robot = fits.fit(chosen.robot, list(others.values())).robot
     return fits.error(robot, _only(recordings, gain)), chosen.laws
+
+
+def as_a_body(robot: Robot, start: Robot) -> Robot:
+    """The pendulum's inertia about its centre of mass, which the fit has moved, as it was before.
+
+    Without that no rigid body has its moments, and no other simulator takes them. Only the sum of its and the
+    motor's inertia about the hinge moves it: J_m keeps the sum.
+    """
+    (link,), (before,), axis = robot.links, start.links, np.array(robot.joints[0].x)
+    body = Link.of_centre(link.m, np.array(link.ms) / link.m, before.about_centre()[1])
+    about = [axis @ _tensor(one) @ axis for one in (link, body)]
+    J_m = robot.parameters["joint1.J_m"] + about[0] - about[1]
+    return replace(robot, links=(body,)).with_parameters({"joint1.J_m": float(J_m)})
+
+
+def _tensor(link: Link) -> np.ndarray:
+    xx, xy, xz, yy, yz, zz = link.J
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _ladder_error(ladder: Ladder, rung: str, recordings: Recordings, gain: int, robot: Robot) -> float:

@@ -22,6 +22,7 @@ from pyident.diagnosis.unexplained.residual_terms import excess
 from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
+from pyident.rules.rules import RULES
 from pyident.simulation.fmu_runs import runs_here
 
 NOISE = 1e-5
@@ -94,6 +95,29 @@ def test_a_force_over_the_position_is_drawn(bumpy):
     assert "position of joint 1 (explains" in found.sentences[0]
     assert first.x[np.argmax(first.force)] == pytest.approx(1, abs=0.2)
     assert np.corrcoef(first.force, bump(first.x))[0, 1] > 0.95
+
+
+def test_what_thresholds_change_of_a_force_with_a_weak_wave_under_it(fmu):
+    """A wave of 5 % is the only thing that half or twice as much of them hides."""
+    examination, usual = said(recorded(fmu, lambda e, de, t: bump(e) + 0.3 * np.sin(2 * np.pi * 6.37 * t)))
+    both = [("joint1.e", "force"), ("time", "frequency")]
+    assert _names(usual) == both
+
+    def changed(group: str, name: str, factor: float) -> Unexplained:
+        rules = getattr(RULES, group)
+        rules = replace(RULES, **{group: replace(rules, **{name: factor * getattr(rules, name)})})
+        other = replace(examination, setting=replace(examination.setting, rules=rules))
+        with runs_here(arm()) as pool:
+            return depends_on(other, pool)
+
+    for group, name in (("unexplained", "beyond"), ("periodic", "quiet"), ("periodic", "left")):
+        assert _names(changed(group, name, 0.5)) == _names(changed(group, name, 2.0)) == both
+    assert _names(changed("unexplained", "material", 0.5)) == both
+    assert _names(changed("unexplained", "material", 2.0)) == both[:1]
+
+
+def _names(found: Unexplained) -> list[tuple[str, str]]:
+    return [(d.on, d.form) for d in found.dependences]
 
 
 def test_an_order_of_the_angle_is_found(fmu):

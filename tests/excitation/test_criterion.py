@@ -5,15 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from one_joint import one_joint
-from planned_joint import limited
 
-from pyident.excitation.capsules import geometry_of
 from pyident.excitation.criterion import Yardstick, along, independent, information
-from pyident.excitation.design import measure, well_conditioned
-from pyident.excitation.drawing import Drawing, Task
 from pyident.excitation.fourier import Reference
-from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import rehearsal
 from pyident.excitation.separation.rivals import remaining
 from pyident.regression.spectrum import Floor
 
@@ -70,25 +64,16 @@ def test_of_two_columns_that_are_one_only_one_is_independent():
     assert information(gram, base) == pytest.approx(np.log(sizes).sum() / 2)
 
 
+def test_a_column_that_is_zero_but_for_rounding_is_not_independent():
+    rng = np.random.default_rng(0)
+    A = rng.standard_normal((60, 3))
+    A[:, 1] *= 1e-16
+    assert independent(A.T @ A).tolist() == [0, 2]
+
+
 def test_what_remains_is_what_least_squares_leaves():
     rng = np.random.default_rng(0)
     A, y = rng.standard_normal((50, 6)) * 10.0 ** np.arange(-3, 3), rng.standard_normal(50)
     A[:, 5] = A[:, 4] * 3 + A[:, 0]  # no full rank
     expected = np.sum((y - A @ np.linalg.lstsq(A, y, rcond=1e-12)[0]) ** 2)
     assert remaining(A, y) == pytest.approx(expected)
-
-
-def test_the_condition_is_that_of_one_joint_in_closed_form():
-    """Inertia, viscous and Coulomb friction: columns ddq, dq, sign(dq) of every sample."""
-    robot = limited()
-    task = Task(robot, limits_of(robot), geometry_of(robot, floor=None), {"joint1.e": 1e-5}, 3.0, 250.0)
-    drawing, motion = Drawing(task), cosine()
-    with rehearsal(robot) as own:
-        measured = measure(task, drawing, own)
-    score = well_conditioned(task, drawing, measured)
-    moved = replace(
-        motion, time=motion.time[1:50], q=motion.q[1:50], dq=motion.dq[1:50], ddq=motion.ddq[1:50]
-    )
-    columns = np.hstack([moved.ddq, moved.dq, np.sign(moved.dq)])
-    found = np.exp(-score(along(robot, measured, moved)))
-    assert found == pytest.approx(np.linalg.cond(columns), rel=1e-6)

@@ -8,6 +8,8 @@ from click.testing import CliRunner
 from planned_joint import FEW, limited
 
 import pyident as pi
+from flexmodels.files.robot_file import load_robot
+from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.excitation.fourier import Reference
 from pyident.excitation.rehearsal import others_like
@@ -124,3 +126,8 @@ def test_a_message_and_a_table_hold_the_motion():
     assert table(limited(), motion, degrees=True)["joint1.position"].tolist() == pytest.approx(
         [0.0, 57.29577951, 114.59155903]
     )
+
+
+def test_a_plan_whose_log_could_not_be_identified_is_refused_before_the_search():
+    with pytest.raises(RobotError, match=r"2001 samples are too few.*give a longer duration"):
+        pi.excite(load_robot("tx40"), criterion="condition", duration=8.0, floor=None)

@@ -60,8 +60,9 @@ def test_a_wish_is_refused(wish, sentence):
 
 
 def test_a_law_that_acts_already_is_no_suspect():
+    log = Log(pd.DataFrame({"time": [0.0, 0.1]}))
     with pytest.raises(RobotError, match="has coulomb@1 already; give a model without it"):
-        having(limited(), Suspect("coulomb", 1), Log(pd.DataFrame()))
+        having(limited(), Suspect("coulomb", 1), log)
 
 
 def test_a_suspect_of_known_size_has_it():

@@ -1,5 +1,7 @@
 """Adding an effect: the true one is kept, a wrong one is refused with a reason."""
 
+from dataclasses import replace
+
 import pytest
 from click.testing import CliRunner
 from two_link_logs import hidden, in_process, loaded, made_log, two_link
@@ -13,7 +15,7 @@ from pyident.extension.add_effect import add_effect
 from pyident.extension.extended_robot import require_new
 from pyident.extension.fit import fit_to
 from pyident.extension.split import split
-from pyident.logs.log import write_log
+from pyident.logs.log import LogError, write_log
 from pyident.regression.descriptions import corrected, value_of
 from pyident.verbs import judge
 
@@ -74,6 +76,8 @@ def test_what_is_held_out(logs):
     assert len(alone.fitted[0]) == round(len(logs[0]) * 2 / 3) - 1
     assert alone.judged == logs[:1]
     assert alone.since[0] == pytest.approx(len(alone.fitted[0]) * logs[0].period)
+    with pytest.raises(LogError, match="2 samples are too few to hold some of them out"):
+        split([replace(logs[0], frame=logs[0].frame.head(2))], [])
 
 
 def test_an_effect_is_not_added_twice(folder, logs):

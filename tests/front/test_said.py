@@ -55,7 +55,7 @@ def test_an_added_law_is_said_with_its_parameters_and_its_fall():
     text = " ".join(str(added.summary()).split())
     assert "torque of joint 1 held out 2 1 0.5 N.m" in text
     assert "joint1.stribeck.level" in text or "stribeck" in text
-    assert "held-out data are met better" in text
+    assert "follows held-out data better" in text
     assert added.to_frame().loc["torque of joint 1", "after"] == 1.0
     assert added.to_dict()["mean_square_fall_percent"] == {"equations": 75.0, "simulation": 50.0}
 

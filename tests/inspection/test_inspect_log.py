@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 from inspection.more_styles import counts, named_arm, nested_groups, spreadsheet
+from inspection.other_tools import TOOLS, turns
 from inspection.styles import STYLES, arm, plain_csv, shuffled_parquet, sound
 
 from flexmodels.files.robot_file import save_robot
@@ -31,7 +32,7 @@ def robot():
 
 
 @pytest.mark.parametrize(
-    "style", [*STYLES, spreadsheet, named_arm, nested_groups], ids=lambda style: style.__name__
+    "style", [*STYLES, spreadsheet, named_arm, nested_groups, *TOOLS], ids=lambda style: style.__name__
 )
 def test_a_mapping_is_proposed_and_nothing_wrong_asserted(style, recording, robot, tmp_path):
     pytest.importorskip(
@@ -65,13 +66,41 @@ def test_what_only_its_place_tells_is_asked(known, recording, robot, tmp_path):
     assert found.questions
 
 
-@pytest.mark.parametrize("style", [spreadsheet, named_arm, nested_groups], ids=lambda style: style.__name__)
+@pytest.mark.parametrize(
+    "style", [spreadsheet, named_arm, nested_groups, *TOOLS], ids=lambda style: style.__name__
+)
 def test_nothing_wrong_is_asserted_of_an_unknown_robot(style, recording, tmp_path):
     pytest.importorskip({"named_arm": "rosbags", "nested_groups": "h5py"}.get(style.__name__, "numpy"))
     made = style(recording, tmp_path)
     for c in inspect_log([made.path]).channels:
         truth = made.truth.get(c.column)
         assert c.doubt or c.name is None or (truth is not None and c.name == truth[0]), c
+
+
+def test_a_column_that_only_moves_like_a_joint_is_asked(recording, tmp_path):
+    columns = recording[["time", "q1", "q2"]].assign(elbow=recording["q2"].round(4))
+    columns.to_csv(tmp_path / "copy.csv", index=False)
+    guesses = {c.column: c for c in inspect_log([tmp_path / "copy.csv"]).channels}
+    assert guesses["elbow"].name == "joint2.r"
+    assert guesses["elbow"].doubt == "is elbow the reference of joint 2? it moves alike, no name says so"
+
+
+def test_a_supply_is_no_drive(tmp_path):
+    """A duty beside a battery's voltage: the duty is asked about, the battery is left out."""
+    t = np.arange(0, 5, 0.01)
+    columns = {"time": t, "id1_q": np.sin(t), "id1_voltage": 12 + 0.1 * np.cos(t), "id1_pwm": 300 * np.cos(t)}
+    pd.DataFrame(columns).to_csv(tmp_path / "servo.csv", index=False)
+    guesses = {c.column: c for c in inspect_log([tmp_path / "servo.csv"]).channels}
+    assert guesses["id1_voltage"].name is None
+    assert guesses["id1_voltage"].doubt == ""
+    assert guesses["id1_pwm"].name == "joint1.tau"
+    assert "[servo]" in guesses["id1_pwm"].doubt
+
+
+def test_turns_are_not_called_radians(recording, tmp_path):
+    """Without a robot nothing can tell them; with one, its weight does (above)."""
+    found = inspect_log([turns(recording, tmp_path).path])
+    assert "is trace.axis2.ActPos in radians or turns?" in " ".join(found.questions)
 
 
 def test_what_is_written_is_what_import_reads(recording, robot, tmp_path):

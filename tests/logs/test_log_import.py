@@ -48,6 +48,15 @@ def test_units_signs_offsets_and_several_files(tmp_path):
     assert log.period == pytest.approx(0.004)
 
 
+def test_open_questions_of_a_mapping_are_said(tmp_path):
+    """`log inspect` writes each twice: at the top and where it belongs."""
+    np.savetxt(tmp_path / "raw.csv", np.arange(8.0).reshape(4, 2), delimiter=",")
+    text = 'rate = 10\nheader = false\n{}[signals."joint1.e"]\nsource = "1"\n'
+    for asked, said in (("", 0), ("# ? how fast?\n# ? a unit?\n# ? a unit?\n", 2)):
+        notes = import_log([tmp_path / "raw.csv"], mapping(tmp_path, text.format(asked))).notes
+        assert [f"asks {said} questions" in note for note in notes] == [True] * bool(said)
+
+
 def test_no_header_and_structs(tmp_path):
     np.savetxt(tmp_path / "raw.csv", np.arange(12.0).reshape(4, 3), delimiter=",")
     m = mapping(

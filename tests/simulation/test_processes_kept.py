@@ -59,6 +59,9 @@ def test_they_prepare_themselves_while_their_caller_goes_on():
         with local_processes(partial(tool, 1)) as workers:
             assert workers.submit(imported, "sched").result()
             assert not workers.submit(imported, "chunk").result()
+        end = time.monotonic() + 60
+        while not processes_ready() and time.monotonic() < end:
+            time.sleep(0.05)  # the other one may still be starting
         assert processes_ready()
     assert not processes_ready()
 

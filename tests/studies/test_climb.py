@@ -1,13 +1,18 @@
-"""How the XL330 study chooses its laws, with errors that are made up: no simulation."""
+"""How the XL330 study chooses its laws, with errors that are made up, and what it writes: no simulation."""
 
 from pathlib import Path
 from types import SimpleNamespace
 
+import pytest
+
 import pyident as pi
+from flexmodels.files.urdf.exporter import export_urdf
+from flexmodels.robot import RobotError
 from pyident.sweep.studies import find_study
 
 find_study("xl330")  # from then on its files can be imported
 from pyident.sweep.studies.xl330 import climb  # noqa: E402  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.xl330.study import as_a_body  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 START = Path(__file__).parents[2] / "studies" / "xl330" / "start.toml"
 RECORDINGS = {f"{motion}_kp{gain}": f"{motion}_kp{gain}" for motion in "abcd" for gain in (100, 800)}
@@ -69,3 +74,17 @@ def test_the_drive_that_is_chosen_can_be_written(tmp_path):
     chosen, _ = _climbed(3.0, 2.0, 1.0, 1.0, 1.0)
     pi.save_robot(chosen.robot, tmp_path / "model.toml")
     assert pi.load_robot(tmp_path / "model.toml").servo == chosen.robot.servo
+
+
+def test_the_written_pendulum_is_a_body_that_moves_as_before(tmp_path):
+    """Its weight moved sideways by the fit; the inertia about the hinge, motor included, is as before."""
+    start = pi.load_robot(START)
+    fitted = start.with_parameters({"link1.ms[x]": -0.0013})
+    with pytest.raises(RobotError, match="no rigid body"):
+        export_urdf(fitted, tmp_path / "not.urdf")
+    written = as_a_body(fitted, start)
+    export_urdf(written, tmp_path / "pendulum.urdf")
+    about = ("link1.J[yy]", "joint1.J_m")  # the hinge turns about y
+    whole = [sum(robot.parameters[name] for name in about) for robot in (fitted, written)]
+    assert whole[1] == pytest.approx(whole[0], rel=1e-12)
+    assert written.links[0].ms == pytest.approx(fitted.links[0].ms, rel=1e-12)

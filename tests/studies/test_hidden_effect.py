@@ -12,7 +12,7 @@ from studies.hidden_effect.confusion import ELSEWHERE, NOTHING, UNEXPLAINED, con
 from studies.hidden_effect.generator.logs_and_key import cases_of
 from studies.hidden_effect.scoring import FAILED, Scored, score, table, unseal
 from studies.hidden_effect.study import REDUCED, SEED, TUNING, Plan, report
-from two_link_logs import TWO_LINK
+from two_link_logs import planned
 
 from pyident.sweep.studies import find_study
 
@@ -104,28 +104,12 @@ def test_other_processes_find_the_study():
     assert done.stdout.strip() == "pyident.sweep.studies.hidden_effect.study", done.stderr
 
 
-IDENTIFICATION = """
-[identification]
-swing = [1.2, 1.2]
-period = 4.1
-duration = 20.5
-[identification.multisine]
-rms = [20.0, 8.0]
-lines = 204
-lowest = 0.12
-highest = 50.0
-"""
-
-
 @pytest.fixture(params=["two_link", pytest.param("four_link", marks=pytest.mark.slow)])
 def robot(request, tmp_path_factory):
     """The study's own takes two minutes."""
     if request.param == "four_link":
         return request.param
-    file = tmp_path_factory.mktemp("robot") / "two_link.toml"
-    controller, rest = TWO_LINK.read_text().split("[[joint]]", maxsplit=1)
-    file.write_text(f"{controller}{IDENTIFICATION}[[joint]]{rest}")
-    return str(file)
+    return planned(tmp_path_factory.mktemp("robot"))
 
 
 def test_a_case_from_logs_to_scores(robot, tmp_path):

@@ -26,6 +26,8 @@ from pyident.sweep.store import ResultsStore, StudyError
 from pyident.sweep.studies import find_study
 
 pytest.importorskip("distributed")
+import dask.config
+
 RANGES = {"joint1.viscous": (1.0, 3.0), "joint1.coulomb": (0.5, 1.5)}
 SCRIPT = Path(__file__).with_name("interrupted_study.py")
 
@@ -120,7 +122,9 @@ def test_a_row_that_kills_every_worker_is_the_only_one_to_fail(fmu, tmp_path):
 
     design = pd.DataFrame({"joint1.viscous": np.linspace(1.0, 3.0, 40)})
     design.loc[20, "joint1.viscous"] = 5e3
-    found = parameter_study(design, fmu, swing(), tmp_path, metrics={"one": deadly}, workers=2)
+    impatient = {"distributed.deploy.lost-worker-timeout": "0.1s"}  # as a busy machine looks at Dask's 15 s
+    with dask.config.set(impatient):
+        found = parameter_study(design, fmu, swing(), tmp_path, metrics={"one": deadly}, workers=2)
     failed = {run: reason for run, reason in found["failure"].to_dict().items() if reason != ""}
     assert list(failed) == [20]
     assert "its worker failed: KilledWorker" in failed[20]

@@ -57,7 +57,7 @@ def run_replicas(
     seeds: Sequence[int | None],
     progress: Progress | None,
 ) -> list[pd.DataFrame]:
-    """A frame per run; see LoadedFmu.simulate_batch."""
+    """A frame per run; see LoadedFmu.simulate_batch. Raises SimulationError."""
     experiments = [experiment] if isinstance(experiment, Experiment) else list(experiment)
     given = {"experiments": len(experiments), "parameter sets": len(parameters), "noise seeds": len(seeds)}
     many = {what: number for what, number in given.items() if number != 1}

@@ -17,7 +17,7 @@ _HINGE_DAMPING = 0.02  # of critical, likewise
 
 
 def triad_along(axis: np.ndarray, name: str) -> np.ndarray:
-    """x' along the axis; y' along the frame's axis after the one that is nearest to it. Raises RobotError."""
+    """(3, 3): x' along `axis` (3,), y' along the frame's axis after the nearest one. Raises RobotError."""
     length = np.linalg.norm(axis)
     if not length > 0:
         raise RobotError(f"joint {name} has an axis of zero length; write down its direction")
@@ -29,7 +29,7 @@ def triad_along(axis: np.ndarray, name: str) -> np.ndarray:
 
 
 def lumped(bodies: list[Body], at: np.ndarray) -> Link:
-    """Bodies that move together as one, about the joint at `at`."""
+    """Bodies that move together as one, about the joint at `at` (3,) [m]."""
     parts = [tuple(Link.of_centre(m, centre - at, J).values.values()) for m, centre, J in bodies]
     total = np.sum(parts, axis=0) if parts else np.zeros(10)
     return Link(float(total[0]), plain(total[1:4]), plain(total[4:]))
@@ -62,6 +62,7 @@ def with_hinges(
     """The robot with flexible hinges at joints (from 1), stiffness and damping at their placeholders.
 
     bodies, places   per link, 0 being the base: what it is made of, and where its joint is [m]
+    Raises RobotError.
     """
     for k in (*flexible, *twist):
         if not 1 <= k <= len(robot.joints):
@@ -109,5 +110,5 @@ def _ancestry(robot: Robot, link: int) -> list[int]:
 
 
 def plain(vector: np.ndarray) -> tuple[float, ...]:
-    """As a robot holds it."""
+    """A vector (n,) as a robot holds it."""
     return tuple(float(v) for v in vector)

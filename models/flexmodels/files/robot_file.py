@@ -29,6 +29,8 @@ from flexmodels.loops.linkage_check import check_linkage
 from flexmodels.robot import Robot, RobotError
 from flexmodels.settings.controller import Controller
 
+_FOREIGN = (".urdf", ".xml", ".mjcf", ".xacro")  # endings of other tools' robots
+
 
 def shipped() -> dict[str, Path]:
     """Names and files of the robots that come with the package."""
@@ -37,7 +39,7 @@ def shipped() -> dict[str, Path]:
 
 
 def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
-    """A shipped robot by name, or a TOML file by path. Raises RobotError.
+    """The robot that `model` names: one that ships, or a TOML file by its path. Raises RobotError.
 
     allow_effects   run the Python files that its `effects` names; without it only those that are trusted
     """
@@ -45,6 +47,9 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
     if not path.is_file():
         names = ", ".join(shipped())
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
+    if path.suffix.lower() in _FOREIGN:
+        own = path.with_suffix(".toml").name
+        raise RobotError(f"{path} is no robot file yet: pyident robots import {path.name} -o {own} makes one")
     content = read_toml(path)
     try:
         return _robot(content, path, allow_effects)
@@ -62,7 +67,7 @@ def check_readable(robot: Robot) -> None:
 
 
 def save_robot(robot: Robot, path: str | Path) -> None:
-    """Write a robot file, and beside it a copy of every effect file from elsewhere. Raises RobotError."""
+    """Write a robot file at `path`, beside it copies of effect files from elsewhere. Raises RobotError."""
     folder = Path(path).resolve().parent
     beside = {file: effects_beside(file, folder) for file in robot.effect_files}
     with replacing(path) as file:

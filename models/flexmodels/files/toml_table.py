@@ -57,7 +57,7 @@ class Table:
         return tuple(number(v, f"{self.place(key)}[{i + 1}]") for i, v in enumerate(value))
 
     def whole(self, value: Any, key: str, lower: int, upper: int) -> int:
-        """A value found at `key` as a whole number."""
+        """A value found at `key` as a whole number. Raises RobotError."""
         found = number(value, self.place(key))
         if found != int(found) or not lower <= found <= upper:
             raise RobotError(

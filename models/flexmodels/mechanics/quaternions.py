@@ -28,5 +28,5 @@ def product(a: SX, b: SX) -> SX:
 
 
 def seen_from(axes: np.ndarray, q: SX) -> SX:
-    """The same rotation in base axes; `axes` holds the axes of q in its columns."""
+    """The rotation q (4, scalar last) in base axes; `axes` (3, 3) holds the axes of q in its columns."""
     return ca.vertcat(axes @ q[:3], q[3])

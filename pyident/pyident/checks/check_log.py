@@ -54,6 +54,7 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
 def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
     """Defects of one log, gross ones first; none for a sound one.
 
+    robot   whose joints the log should show: its limits, rates and equations are held against it
     Of torques and deformations only what is logged is judged, of a long log on disk its first rows.
     Raises LogError for a log without positions.
     """

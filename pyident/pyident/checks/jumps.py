@@ -14,7 +14,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 
 def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Fourth differences that stick out: a jump stands in four of them, in a ratio of 1, -3, 3, -1."""
+    """Fourth differences of x (N,) that stick out: a jump stands in four, in a ratio of 1, -3, 3, -1."""
     joint = robot.joints[joint_number(name) - 1]
     turns = np.diff(x) / (2 * np.pi)
     wrapped = np.flatnonzero((np.abs(turns) > 0.9) & (np.abs(turns) < 1.1))
@@ -58,7 +58,7 @@ def _turn(log: Log, name: str, at: int) -> Defect:
 
 
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Single samples of a torque far off those beside them, beyond its noise and its own steps."""
+    """Single samples of a torque x (N,) far off those beside them, beyond its noise and its own steps."""
     from scipy.ndimage import median_filter
 
     yield from _dropouts(log, name, x)

@@ -28,7 +28,7 @@ def runs(x: np.ndarray) -> Runs:
 
 
 def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Rounding that makes a good part of the acceleration, without noise that would smooth it."""
+    """Rounding of x (N,) that makes a good part of the acceleration, without noise that would smooth it."""
     step = step_of(x)
     if step == 0 or noise_of(x) > step or np.ptp(x) < CHANNELS.standing * step:
         return
@@ -51,7 +51,7 @@ def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]
 
 
 def step_of(x: np.ndarray) -> float:
-    """The step in which a channel is quantised, 0: none."""
+    """The step in which a channel x (N,) is quantised, in its unit; 0: none."""
     values = np.unique(x)
     if len(values) < 3:
         return 0.0
@@ -66,5 +66,5 @@ def step_of(x: np.ndarray) -> float:
 
 
 def noise_of(x: np.ndarray) -> float:
-    """Standard deviation of a channel's white noise, from its sixth differences."""
+    """Standard deviation of a channel's white noise (x: (N,), in its unit), from its sixth differences."""
     return float(1.4826 * np.median(np.abs(np.diff(x, 6))) / np.sqrt(924))

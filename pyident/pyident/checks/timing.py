@@ -25,8 +25,8 @@ def timing(of: Balances, source: str) -> Iterator[Defect]:
 
 
 def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
-    """What the balance of joint k leaves of its torque moved back by each of `shifts` samples, over its
-    variance."""
+    """(S,) what the balance of joint k leaves of its torque moved back by each of `shifts` (S,) [samples],
+    over its variance."""
     torques = np.column_stack([of.samples.shifted(k, float(s)) for s in shifts])
     return of.left(k, torques) / max(of.variance(k), 1e-300)
 

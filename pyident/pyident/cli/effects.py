@@ -19,7 +19,7 @@ from pyident.cli.common.shared import console, json_option, reported, show, writ
 @json_option
 @reported
 def effects(name: str | None, file: str | None, json_file: str | None) -> None:
-    """List the laws that a robot file may name, or show what is known of one.
+    """List the laws that a robot file may name, or show one.
 
     With --file, laws of your own are checked before a robot uses them.
 

@@ -33,7 +33,7 @@ spread_option = click.option(
     type=float,
     default=0.25,
     show_default=True,
-    help="Share by which parameters may be off; robots so far off rehearse the motion.",
+    help="Fraction by which parameters may be off; robots that far off rehearse the motion.",
 )
 no_floor_option = click.option("--no-floor", is_flag=True, help="There is no floor below the robot.")
 
@@ -89,12 +89,13 @@ def excite_command(
     seed: int,
     json_file: str | None,
 ) -> None:
-    """Design the motion that tells the most about MODEL and that it can run; Ctrl-C keeps the best so far.
+    """Design the motion that tells the most about MODEL within its limits; Ctrl-C keeps the best so far.
 
     The file is an experiment for pyident simulate and for pyident plan.
 
-    Example: pyident excite four_link -o plan.parquet, or
-    pyident excite four_link --separate stribeck@2 presliding@2 -o plan.parquet
+    \b
+    Example: pyident excite four_link -o plan.parquet
+             pyident excite four_link --separate stribeck@2 presliding@2 -o p.csv
     """
     with progress_bar("designing a motion (Ctrl-C: take the best so far)") as progress:
         found = pi.excite(

@@ -51,7 +51,7 @@ def explain_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Rank the laws by how much of MODEL's residual each would explain on one stretch of a log.
+    """Rank the laws by what each would explain of one stretch of a log, of MODEL's residual there.
 
     A ranking of one stretch is no verdict: what stands first may only imitate what is missing. See
     `pyident diagnose`.

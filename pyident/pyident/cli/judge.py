@@ -58,7 +58,7 @@ def compare_command(
     parameters: dict[str, float],
     json_file: str | None,
 ) -> None:
-    """Show where an identified MODEL fails on logs, and how much beside the method's own floor.
+    """Show where an identified MODEL fails on logs, and by how much compared with the method's own floor.
 
     The floor is what fit and simulation leave on replicas: logs that the model itself made over the same
     motion with the same sensor noise. With two models, OLD and NEW, both are shown side by side.
@@ -128,8 +128,8 @@ def diagnose_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Say which effect MODEL lacks in its logs: a name, names that cannot be told apart, none we know, or
-    nothing.
+    """Say which physical effect MODEL lacks: one, several that cannot be told apart, none in the catalogue,
+    or nothing.
 
     The model is fitted to the logs; its own masses, frictions and stiffnesses are not used. The exit code is
     1 when something is missing.
@@ -138,7 +138,7 @@ def diagnose_command(
     signals on which they depend, periodic orders, or noise.
 
     \b
-    Example: pyident diagnose my_arm.toml a.parquet b.parquet c.parquet -o diagnosis.html
+    Example: pyident diagnose my_arm.toml a.csv b.csv c.csv -o diagnosis.html
              pyident diagnose other.fmu log.csv --parameters k d
     """
     if is_fmu(model):
@@ -204,15 +204,15 @@ def add_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Add EFFECT to MODEL, fit it to logs, and write it if held-out data are met better.
+    """Add EFFECT to MODEL and judge it on held-out data; it is written if these are followed better.
 
-    The effect must pass the gate by which `diagnose` names, and the error of the FMU must fall on data that
-    were not fitted; else nothing is written and the exit code is 1. EFFECT `geometry` corrects the
+    The effect must pass the same gate as in `diagnose`, and the simulation error must fall on data that were
+    not fitted; otherwise nothing is written and the exit code is 1. EFFECT `geometry` corrects the
     description at PLACE: joint3.origin[z] (m), joint2.axis[y], joint2.encoder_zero, base_tilt[x] (rad).
 
     \b
-    Example: pyident add identified.toml stribeck --joint 2 a.parquet b.parquet -o extended.toml
-             pyident add identified.toml geometry joint3.origin[z] a.parquet b.parquet -o corrected.toml
+    Example: pyident add arm.toml stribeck --joint 2 a.csv b.csv -o better.toml
+             pyident add arm.toml geometry joint3.origin[z] a.csv -o better.toml
     """
     effect, joint, logs = _what(model, effect, joint, logs)
     with progress_bar(f"{effect} at joint {joint}") as progress:

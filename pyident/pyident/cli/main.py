@@ -8,7 +8,7 @@ COMMANDS = {
     "add": Entry("pyident.cli.judge", "add_command", "Add EFFECT to MODEL and judge it on held-out data."),
     "compare": Entry("pyident.cli.judge", "compare_command", "Show where an identified MODEL fails on logs."),
     "data": Entry("pyident.cli.data", "data", "Public measurements of real robots."),
-    "diagnose": Entry("pyident.cli.judge", "diagnose_command", "Say which effect MODEL lacks in its logs."),
+    "diagnose": Entry("pyident.cli.judge", "diagnose_command", "Say which physical effect MODEL lacks."),
     "effects": Entry(
         "pyident.cli.effects", "effects", "List the laws that a robot file may name, or show one."
     ),
@@ -20,16 +20,22 @@ COMMANDS = {
     ),
     "export": Entry("pyident.cli.simulate", "export", "Write MODEL as an FMU."),
     "identify": Entry(
-        "pyident.cli.identify", "identify_command", "Identify the parameters of MODEL from logs."
+        "pyident.cli.identify", "identify_command", "Identify the dynamic parameters of MODEL from LOGS."
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
-    "open": Entry("pyident.cli.open", "open_command", "Open the workbench on a folder."),
-    "payload": Entry("pyident.cli.payload", "payload_command", "Find the inertia of what MODEL carries."),
-    "plan": Entry("pyident.cli.excite", "plan", "Check a planned motion, or write it for a controller."),
+    "open": Entry("pyident.cli.open", "open_command", "Open the workbench on FOLDER."),
+    "payload": Entry(
+        "pyident.cli.payload", "payload_command", "Find the ten inertial parameters of what MODEL carries."
+    ),
+    "plan": Entry(
+        "pyident.cli.excite", "plan", "Check a planned motion, or write it for another controller."
+    ),
     "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
-    "sweep": Entry("pyident.cli.study", "sweep", "Simulate the parameter sets that a plan describes."),
+    "sweep": Entry(
+        "pyident.cli.study", "sweep", "Simulate the parameter sets that PLAN, a TOML file, describes."
+    ),
     "trust": Entry(
         "pyident.cli.trust",
         "trust_command",

@@ -30,9 +30,11 @@ from pyident.workbench.project import is_worth_opening
 
 @click.command()
 @click.argument("names", nargs=-1, required=True, metavar="NAME...")
-@click.option("-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder.")
-@click.option("--seed", type=click.IntRange(0), help="Of studies that draw their cases.")
-@click.option("--cases", type=click.IntRange(1), help="How many, of studies that draw their cases.")
+@click.option(
+    "-o", "--output", default="out", show_default=True, type=OutputFolder(), help="Folder for results."
+)
+@click.option("--seed", type=click.IntRange(0), help="Seed, for studies that draw their cases.")
+@click.option("--cases", type=click.IntRange(1), help="Number of cases, for the same studies.")
 @scheduler_option
 @json_option
 @reported
@@ -74,7 +76,7 @@ def study(
 
 @click.command()
 @click.argument("plan", type=click.Path(exists=True, dir_okay=False))
-@click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder.")
+@click.option("-o", "--output", required=True, type=OutputFolder(), help="Folder for results.")
 @effects_option
 @scheduler_option
 @click.option("--workers", type=click.IntRange(1), help="Processes on this machine.  [default: every core]")

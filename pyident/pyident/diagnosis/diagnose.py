@@ -134,7 +134,7 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
         raise LogError(
             f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
             f"({error}); check the units and signs of its columns, and that the robot file has the right "
-            "joints"
+            "joints; else the model lacks something large, such as a base that bends"
         ) from None
 
 

@@ -148,7 +148,7 @@ class MomentEquations:
 
 
 def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> MomentEquations:
-    """The directions that the instruments span, and the moment equations in them."""
+    """The directions that the instruments span, and the moment equations in them; weights: (n,)."""
     S = _instruments(logs, weights, len(reduced.columns))
     scale = np.linalg.norm(S, axis=0)
     nothing = absent(scale, reduced.columns)
@@ -176,7 +176,7 @@ def _instruments(logs: Logs, weights: np.ndarray, parameters: int) -> np.ndarray
 def solve_instrumental(
     logs: Logs, reduced: Reduced, weights: np.ndarray, scatter: Scatter, rank: int | None = None
 ) -> Solution:
-    """The solution of `moment_equations`; see there and `MomentEquations.solve`."""
+    """The solution of `moment_equations` (P,); see there and `MomentEquations.solve`."""
     return moment_equations(logs, reduced, weights).solve(scatter, rank)
 
 
@@ -230,13 +230,13 @@ def smoothed_power(values: np.ndarray) -> np.ndarray:
 
 
 def beyond_noise(left: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Share of an amplitude that no noise accounts for; `smoothed_power` of a residual and of noise in it."""
+    """Share of an amplitude that no noise accounts for; `smoothed_power` (bins, n) of residual and noise."""
     ratio = left / np.maximum(noise, 1e-300)
     return np.where(ratio < _EXCESS, 0.0, np.sqrt(1 - 1 / np.maximum(ratio, 1.0)))
 
 
 def unknown(turn: np.ndarray, _: np.ndarray) -> np.ndarray:
-    """In place of a covariance that nobody will look at."""
+    """In place of a covariance (P, P) that nobody will look at."""
     return np.full((turn.shape[1],) * 2, np.nan)
 
 

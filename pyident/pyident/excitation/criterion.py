@@ -23,6 +23,7 @@ from pyident.regression.spectrum import Band, Floor, equations, floor
 
 _DRAWS = 4  # of the noise, over which its level is taken
 _SLOW = 0.02  # of a joint's rms speed: near a reversal friction is not known
+_ROUNDING = 1e-12  # of the largest column: what is left of one that is zero but for arithmetic
 _INDEPENDENT = 1e-5  # of the largest, in scaled columns: less is a combination of the others
 
 
@@ -105,9 +106,9 @@ def along(robot: Robot, measure: Yardstick, reference: Reference) -> Along:
 
 
 def independent(gram: np.ndarray) -> np.ndarray:
-    """Columns that no combination of the others imitates, of a motion rich enough to tell."""
+    """Numbers (r,) of columns of Φ that no others imitate, by Φᵀ Φ (P, P) of a motion rich enough to tell."""
     size = np.sqrt(np.diag(gram))
-    present = np.flatnonzero(size > 0)
+    present = np.flatnonzero(size > _ROUNDING * size.max())
     scaled = gram[np.ix_(present, present)] / np.outer(size[present], size[present])
     w, V = np.linalg.eigh(scaled)
     root = np.sqrt(np.maximum(w, 0))[:, None] * V.T
@@ -117,6 +118,6 @@ def independent(gram: np.ndarray) -> np.ndarray:
 
 
 def information(gram: np.ndarray, base: np.ndarray) -> float:
-    """log det of the information of the base columns, per column and in powers of e; −inf without rank."""
+    """log det of the information (P, P) of columns `base` (r,), per column, in powers of e; −inf: no rank."""
     sign, value = np.linalg.slogdet(gram[np.ix_(base, base)])
     return float(value) / len(base) if sign > 0 else -np.inf

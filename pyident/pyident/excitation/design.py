@@ -7,21 +7,24 @@ import numpy as np
 
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
-from flexmodels.robot import Robot, RobotError
+from flexmodels.robot import RobotError
 from pyident.excitation.criterion import Along, Yardstick, along, independent, information, yardstick
-from pyident.excitation.drawing import SHRINK, SMALLEST, Drawing, Task
-from pyident.excitation.fourier import Family
+from pyident.excitation.drawing import SHRINK, SMALLEST, Drawing, Task, starts
+from pyident.excitation.gradients.slopes import Setting
+from pyident.excitation.gradients.smallest_condition import smallest_condition
 from pyident.excitation.jury import Jury
 from pyident.excitation.rehearsal import Rehearsal
 from pyident.excitation.search import Best, Budget, best_of
-from pyident.regression.regressor import regressor
 
 _SEARCH = 0.8  # of the progress; the rest is the rehearsals'
+_STARTS = 12  # random motions, of which a search takes the best first
+_DRAWN = 8  # of them, that tell which columns are independent
 _TRIED = 3  # offers that are rehearsed at most
 
 Score = Callable[[Along], float]
 Worth = Callable[[Experiment], float]
 Progress = Callable[[float], None]
+Search = Callable[[Task, Drawing, Rehearsal, Budget, Progress], "Offer"]
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,12 @@ def measure(task: Task, drawing: Drawing, rehearsal: Rehearsal) -> Yardstick:
             return yardstick(task.robot, rehearsal.log(drawing.plan(reference)), task.noise)
         except SimulationError:
             continue
-    raise RobotError(
+    raise RobotError(no_motion(task))
+
+
+def no_motion(task: Task) -> str:
+    """Why there is none that keeps the limits, as far as it can be told."""
+    return (
         f"robot {task.robot.name}: no motion of {task.duration:g} s keeps its limits; does it keep them at "
         "rest in its zero pose, with its links apart and over the floor?"
     )
@@ -70,23 +78,40 @@ def measure(task: Task, drawing: Drawing, rehearsal: Rehearsal) -> Yardstick:
 
 def informative(task: Task, drawing: Drawing, level: Yardstick) -> Score:
     """log det of the information of the base parameters."""
-    drawn = [r for x in starts(drawing.family, 8) if (r := drawing.reference(x)) is not None]
+    drawn = [r for x in starts(drawing.family, _DRAWN) if (r := drawing.reference(x)) is not None]
     base = independent(np.sum([along(task.robot, level, r).gram for r in drawn], axis=0))
     return lambda found: information(found.gram, base)
 
 
-def well_conditioned(task: Task, drawing: Drawing, level: Yardstick) -> Score:
-    """Minus the logarithm of the condition number of the base regressor, in SI units and unweighted."""
-    drawn = [r for x in starts(drawing.family, 8) if (r := drawing.reference(x)) is not None]
-    met = [along(task.robot, level, r) for r in drawn]
-    base = independent(np.sum([found.gram for found in met], axis=0))
-    return lambda found: -float(np.log(np.linalg.cond(_triangle(task.robot, found, base))))
+def most_informative(
+    task: Task, drawing: Drawing, rehearsal: Rehearsal, budget: Budget, progress: Progress
+) -> Offer:
+    """Of the base parameters, in the noise of the sensors. Raises RobotError."""
+    level = measure(task, drawing, rehearsal)
+    best = searched(drawing, informative(task, drawing, level), level, budget, progress)
+    reference = drawing.reference(best.x, 1 / task.rate)
+    if reference is None:
+        raise RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
+    return Offer(drawing.plan(reference), best)
 
 
-def _triangle(robot: Robot, found: Along, base: np.ndarray) -> np.ndarray:
-    """(R, R) with the singular values of the equations of every sample, of R columns."""
-    Phi = regressor(robot, found.motion).matrix[:, :, base]
-    return np.asarray(np.linalg.qr(Phi.reshape(-1, len(base)), mode="r"))
+def best_conditioned(
+    task: Task, drawing: Drawing, rehearsal: Rehearsal, budget: Budget, progress: Progress
+) -> Offer:
+    """With the smallest condition number of the base regressor, in SI units and unweighted.
+
+    Raises RobotError.
+    """
+    first = drawing.starts(_STARTS)
+    if not first:
+        raise RobotError(no_motion(task))
+    whole = Setting(
+        drawing, drawing.family.times(drawing.coarse), np.arange(len(task.robot.linear_parameters))
+    )
+    tried = [whole.samples(whole.motion(start)).matrix for start in first[:_DRAWN]]
+    base = independent(np.sum([np.einsum("nrp,nrq->pq", Phi, Phi) for Phi in tried], axis=0))
+    best = smallest_condition(replace(whole, columns=base), first, budget, progress)
+    return Offer(drawing.plan(drawing.family.motion(best.x, 1 / task.rate)), best)
 
 
 def searched(
@@ -98,28 +123,23 @@ def searched(
         reference = drawing.reference(x)
         return -np.inf if reference is None else score(along(drawing.task.robot, level, reference))
 
-    return best_of(judged, starts(drawing.family, 12), budget, progress)
+    return best_of(judged, starts(drawing.family, _STARTS), budget, progress)
 
 
 def designed(
     task: Task,
     drawing: Drawing,
-    score: Score,
-    level: Yardstick,
+    search: Search,
     rehearsal: Rehearsal,
     budget: Budget,
     progress: Progress | None = None,
 ) -> Design:
-    """The motion with the highest score, made smaller until it and its rehearsals keep the limits.
+    """The motion that a search offers, made smaller until it and its rehearsals keep the limits.
 
     Raises RobotError where none does.
     """
     told = progress or (lambda _: None)
-    best = searched(drawing, score, level, budget, lambda share: told(_SEARCH * share))
-    reference = drawing.reference(best.x, 1 / task.rate)
-    if reference is None:
-        raise RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
-    offer = Offer(drawing.plan(reference), best)
+    offer = search(task, drawing, rehearsal, budget, lambda share: told(_SEARCH * share))
     return rehearsed(task, [offer], (rehearsal,), lambda share: told(_SEARCH + (1 - _SEARCH) * share))
 
 
@@ -169,9 +189,3 @@ def _as_large_as_allowed(task: Task, offer: Offer, jury: Jury, progress: Progres
         f"robot {task.robot.name}: not even a small motion keeps a limit of {binding} with parameters "
         f"{100 * task.spread:g} % off; give a smaller spread, or the robot a loop that allows for it"
     )
-
-
-def starts(family: Family, count: int) -> list[np.ndarray]:
-    """Random members of the family, the same for the same count."""
-    rng = np.random.default_rng(0)
-    return [rng.standard_normal(family.size) for _ in range(count)]

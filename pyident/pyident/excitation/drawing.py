@@ -1,5 +1,6 @@
 """Numbers become motions that a robot can run: as large as its limits, torques and distances allow."""
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -77,11 +78,28 @@ class Drawing:
         self.waves = task.multisine * np.minimum(1.0, task.loudest)
         self.torque = _TORQUE_SHARE * (task.limits.torque - np.abs(self.waves).max(axis=0))
 
+    @property
+    def coarse(self) -> float:
+        """Time between the samples [s] at which candidates are judged."""
+        return 1 / min(_COARSE, self.task.rate)
+
+    def starts(self, count: int) -> list[np.ndarray]:
+        """Coefficients (joints, M) of random motions: those of `count` that may be run if smaller."""
+        found = []
+        for x in starts(self.family, count):
+            coefficients = self.family.coefficients(x)
+            made = functools.partial(self._motion, coefficients)
+            if (scale := self.largest(made)) is not None:
+                found.append(scale * coefficients)
+        return found
+
+    def _motion(self, coefficients: np.ndarray, scale: float) -> Reference:
+        return self.family.motion(scale * coefficients, self.coarse)
+
     def reference(self, x: np.ndarray, step: float | None = None) -> Reference | None:
         """As large as it may be; None where not even a small one is allowed."""
-        coarse = 1 / min(_COARSE, self.task.rate)
-        scale = self.largest(lambda scale: self.family.reference(x, coarse, scale))
-        return None if scale is None else self.family.reference(x, step or coarse, scale)
+        scale = self.largest(lambda scale: self.family.reference(x, self.coarse, scale))
+        return None if scale is None else self.family.reference(x, step or self.coarse, scale)
 
     def largest(self, made: Callable[[float], Reference]) -> float | None:
         """The scale at which a motion keeps the limits, from 1 down; None where none of them does."""
@@ -106,3 +124,9 @@ class Drawing:
     def plan(self, reference: Reference, wave: float = 1.0) -> Experiment:
         """With the multisine."""
         return Experiment(reference.time, reference.q, wave * self.waves[: len(reference.time)])
+
+
+def starts(family: Family, count: int) -> list[np.ndarray]:
+    """Random members (size,) of the family, the same for the same count."""
+    rng = np.random.default_rng(0)
+    return [rng.standard_normal(family.size) for _ in range(count)]

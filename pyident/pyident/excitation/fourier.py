@@ -87,21 +87,37 @@ class Family:
 
     def reference(self, x: np.ndarray, step: float, scale: float = 1.0) -> Reference:
         """The motion of x (size,) every `step` [s]; scale: of the whole way from home."""
-        time = np.arange(round(self.duration / step) + 1) * step
-        begins = time < self.approach
-        inside = time[~begins] - self.approach
+        return self.motion(scale * self.coefficients(x), step)
+
+    def coefficients(self, x: np.ndarray) -> np.ndarray:
+        """(joints, 1 + free): where every joint's series is zero, from home, and the series, of x (size,)."""
         parts = np.asarray(x, float).reshape(self.joints, -1)
-        q, dq, ddq = np.zeros((3, len(time), self.joints))
+        shape = self._series(np.linspace(0, self.period, 201)) @ self._null
+        out = []
         for k, numbers in enumerate(parts):
-            series = self._series(inside) @ (self._null @ numbers[:-2])
-            whole = self._series(np.linspace(0, self.period, 201)) @ (self._null @ numbers[:-2])
-            centre, swing, middle = self._fitted(k, whole, *numbers[-2:])
-            q[~begins, k] = centre + swing * (series[0] - middle)
-            dq[~begins, k], ddq[~begins, k] = swing * series[1], swing * series[2]
-            first = centre + swing * (whole[0, 0] - middle)
-            q[begins, k], dq[begins, k], ddq[begins, k] = self._approached(k, first, time[begins])
-        home = self.limits.home
-        return Reference(time, home + scale * (q - home), scale * dq, scale * ddq)
+            centre, swing, middle = self._fitted(k, shape @ numbers[:-2], *numbers[-2:])
+            out.append([centre - swing * middle - self.limits.home[k], *swing * numbers[:-2]])
+        return np.array(out)
+
+    def motion(self, coefficients: np.ndarray, step: float) -> Reference:
+        """Of coefficients (joints, 1 + free), which may break limits, every `step` [s]."""
+        time = self.times(step)
+        q, dq, ddq = self.basis(time) @ coefficients.T
+        return Reference(time, self.limits.home + q, dq, ddq)
+
+    def times(self, step: float) -> np.ndarray:
+        """(N,) every `step` [s]."""
+        return np.arange(round(self.duration / step) + 1) * step
+
+    def basis(self, time: np.ndarray) -> np.ndarray:
+        """(3, N, 1 + free): position from home, speed and acceleration per unit of a joint's coefficients."""
+        begins = time < self.approach
+        out = np.zeros((3, len(time), 1 + self._null.shape[1]))
+        out[0, ~begins, 0] = 1.0
+        out[:, ~begins, 1:] = self._series(time[~begins] - self.approach) @ self._null
+        first = np.append(1.0, self._series(np.zeros(1))[0, 0] @ self._null)
+        out[:, begins] = _approach(time[begins], self.approach)[:, :, None] * first
+        return out
 
     def _series(self, time: np.ndarray) -> np.ndarray:
         """(3, N, 2 harmonics): sines and cosines with their first and second derivatives."""
@@ -124,9 +140,10 @@ class Family:
         room = (x.upper[k] - x.lower[k]) / 2 - swing * half
         return (x.upper[k] + x.lower[k]) / 2 + room * np.tanh(pose), swing, middle
 
-    def _approached(self, k: int, first: float, time: np.ndarray) -> tuple[np.ndarray, ...]:
-        home, T = self.limits.home[k], self.approach
-        s = time / T
-        way = first - home
-        speed = way / T * (30 * s**2 - 60 * s**3 + 30 * s**4)
-        return home + way * line_profile(s), speed, way / T**2 * (60 * s - 180 * s**2 + 120 * s**3)
+
+def _approach(time: np.ndarray, T: float) -> np.ndarray:
+    """(3, N): the share of a way that is gone at times [s] of T, with its derivatives."""
+    s = time / T
+    return np.array(
+        [line_profile(s), (30 * s**2 - 60 * s**3 + 30 * s**4) / T, (60 * s - 180 * s**2 + 120 * s**3) / T**2]
+    )

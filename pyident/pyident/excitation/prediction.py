@@ -52,7 +52,7 @@ def predicted(robot: Robot, log: Log, noise: Mapping[str, float]) -> Prediction:
     weights = 1 / row_noise(robot, log, part, noise)
     A, y = reduced.stacked(weights)
     scale = np.linalg.norm(A, axis=0)
-    absent = scale == 0
+    absent = scale <= ROUNDING * scale.max()
     scale[absent] = 1.0
     U, s, Vt = svd(A / scale)
     Vt[: np.count_nonzero(s > ROUNDING * s[0]), absent] = 0.0

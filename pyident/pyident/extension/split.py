@@ -26,7 +26,10 @@ class Split:
 
 
 def split(logs: Sequence[Log], heldout: Sequence[Log], rules: Rules = RULES) -> Split:
-    """Held-out logs are those named, else the last of several, else the last third of the only one."""
+    """Held-out logs are those named, else the last of several, else the last third of the only one.
+
+    Raises LogError.
+    """
     if heldout:
         return Split(list(logs), list(heldout), (0.0,) * len(heldout))
     if len(logs) > 1:

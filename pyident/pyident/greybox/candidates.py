@@ -53,7 +53,7 @@ def candidates(
 
 
 def delayed(time: np.ndarray, course: np.ndarray, delay: float) -> np.ndarray:
-    """The course `delay` seconds later; its ends are held."""
+    """The course (n,) `delay` [s] later; its ends are held."""
     return np.interp(time - delay, time, course)
 
 

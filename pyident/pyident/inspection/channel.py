@@ -15,6 +15,7 @@ class Channel:
     signal, joint (from 1, None: not known or of no joint), side, unit (ours, None: not known)
     sign, offset (in the unit), delay [s]   what turns it into ours
     sure     whether everything that the mapping says of it is witnessed; else `doubt` asks
+    wanted   whether its name says that it was asked for, not measured
     why      the witnesses
     """
 
@@ -30,6 +31,7 @@ class Channel:
     delay: float = 0.0
     clock: str | None = None
     sure: bool = False
+    wanted: bool = False
     why: tuple[str, ...] = ()
     doubt: str = ""
 

@@ -13,8 +13,10 @@ from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
+NAME = "its name"
 ORDER = "the order of names without numbers"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
+_STEADY = 0.15  # of its mean: within it a voltage is a supply
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
 _KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
@@ -36,11 +38,13 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     for name, values in recording.columns.items():
         m = said[name]
         signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
+        if signal == "voltage" and _supply(values):
+            signal = "other"
         unit = known_unit(recording.units.get(name, "")) or m.unit
         kinds = _KIND.get(signal, ())
         if unit is not None and kinds and KINDS[unit] not in kinds:
             unit = None
-        why = [f"its name {name!r}"] if signal not in ("unknown",) and recording.header else []
+        why = [f"{NAME} {name!r}"] if signal not in ("unknown",) and recording.header else []
         if unit:
             why.append(f"the unit {unit} that the file gives")
         if name in ordered:
@@ -57,6 +61,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
                 joint=None if signal == "time" else numbers.get(name),
                 side=side,
                 unit=unit,
+                wanted=m.wanted,
                 clock=None if recording.clocks.get(name) == clock else recording.clocks.get(name),
                 why=tuple(why),
                 doubt=doubt if signal in ("position", "torque", "velocity") else "",
@@ -67,19 +72,24 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     return [replace(c, rate=c.rate / seconds.get(c.clock or clock or "", 1.0)) for c in found]
 
 
+def _supply(values: np.ndarray) -> bool:
+    """Whether a voltage hardly changes, as that of a battery, which drives nothing."""
+    return bool(np.ptp(values) <= _STEADY * np.abs(np.mean(values)))
+
+
 def natural_unit(signal: str, kind: str) -> str:
     """The unit of a log's signal at a revolute or prismatic joint."""
     return _NATURAL[signal][0 if kind == "revolute" else 1]
 
 
 def si(channel: Channel) -> np.ndarray:
-    """The column in SI with sign and offset, the unit as guessed."""
+    """The column (N,) in SI with sign and offset, the unit as guessed."""
     factor = FACTORS[channel.unit or "1"]
     return channel.sign * factor * channel.values + channel.offset * factor
 
 
 def grows_evenly(x: np.ndarray) -> bool:
-    """Whether a column could be a clock."""
+    """Whether a column (N,) could be a clock."""
     steps = np.diff(x)
     if len(steps) < 3 or not np.isfinite(steps).all() or (steps <= 0).any():
         return False
@@ -140,14 +150,17 @@ def _numbers(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, i
     for name, m in said.items():
         stem = re.sub(r"\d+", "#", name) if isinstance(m.joint, int) else ""
         groups[(m.signal, m.side, stem if isinstance(m.joint, int) else "word")].append(name)
-    for (signal, _, stem), names in _merged(groups, said, robot).items():
+    merged = _merged(groups, said, robot)
+    places = _places(merged, said)
+    for (signal, _, stem), names in merged.items():
         whole = [j for j in (said[n].joint for n in names) if isinstance(j, int) and stem != "word"]
         if signal in ("time", "other", "unknown") and not whole:
             continue
         shift = 1 if whole and min(whole) == 0 and len(whole) == len(names) else 0
         if stem == "word":
             words = [n for n in names if said[n].joint not in (None, "")]
-            out |= {n: place for place, n in enumerate(words, start=1)}
+            known = all(_word(n, said) in places for n in words)
+            out |= {n: places[_word(n, said)] if known else i for i, n in enumerate(words, start=1)}
             ordered |= set(words)
         else:
             out |= {n: j + shift for n, j in zip(names, whole, strict=True)}
@@ -171,6 +184,20 @@ def _merged(
             both = set(out[(key[0], key[1], "word")]) | set(names)
             out[(key[0], key[1], "word")] = [n for n in said if n in both]
     return out
+
+
+def _places(groups: dict[tuple[str, str, str], list[str]], said: dict[str, Meaning]) -> dict[str, int]:
+    """Place of every joint without a number: the same for all its signals, by the order of the positions."""
+    of = [key for key in groups if key[2] == "word" and key[0] not in ("time", "other", "unknown")]
+    first = max(of, key=lambda key: (key[0] == "position", len(groups[key])), default=None)
+    words = [_word(n, said) for n in groups[first] if said[n].joint not in (None, "")] if first else []
+    return {word: place for place, word in enumerate(dict.fromkeys(words), start=1)}
+
+
+def _word(name: str, said: dict[str, Meaning]) -> str:
+    """What stands for the joint in a name: fr_hip of FR_hip.q, wrist_1. of wrist_1.position."""
+    joint = said[name].joint
+    return joint if isinstance(joint, str) else name[: len(name) - len(_field(name))]
 
 
 def _field(name: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
-from pyident.inspection.guesses import ORDER, first_guesses
+from pyident.inspection.guesses import NAME, ORDER, first_guesses
 from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
@@ -19,7 +19,7 @@ from pyident.logs.log import LogError
 from pyident.logs.units import FACTORS
 
 _LARGEST = 1e100  # in whatever unit
-_SIGNALS = ("position", "torque", "current")
+_EFFORTS = ("torque", "current", "voltage")
 
 
 def inspect_log(
@@ -39,11 +39,12 @@ def inspect_log(
     period = _period(time) if time is not None else 1 / rate if rate else None
     channels = nameless(channels, robot, period)
     channels = with_velocities_found(with_motion_units(channels, robot, period), period)
+    channels = _one_each(channels, robot)
     if robot is not None and (time is not None or rate):
         channels, further = with_physics(channels, recording.columns, robot, rate)
         notes += further
     channels = [_placed(c) for c in channels] if not _explained(channels) else channels
-    channels = _judged(channels, robot)
+    channels = [_asked(c) if c.name is not None else _unnamed(c) for c in channels]
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
     return Proposal(
@@ -87,22 +88,37 @@ def _period(time: Channel) -> float:
     return float(np.median(np.diff(time.values))) * FACTORS[time.unit or "s"]
 
 
-def _judged(channels: list[Channel], robot: Robot | None) -> list[Channel]:
-    """One column per signal, and a question wherever the guess has no witness."""
-    owners: dict[str, str] = {}
-    out = []
-    for c in channels:
-        if robot is not None and c.joint is not None and c.joint > len(robot.joints):
-            c = replace(c, signal="other", joint=None)
-        if c.name is None:
-            out.append(replace(c, doubt="" if c.signal in ("other", "velocity", "acceleration") else c.doubt))
-            continue
-        if (other := owners.setdefault(c.name, c.column)) != c.column:
-            out.append(replace(c, signal="other", sure=False, doubt=f"{c.column} and {other} both look like "
-                               f"{c.name}: {other} is taken; is that right?"))  # fmt: skip
-            continue
-        out.append(_asked(c))
-    return out
+def _one_each(channels: list[Channel], robot: Robot | None) -> list[Channel]:
+    """One column per signal of the robot's joints, and a question where its choice has no witness."""
+    joints = len(robot.joints) if robot is not None else None
+    if joints is not None:
+        none = {"signal": "other", "joint": None, "doubt": ""}
+        channels = [replace(c, **none) if (c.joint or 0) > joints else c for c in channels]
+    owners: dict[str, Channel] = {}
+    for c in sorted(channels, key=_rank):
+        if c.name is not None:
+            owners.setdefault(c.name, c)
+    return [_owned(c, owners[c.name]) if c.name is not None else c for c in channels]
+
+
+def _rank(c: Channel) -> tuple[bool, bool, int]:
+    """Of columns for one signal: those that their names tell, the measured, a torque before a current."""
+    guessed = not any(why.startswith(NAME) for why in c.why)
+    return guessed, c.wanted, _EFFORTS.index(c.signal) if c.signal in _EFFORTS else 0
+
+
+def _unnamed(c: Channel) -> Channel:
+    return replace(c, doubt="") if c.signal in ("velocity", "acceleration") else c
+
+
+def _owned(c: Channel, owner: Channel) -> Channel:
+    """The channel of a signal, or none where another column is taken for it."""
+    if c.column == owner.column:
+        return c
+    if _rank(c) > _rank(owner):
+        return replace(c, signal="other", sure=False, doubt="", why=(*c.why, f"{owner.column} is taken"))
+    return replace(c, signal="other", sure=False, doubt=f"{c.column} and {owner.column} both look like "
+                   f"{c.name}: {owner.column} is taken; is that right?")  # fmt: skip
 
 
 def _explained(channels: list[Channel]) -> bool:
@@ -125,9 +141,9 @@ def _asked(c: Channel) -> Channel:
                                             "give, and "
                        "at the motor or at the joint? (drive, gear)")  # fmt: skip
     if c.signal == "voltage":
-        return replace(c, sure=False, doubt=f"{c.column} is a voltage or duty: is its drive a source of "
-                                            "current, "
-                       "with how many N m per unit? (drive)")  # fmt: skip
+        doubt = (f"{c.column} is a voltage or duty: it is not needed where the robot file has a [servo]; "
+                 "otherwise, how many N m (or N) does one unit give? (drive)")  # fmt: skip
+        return replace(c, sure=False, doubt=doubt)
     if c.doubt or c.sure:
         return c
     if c.signal in ("torque", "feedforward") and c.unit is not None:

@@ -1,5 +1,6 @@
 """Positions and velocities must agree: that tells their units, signs and, without names, which is which."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,6 +16,9 @@ _LIKE = 0.98  # correlation of a reference with its position
 PLACE = "its place among the columns"  # and nothing else, where no other witness follows
 DERIVATIVE = "one block of columns is the derivative of another"
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
+_TURN = 1.0  # within a turn either way: if all angles of a recording stay in it, they may be in turns
+_SYMBOL = re.compile(r"(?<![a-z])(q|qpos|phi|theta)(?![a-z])", re.IGNORECASE)  # of mechanics, in radians
+RANGE = "its range up to"  # of a position whose unit nothing else tells
 
 
 def with_motion_units(channels: list[Channel], robot: Robot | None, period: float | None) -> list[Channel]:
@@ -34,10 +38,41 @@ def with_motion_units(channels: list[Channel], robot: Robot | None, period: floa
         if c.signal in ("position", "reference") and not c.sure and len(units) == 1 and c.joint is not None:
             other = next(iter(units))
             if c.unit is not None and (c.unit == other or KINDS[other] == KINDS[c.unit]):
-                out[i] = replace(
-                    c, unit=other, sure=True, doubt="", why=(*c.why, "the unit of the other positions")
-                )
-    return out
+                asked = "" if c.doubt == in_degrees(c) else c.doubt
+                why = (*c.why, "the unit of the other positions")
+                out[i] = replace(c, unit=other, sure=not asked, doubt=asked, why=why)
+    return _not_in_turns(out)
+
+
+def by_range(c: Channel) -> bool:
+    """Whether nothing but its range tells the unit of an angle."""
+    return c.signal in ("position", "reference") and any(why.startswith(RANGE) for why in c.why)
+
+
+def _not_in_turns(channels: list[Channel]) -> list[Channel]:
+    """With a question where angles that only their range places might be turns as well as radians."""
+    ranged = [c for c in channels if by_range(c) and c.unit == "rad" and c.joint is not None]
+    angles = [c for c in ranged if not _SYMBOL.search(c.column)]
+    if not angles or max(_reach(c) for c in angles) > _TURN:
+        return channels
+    asked = {c.column: in_turns(c) for c in angles}
+    return [
+        replace(c, sure=False, doubt=c.doubt or asked[c.column]) if c.column in asked else c for c in channels
+    ]
+
+
+def in_turns(c: Channel) -> str:
+    """The question of an angle that stays within a turn."""
+    return f"is {c.column} in radians or turns? it reaches {_reach(c):.3g}"
+
+
+def in_degrees(c: Channel) -> str:
+    """The question of an angle that goes far for radians and not far for degrees."""
+    return f"is {c.column} in radians or degrees? it reaches {_reach(c):.3g}"
+
+
+def _reach(c: Channel) -> float:
+    return max(abs(c.low), abs(c.high))
 
 
 def _position(
@@ -50,12 +85,11 @@ def _position(
         ratio, agreement = _slope(c.values, speed.values * FACTORS[speed.unit], period)
         for unit in ("rad", "deg", "rev", "mrad") if not prismatic else ("m", "mm"):
             if abs(agreement) > _AGREES and abs(abs(ratio) / FACTORS[unit] - 1) < _CLOSE:
-                return replace(c, unit=unit, sure=ratio > 0, why=(*c.why, "the derivative that its velocity "
-                                                                          "is"),
-                               doubt="" if ratio > 0 else f"{c.column} has the sign opposite to "
-                                                          f"{speed.column}: "
-                               "which of them is right?")  # fmt: skip
-    reach = max(abs(c.low), abs(c.high))
+                turned = f"{c.column} has the sign opposite to {speed.column}: which of them is right?"
+                doubt = c.doubt or ("" if ratio > 0 else turned)
+                why = (*c.why, "the derivative that its velocity is")
+                return replace(c, unit=unit, sure=not doubt, doubt=doubt, why=why)
+    reach = _reach(c)
     whole = bool((c.values == np.round(c.values)).all()) and reach > 50
     if whole:
         return replace(c, unit=None, doubt=f"{c.column} holds whole numbers up to {reach:g}: how many "
@@ -63,13 +97,11 @@ def _position(
                        "turn (gain, in rad per count), and which is zero (offset)?")  # fmt: skip
     if prismatic:
         unit = "mm" if reach > 5 else "m"
-        return replace(
-            c, unit=unit, sure=known and not 2 < reach < 20, why=(*c.why, f"its range up to {reach:.3g}")
-        )
+        return replace(c, unit=unit, sure=known and not 2 < reach < 20, why=(*c.why, f"{RANGE} {reach:.3g}"))
     unit = "rad" if reach < _DEGREES else "deg"
     sure = (reach < np.pi + 0.5 and np.ptp(c.values) > 0.02) or _DEGREES * 2 < reach < 400
-    doubt = "" if sure else f"is {c.column} in radians or degrees? it reaches {reach:.3g}"
-    return replace(c, unit=unit, sure=sure, doubt=doubt, why=(*c.why, f"its range up to {reach:.3g}"))
+    doubt = c.doubt or ("" if sure else in_degrees(c))
+    return replace(c, unit=unit, sure=not doubt, doubt=doubt, why=(*c.why, f"{RANGE} {reach:.3g}"))
 
 
 def with_velocities_found(channels: list[Channel], period: float | None) -> list[Channel]:
@@ -109,11 +141,21 @@ def nameless(channels: list[Channel], robot: Robot | None, period: float | None)
     blocks = [free[i : i + n] for i in range(0, len(free) - n + 1, n)]
     kind, derived = _kinds(channels, blocks, period)
     out = list(channels)
+    commanded = next((b for b, signal in kind.items() if signal == "reference"), None)
     for b, signal in kind.items():
         for k, i in enumerate(blocks[b], start=1):
             why = (PLACE, f"how it moves: {signal}", *((DERIVATIVE,) if b in derived else ()))
-            out[i] = replace(out[i], signal=signal, joint=k, why=why)  # pyright: ignore
+            doubt = ""
+            if commanded is not None and signal in ("position", "reference"):
+                other = blocks[commanded if signal == "position" else _position_block(kind)][k - 1]
+                alike = f"{out[i].column} and {out[other].column} move alike"
+                doubt = f"{alike}: which was measured, which commanded?"
+            out[i] = replace(out[i], signal=signal, joint=k, why=why, doubt=doubt)  # pyright: ignore
     return out
+
+
+def _position_block(kind: dict[int, str]) -> int:
+    return next(b for b, signal in kind.items() if signal == "position")
 
 
 def _wanted(channels: list[Channel], free: list[int], places: dict[int, np.ndarray]) -> list[Channel]:
@@ -124,9 +166,9 @@ def _wanted(channels: list[Channel], free: list[int], places: dict[int, np.ndarr
         best = max(likeness, key=lambda k: likeness[k])
         others = [value for k, value in likeness.items() if k != best]
         if likeness[best] > _LIKE and all(value < _LIKE for value in others):
-            out[i] = replace(
-                channels[i], signal="reference", joint=best, why=(f"how it moves: as joint {best}",)
-            )
+            doubt = f"is {channels[i].column} the reference of joint {best}? it moves alike, no name says so"
+            why = (f"how it moves: as joint {best}",)
+            out[i] = replace(channels[i], signal="reference", joint=best, why=why, doubt=doubt)
     return out
 
 
@@ -151,8 +193,7 @@ def _kinds(
     if "position" not in kind.values() and smooth:
         kind[smooth.pop(0)] = "position"
     for b in list(smooth):
-        position = next(k for k, v in kind.items() if v == "position")
-        pairs = zip(blocks[position], blocks[b], strict=True)
+        pairs = zip(blocks[_position_block(kind)], blocks[b], strict=True)
         if np.median([_alike(channels[i].values, channels[j].values) for i, j in pairs]) > _LIKE:
             kind[b] = "reference"
             smooth.remove(b)

@@ -15,16 +15,21 @@ from pyident.checks.transformations import Transformation
 from pyident.estimation.lock_unlogged import locked
 from pyident.inspection.channel import Channel
 from pyident.inspection.guesses import MOTOR_SIDE, natural_unit
+from pyident.inspection.motion import by_range, in_degrees, in_turns
 from pyident.logs.foreign import map_columns
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping, Source
 from pyident.logs.units import FACTORS
 
 _EFFORTS = ("N.m", "mN.m", "kN.m", "N.cm", "kgf.cm")
+_DECIMAL = ("N.m", "mN.m", "kN.m")
+_RARE = ("N.cm", "kgf.cm")  # of which a torque in per mille of the rated one may have the size
 _FORCES = ("N", "kN")
 _CLOSE = 2.2  # times that the masses may be off the robot file's where a unit is told from them
 _WITNESS = 0.25  # of the torques' variance: with more left, the equations are no witness
-_ROUNDS = 3
+_ANGLES = ("rad", "deg", "rev", "mrad")
+_BETTER = 0.5  # of the variance left: what another unit of all angles must come below
+_ROUNDS = 6
 EXPLAINS = "the robot's masses times"  # of a channel that the equations account for
 
 
@@ -41,8 +46,8 @@ def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
 def with_physics(
     channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
 ) -> tuple[list[Channel], list[str]]:
-    """The channels as the equations of motion want them, and what was found, if they can say."""
-    said: list[str] = []
+    """The channels as the equations of motion want them, and what was found; raw: column -> (N,)."""
+    channels, said = _angles(channels, raw, robot, rate)
     for _ in range(_ROUNDS):
         of = _balances(channels, raw, robot, rate)
         if of is None:
@@ -64,6 +69,35 @@ def with_physics(
     of = _balances(channels, raw, robot, rate) or of
     channels, late = _delays(channels, of)
     return _efforts(channels, of, robot), said + flips + late
+
+
+def _angles(
+    channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
+) -> tuple[list[Channel], list[str]]:
+    """Angles whose unit only their range tells, in the unit that explains the torques far better."""
+    units = {c.unit for c in channels if by_range(c) and c.unit in _ANGLES}
+    if len(units) != 1:
+        return channels, []
+    now = next(iter(units))
+    tried = {unit: [_in_unit(c, now, unit) for c in channels] for unit in _ANGLES}
+    left = {}
+    for unit, changed in tried.items():
+        of = _balances(changed, raw, robot, rate)
+        if of is not None:
+            left[unit] = misfit(of).share
+    best = min(left, key=lambda unit: left[unit], default=now)
+    if best == now or now not in left or left[best] > _BETTER * left[now]:
+        return channels, []
+    told = ", ".join(f"{100 * np.sqrt(share):.2g} % in {unit}" for unit, share in left.items())
+    return tried[best], [f"angles are in {best} by the robot's equations, which leave of the torques {told}"]
+
+
+def _in_unit(c: Channel, old: str, unit: str) -> Channel:
+    if not by_range(c) or c.unit != old or unit == old:
+        return c
+    why = (*c.why, f"the robot's equations, for which it is in {unit}")
+    doubt = "" if c.doubt in (in_turns(c), in_degrees(c)) else c.doubt
+    return replace(c, unit=unit, sure=not doubt, doubt=doubt, why=why)
 
 
 def _balances(
@@ -147,11 +181,13 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
     explained = misfit(of).share < _WITNESS
     factor = file_factor(of) if explained else None
     weighed = factor is not None and 1 / _CLOSE < factor < _CLOSE  # friction alone fits any gear
+    scaled = factor is not None and any(1 / _CLOSE < FACTORS[u] * factor < _CLOSE for u in _DECIMAL)
     out = []
     for c in channels:
         joint = robot.joints[c.joint - 1] if c.joint and c.joint <= len(robot.joints) else None
         if c.signal != "torque" or joint is None:
-            if weighed and c.doubt == f"{c.column}{MOTOR_SIDE}":
+            gear, unit_asked = f"{c.column}{MOTOR_SIDE}", (in_turns(c), in_degrees(c))
+            if (weighed and c.doubt == gear) or (scaled and c.doubt in unit_asked):
                 c = replace(c, doubt="", sure=True, why=(*c.why, "the robot's equations"))
             out.append(c)
             continue
@@ -162,7 +198,11 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
             natural = c.unit or natural_unit("torque", joint.kind)
             near = min(usual, key=lambda u: abs(np.log(FACTORS[u] * factor / FACTORS[natural])))  # pyright: ignore[reportOperatorIssue]
             off = max(r := FACTORS[near] * factor / FACTORS[natural], 1 / r)
-            if off > _CLOSE:
+            if c.unit is None and off <= _CLOSE and near in _RARE:
+                unit = near
+                doubt = (f"in {natural}, {c.column} makes the masses {factor:.3g} times the robot file's: "
+                         f"is it in {near}, or in parts of a rated torque?")  # fmt: skip
+            elif off > _CLOSE:
                 doubt = (f"in {natural}, {c.column} makes the masses {factor:.3g} times the robot file's: "
                          "what is "
                          f"its unit, or is a gear ratio missing?")  # fmt: skip

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from pyident.logs.units import known_unit
+from pyident.logs.units import KINDS, known_unit
 
 Signal = Literal["time", "position", "reference", "velocity", "acceleration", "torque", "feedforward",
                  "current", "voltage", "other", "unknown"]  # fmt: skip
@@ -13,11 +13,12 @@ Side = Literal["joint", "motor", "link"]
 _WORDS: dict[str, str] = {
     "time": "t time timestamp timestamps stamp zeit clock tsec secs elapsed",
     "position": "q pos position positions angle angles theta e qm phi encoder enc winkel lage state x "
-    "istwert weg hub stroke travel",
+    "istwert weg hub stroke travel qpos",
     "velocity": "dq qd vel velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w rate "
-    "dqm",
-    "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot",
-    "torque": "tau trq torque torques effort efforts moment drehmoment force kraft load mot_torque m taum",
+    "dqm qvel spd geschw",
+    "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot qacc",
+    "torque": "tau trq torque torques tauest effort efforts moment drehmoment force kraft load mot_torque "
+    "m taum",
     "current": "i cur curr current currents iq strom amp amps",
     "voltage": "pwm duty volt voltage vir u spannung",
 }
@@ -53,11 +54,11 @@ _OTHER = frozenset(
     [
         "temp",
         "temperature",
+        "temperatures",
         "status",
         "error",
         "err",
         "flag",
-        "id",
         "frame",
         "episode",
         "index",
@@ -73,11 +74,32 @@ _OTHER = frozenset(
         "seq",
         "count",
         "following",
+        "runtime",
+        "machine",
+        "safety",
+        "schleppfehler",
         "stiffness",
+        "damping",
+        "kp",
+        "kd",
+        "ki",
+        "ext",
+        "external",
         "tip",
         "tcp",
+        "ee",
+        "pose",
+        "wrench",
+        "imu",
+        "rpy",
+        "quat",
+        "quaternion",
     ]
 )
+_MEASURED = frozenset(["act", "actual", "meas", "measured", "ist", "present"])
+_PLAIN = frozenset([*_MEASURED, "est", "hat", "filtered", "raw", "dot", "ddot", "d"])  # of no joint's name
+_AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
+_MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
     r"(ist|soll|(?:motor|antrieb|abtrieb|rotor)(?:s(?!trom))?)(?=[a-z]{3})"
@@ -87,12 +109,16 @@ _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z]
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a name says. joint: a number, a word, or None; unit: ours, or None."""
+    """What a name says. joint: a number, a word, or None; unit: ours, or None.
+
+    wanted   whether it is of what was asked for, not of what was measured
+    """
 
     signal: Signal
     joint: int | str | None
     side: Side
     unit: str | None
+    wanted: bool = False
 
 
 def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
@@ -102,7 +128,7 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     words = [part for word in words for part in _parts(word)]
     numbers = [int(word) for word in words if word.isdigit()]
     words = [word for word in words if not word.isdigit()]
-    unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None)
+    unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None) or _last_unit(rest)
     if unit and len(words) > 1:
         words = words[:-1]
     side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
@@ -110,8 +136,10 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
         joint = numbers[-1]
     left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK]
     if joint is None and len(left) and "observation" not in left:
-        joint = "_".join(w for w in left if w not in ("act", "actual", "meas", "measured", "ist", "present"))
-    return Meaning(_signal(words), joint or joint if joint != "" else None, side, unit)
+        joint = "_".join(w for w in left if w not in _PLAIN)
+    return Meaning(
+        _signal(words, KINDS.get(unit or "")), joint if joint != "" else None, side, unit, _wanted(words)
+    )
 
 
 def _parts(word: str) -> list[str]:
@@ -122,15 +150,20 @@ def _parts(word: str) -> list[str]:
     return [word]
 
 
-def _signal(words: list[str]) -> Signal:
-    if set(words) & _OTHER:
+def _wanted(words: list[str]) -> bool:
+    """Whether it was asked for; the d of q_d says so, a bare d does not."""
+    return bool(set(words) & _WANTED) or "d" in words[1:]
+
+
+def _signal(words: list[str], kind: str | None) -> Signal:
+    """kind: what its unit measures, where the name has one."""
+    if set(words) & _OTHER or words[-1:] == ["id"]:
         return "other"
-    found = [_BARE[word] for word in words if word in _BARE]
-    wanted = bool(set(words) & _WANTED)
-    if "torque" in found and (set(words) & _AHEAD or wanted):
-        return "feedforward"
+    found, wanted = _found(words, kind), _wanted(words)
     if set(words) & _AHEAD:
-        return "feedforward" if not found or found[-1] == "torque" else "other"
+        return "feedforward" if not found or "torque" in found else "other"
+    if "torque" in found and wanted:
+        return "torque"
     if words and _BARE.get(words[-1]) == "time":
         return "time"
     plain = [signal for signal in found if signal != "time"] or found
@@ -138,7 +171,29 @@ def _signal(words: list[str]) -> Signal:
         return "reference" if not plain or plain[-1] == "position" else "other"
     order = ("acceleration", "velocity", "torque", "current", "voltage", "position", "time")
     best = next((signal for signal in order if signal in plain), None)
+    if best is None and {"ist", *_AXES} & set(words) and _MEASURED & set(words):
+        return "position"
     return best or "unknown"  # pyright: ignore[reportReturnType]
+
+
+def _found(words: list[str], kind: str | None) -> list[str]:
+    """The signals that words name; a single letter counts where no longer word does (the m of m1_pos).
+
+    What a unit measures says more than a letter.
+    """
+    named = {word: _BARE[word] for word in words if word in _BARE}
+    long = {word: signal for word, signal in named.items() if len(word) > 1}
+    chosen = list((long if set(long.values()) - {"time"} else named).values())
+    if chosen and not long and _MEASURES.get(kind or "", chosen[0]) not in chosen:
+        chosen = [_MEASURES[str(kind)]]
+    derived = "acceleration" if "ddot" in words else "velocity" if "dot" in words else None
+    return [derived if derived and signal == "position" else signal for signal in chosen]
+
+
+def _last_unit(name: str) -> str | None:
+    """The unit that a name ends with, where its capitals matter (cur_mA)."""
+    last = _SPLIT.split(name)[-1]
+    return known_unit(last) if len(last) > 1 and last not in ("min", "rev") else None
 
 
 def _unit(words: list[str]) -> str | None:

@@ -18,7 +18,7 @@ def of_robot(robot: Robot) -> Structure:
 
     A passive joint is a hinge whose twist is released; a closure ties two links by one more. What turns the
     passive joints is found from the pins alone, never from `follows`. The structure's q is in the order of
-    `robot.coordinates`, its bodies in that of `robot.links`.
+    `robot.coordinates`, its bodies in that of `robot.links`. Raises StructureError.
     """
     if any(joint.geared for joint in robot.passive):
         raise StructureError(

@@ -11,7 +11,7 @@ from pyident.logs.mapping import Mapping
 
 
 def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> tuple[pd.DataFrame, list[str]]:
-    """`time` and every mapped signal; those with a clock of their own by cubic splines, and a note on each.
+    """`time` [s] and every mapped signal; those with an own clock by cubic splines, and a note on each.
 
     Rows that a slower clock does not reach are left out. Raises LogError.
     """

@@ -13,7 +13,7 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import Log, LogError, check, read_log
+from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
@@ -41,6 +41,9 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     robot   refers the motors' signals to the joints; None leaves them. Raises LogError.
     """
     frame, notes = on_one_clock(raw, mapping, source)
+    if mapping.asked:
+        open_ones = f"the mapping still asks {len(mapping.asked)} questions (lines that begin with # ?)"
+        notes = [f"{open_ones}: what they are about is guessed; correct it and delete them", *notes]
     frame, resampled = _even(frame, source)
     notes += resampled
     delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
@@ -48,7 +51,6 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]
     if robot is not None:
         frame = at_joints(frame, robot, source)
-    check(frame, source)
     return Log(frame, source, tuple(notes))
 
 
@@ -85,7 +87,10 @@ def _at_its_joints(log: Log, robot: Robot) -> Log:
 
 
 def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
-    """Motor angles, torques or currents through the robot's transmission; link encoders as twists."""
+    """Motor angles, torques or currents through the robot's transmission; link encoders as twists.
+
+    Raises LogError.
+    """
     n = len(robot.joints)
     out = frame.copy()
     motors = [name for name in frame if str(name).startswith("motor")]

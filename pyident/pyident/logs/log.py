@@ -41,9 +41,10 @@ class Sampled(Protocol):
 
 @dataclass(frozen=True)
 class Log:
-    """Uniformly sampled signals.
+    """Uniformly sampled signals; checked when it is made, which raises LogError.
 
-    frame   column `time` and one column per signal
+    frame   column `time` [s] and one column per signal (SI units), a row per sample
+    source  what messages call it
     notes   what was done to it, a sentence each
     """
 
@@ -51,10 +52,12 @@ class Log:
     source: str = "the log"
     notes: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        check(self.frame, self.source)
+
     @classmethod
     def from_frame(cls, frame: pd.DataFrame, source: str = "the data frame") -> "Log":
-        """A log of a data frame with the columns of one (SI units), checked. Raises LogError."""
-        check(frame, source)
+        """The same, its rows counted anew from 0. Raises LogError."""
         return cls(frame.reset_index(drop=True), source)
 
     @property
@@ -86,8 +89,7 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
     with reading(path):
         frame = renamed(readers[path.suffix](path), columns or {}, str(path))
-    check(frame, str(path))
-    return Log(frame.reset_index(drop=True), str(path))
+    return Log.from_frame(frame, str(path))
 
 
 @contextmanager
@@ -102,7 +104,7 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def write_log(log: Log, path: str | Path) -> None:
-    """Write CSV, Parquet or MAT by the ending. Raises LogError."""
+    """Write a log as CSV, Parquet or MAT by the ending of `path`. Raises LogError."""
     path = Path(path)
     if path.suffix not in (".csv", ".parquet", ".mat"):
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
@@ -150,7 +152,7 @@ def _read_mat(path: Path) -> pd.DataFrame:
 
 
 def renamed(frame: pd.DataFrame, columns: Mapping[str, Column], source: str) -> pd.DataFrame:
-    """Columns under the contract's names; a file that has them already is taken as it is."""
+    """Columns under the contract's names; a file that has them already is taken as it is. Raises LogError."""
     out = {}
     for signal, column in columns.items():
         if column.source in frame:
@@ -181,9 +183,11 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
             raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
         bad = np.flatnonzero(~np.isfinite(frame[name].to_numpy(dtype=float)))
         if len(bad):
+            time = frame["time"].iloc[bad[0]]
+            when = "" if name == "time" else f" (time {time:.6g} s)"
             raise LogError(
                 f"{source}: column {name} is not finite in {len(bad)} rows, first in row "
-                f"{first + bad[0] + 1}; cut the log there or fill the gap"
+                f"{first + bad[0] + 1}{when}; cut the log there or fill the gap"
             )
 
 
@@ -193,7 +197,7 @@ def median_step(time: np.ndarray) -> float:
 
 
 def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) -> None:
-    """Time goes on in steps of one period; `first` rows came before. Raises LogError."""
+    """Time (N,) [s] goes on in steps of one period; `first` rows came before. Raises LogError."""
     uneven = np.flatnonzero(np.abs(np.diff(time) - period) > _JITTER * abs(period))
     if period <= 0 or len(uneven):
         i = int(uneven[0]) if len(uneven) else 0

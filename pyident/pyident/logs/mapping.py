@@ -1,7 +1,7 @@
 """A mapping file: which of their columns is which of our signals, in which unit, sign and offset."""
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 
@@ -33,12 +33,14 @@ class Mapping:
     """signals: our name -> Source; header False: columns are 1, 2, ...; rate [Hz] if no time is logged.
 
     episode   of a LeRobot data set, from 0
+    asked     questions (`# ?`) that the file still holds, as `log inspect` writes them
     """
 
     signals: dict[str, Source]
     header: bool = True
     rate: float | None = None
     episode: int | None = None
+    asked: tuple[str, ...] = ()
 
 
 def read_mapping(path: str | Path) -> Mapping:
@@ -51,8 +53,9 @@ def read_mapping(path: str | Path) -> Mapping:
     if not path.is_file():
         raise LogError(f"there is no mapping file {path}; check the path (shipped: {', '.join(ships)})")
     try:
-        table = Table(tomllib.loads(path.read_text(encoding="utf-8")), "")
-        return _mapping(table)
+        text = path.read_text(encoding="utf-8")
+        asked = dict.fromkeys(line for line in text.splitlines() if line.startswith("# ?"))
+        return replace(_mapping(Table(tomllib.loads(text), "")), asked=tuple(asked))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise LogError(f"{path}: not a TOML file ({error})") from None
     except (RobotError, LogError) as error:

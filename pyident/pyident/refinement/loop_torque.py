@@ -23,9 +23,13 @@ from pyident.regression.regressor import regressor_blocks
 from pyident.simulation.feedforward import carrying_rows, controller_torque, recoverable
 from pyident.simulation.recorded import start_speed
 
-_UNSEEN = (
+UNSEEN = (  # with either kind of loop
     "it has no torque, which is taken from the robot's own loop: a drive that delays, clips or scales its "
     "torque (torque_delay, torque_saturation) cannot be told from something of the mechanics"
+)
+_START = (
+    "; what the controller's integral held at the start is taken to carry the arm, so that what it held "
+    "against friction or anything else looks like a constant torque (offset, asymmetric_coulomb)"
 )
 
 
@@ -42,7 +46,7 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
     if robot.servo is None:
         made = _carried(robot, made)
     filled = {id(old): new for old, new in zip(bare, made, strict=True)}
-    notes = tuple(f"{log.source}: {_UNSEEN}" for log in bare)
+    notes = tuple(f"{log.source}: {UNSEEN}{'' if robot.servo else _START}" for log in bare)
     return tuple(filled.get(id(log), log) for log in logs), notes
 
 

@@ -96,7 +96,7 @@ def _side_by_side(
 
 
 def rows_of(robot: Robot, data: Data, frame: pd.DataFrame, p: np.ndarray) -> Rows:
-    """Instruments from a simulation, and the log's torques without what the simulation's equations leave."""
+    """Instruments from a simulation, the log's torques without what its equations leave under p (P,)."""
     made = in_memory(robot, condition(Log(frame, "simulation"), robot))
     share = faded(robot, data.use * made.use)
     left = made.y - predicted(made.A, p) if driven(robot) else 0.0
@@ -116,7 +116,7 @@ def every(rows: list[Rows]) -> Logs:
 def simulable(
     robot: Robot, names: tuple[str, ...], values: np.ndarray, hinges: Mapping[str, float] | None = None
 ) -> np.ndarray:
-    """Values under which a simulation is quiet: what noise makes of a small damping or friction may be none.
+    """Values (P,) under which a simulation is quiet: noise may leave no small damping or friction.
 
     A hinge that rings would fill the sums with what happens between the samples.
     hinges   stiffnesses and dampings that take the place of values

@@ -47,7 +47,8 @@ def nonlinear_grid(
     """The values that a search tries first: every combination of the grids, in the parameters' units.
 
     motions   of the logs, over all of which a signal's size is taken
-    A law without nonlinear parameters has one, the empty one. Raises as `effect_columns` does.
+    A law without nonlinear parameters has one, the empty one. Raises ValueError
+    for a signal that the motion does not have, and as `effect_columns` does.
     """
     law, _ = _acting(robot, joint, effect_name, {})
     known = [_signals(robot, motion) for motion in motions]

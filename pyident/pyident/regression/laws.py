@@ -148,6 +148,6 @@ class _Law:
 
 @cache
 def compiled(law: sympy.Expr) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
-    """The symbols of a law by name, and the law as a NumPy function of them."""
+    """The symbols of a law by name, and the law as a function of them, each (N,)."""
     symbols = sorted(law.free_symbols, key=str)
     return tuple(str(s) for s in symbols), sympy.lambdify(symbols, law, modules=[_NUMPY, "numpy"])

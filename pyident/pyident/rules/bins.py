@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import log
 
-from pyident.rules.rule import in_range, rule
+from pyident.rules.rule import RulesError, in_range, rule
 
-_BY_HAND = "by hand; not measured"
+_ARMS = "by hand; on the ten arms of studies/compare_thresholds half or twice as much changes no place"
 _READING = "by hand: it changes what is shown, no verdict"
 _NOISE = "bumps in 20 s of drawn noise below 5, 20, 80 Hz (tests/comparison/test_bumps.py)"
 
@@ -17,7 +17,7 @@ class BinRules:
     edges: tuple[float, ...] = rule(
         (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0), "Hz, lower edges of the bands", "octaves", "convention"
     )
-    top: float = rule(0.4, "the Nyquist frequency", "above, differences and noise are all there is", _BY_HAND)
+    top: float = rule(0.4, "the Nyquist frequency", "above, differences and noise are all there is", _ARMS)
     lines: int = rule(
         4,
         "lines of the spectrum in a band",
@@ -32,10 +32,10 @@ class BinRules:
     )
     pieces: int = rule(6, "pieces of a log's time", "with more, each has too few samples", _READING)
     least_gain: float = rule(
-        0.02, "a frequency's part of the residual that is kept, at least", "none is quite without", _BY_HAND
+        0.02, "a frequency's part of the residual that is kept, at least", "none is quite without", _ARMS
     )
     least_spread: float = rule(
-        0.02, "the logarithm of a replica's mean square", "few replicas may agree by chance", _BY_HAND
+        0.02, "the logarithm of a replica's mean square", "few replicas may agree by chance", _ARMS
     )
     least_cutoff: float = rule(
         5.0, "Hz of a shown residual", "a slower one would be smeared over its causes", _READING
@@ -60,6 +60,8 @@ class BinRules:
 
     def __post_init__(self) -> None:
         in_range(self, "bins", 0, 1, "top", "least_gain", "least_spread")
+        if list(self.quantiles) != sorted(self.quantiles) or not all(0 <= x <= 1 for x in self.quantiles):
+            raise RulesError("rules: bins.quantiles must rise, with shares between 0 and 1")
 
 
 BINS = BinRules()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from pyident.rules.rule import in_range, rule
 
-_BY_HAND = "by hand; not measured"
+_FORCES = "by hand; half or twice changes none of six hidden forces (tests/diagnosis/test_unexplained.py)"
 _TIME = "by hand: time only"
 
 
@@ -13,7 +13,10 @@ class PeriodicRules:
     """Orders are per turn of a joint; a neighbour is the next order or frequency that is tried."""
 
     lowest: float = rule(
-        5.0, "orders that are tried apart", "below, a law's own grid is fine enough", _BY_HAND
+        5.0,
+        "orders that are tried apart",
+        "below, a law's own grid is fine enough",
+        "by hand; of the waves of tests/diagnosis/test_periodic.py twice as much loses an order of 7",
     )
     highest: float = rule(1000.0, "orders that a law is tried at", "a harmonic drive's teeth, twice", "gears")
     fastest: float = rule(
@@ -26,10 +29,10 @@ class PeriodicRules:
         "fewer hold the peak itself",
         "60 pairs of drawn logs of 20 s: a wave of 0.3 of the noise is found in 98 % (half: 90)",
     )
-    quiet: float = rule(20.0, "percent of the neighbours: noise", "others are skirts of the peak", _BY_HAND)
+    quiet: float = rule(20.0, "percent of the neighbours: noise", "others are skirts of the peak", _FORCES)
     chance: float = rule(0.001, "chance of such a peak in a spectrum", "many joints and logs", "convention")
     peaks: int = rule(3, "peaks of a joint that laws are tried at", "each costs a candidate", _TIME)
-    left: float = rule(0.05, "a wave that the base leaves", "what it imitates is the motion itself", _BY_HAND)
+    left: float = rule(0.05, "a wave that the base leaves", "what it imitates is the motion itself", _FORCES)
 
     def __post_init__(self) -> None:
         in_range(self, "periodic", 0, 1, "fastest", "chance", "left")

@@ -1,14 +1,20 @@
 """Every threshold by which logs are compared and effects are named."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import ceil
 
 import pandas as pd
 
+from pyident.rules.bins import BINS
+from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.comparison import ComparisonRules
+from pyident.rules.equation_checks import EQUATIONS
+from pyident.rules.greybox import GREYBOX
+from pyident.rules.log_checks import LOG_CHECKS
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.replicas import ReplicaRules
-from pyident.rules.rule import RulesError, lines
+from pyident.rules.rule import Line, RulesError, lines
 from pyident.rules.search import SearchRules
 from pyident.rules.unexplained import ExtensionRules, UnexplainedRules
 
@@ -39,3 +45,17 @@ class Rules:
 
 
 RULES = Rules()
+
+
+def every_threshold() -> Iterator[Line]:
+    """Those of `RULES`, and those that no caller changes: of checks, bins and foreign FMUs."""
+    yield from lines(RULES)
+    beside = {
+        "log_checks": LOG_CHECKS,
+        "channel_checks": CHANNELS,
+        "equation_checks": EQUATIONS,
+        "bins": BINS,
+        "greybox": GREYBOX,
+    }
+    for name, group in beside.items():
+        yield from lines(group, f"{name}.")

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pyident.rules.confidence import LEVEL
 from pyident.rules.rule import RulesError, in_range, rule
 
-_TUNING = "by hand, before studies/hidden_effect was scored; studies/thresholds halves and doubles it"
+_TUNING = (
+    "by hand, before studies/hidden_effect was scored; half or twice changes no score of studies/thresholds"
+)
 
 
 @dataclass(frozen=True)
@@ -18,13 +20,13 @@ class SearchRules:
         (0.4, 0.65, 0.8),
         "excess on its equations that a set of one, two, three or more effects takes away",
         "a true effect explains 80 to 140 %, a wrong neighbour 13 %; more effects must explain more",
-        "0.65, 0.8 as in studies/hidden_effect; 0.4 was 0.5 there, lowered by reasoning, not yet scored",
+        "as `material`, 0.4 by reason later; in studies/thresholds twice withholds a wrong name",
     )
     unseen: float = rule(
         0.5,
         "share of the fitted logs that a set must take on held-out ones",
         "what is learnt by heart takes next to nothing there; a true effect takes as much",
-        "by reason, after a cable read as saturation (57 % fitted, 2 % held out); not yet scored",
+        "by reason, after a wrong name for a cable; in studies/thresholds twice loses three names",
     )
     unseen_excess: float = rule(
         0.2, "floor's energy: held-out logs that exceed it by less have nothing to explain", "noise", _TUNING
@@ -74,8 +76,8 @@ class SearchRules:
     worthless: float = rule(
         0.2,
         "a joint's torque that the floor reaches: 'nothing' then says little",
-        "goal of the project",
-        "none",
+        "in a floor that high little can stand out",
+        "by reason",
     )
     below_floor: float = rule(
         0.7,
@@ -99,7 +101,7 @@ class SearchRules:
         0.05,
         "a joint's samples, its slowest and its fastest, that a named law can do without",
         "near rest friction is nobody's law; more would take what true laws live on",
-        "by reason, after a coupling of ratio 0.007 that fitted friction rounded in 3 % of the samples",
+        "by reason, after a coupling that fitted rounded friction; twice withholds one more wrong name",
     )
     block_gain: float = rule(
         0.5, "gain that a law may lose with them", "most of it must rest on the others", "by reason"

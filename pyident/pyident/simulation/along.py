@@ -121,7 +121,7 @@ def smooth_motion(robot: Robot, log: Log) -> np.ndarray:
 
 
 def resolution(x: np.ndarray) -> float:
-    """The step of a quantised channel, 0 where there is none: every change is a multiple of the smallest."""
+    """The step of a quantised channel x (N,), 0: none. Every change is a multiple of the smallest."""
     changes = np.abs(np.diff(x))
     changes = changes[changes > 1e-12 * max(float(np.abs(x).max()), 1e-300)]
     if len(changes) < 10:

@@ -26,7 +26,10 @@ def load_experiment(robot: Robot, name: str, mapping: Mapping | None = None) -> 
 
 
 def read_experiment(path: str, joints: int) -> Experiment:
-    """References joint{k}.r and, where there are, torques joint{k}.tau_ff from a log file."""
+    """References joint{k}.r and, where there are, torques joint{k}.tau_ff from a log file.
+
+    Raises ExperimentError.
+    """
     try:
         log = read_log(path)
     except LogError as error:

@@ -95,7 +95,7 @@ def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...
         obstacle = loop_of(robot, log)
         if obstacle:
             controller = _stand_in(robot, log.signals(robot.coordinates)[:1], log.period)
-            note = f"{Path(log.source).name}: {obstacle}"
+            note = f"{Path(log.source).name} is simulated along its measured motion: {obstacle}"
             return replace(robot, controller=controller), tuple(_along(robot, log, note) for log in logs)
     return robot, tuple(_in_loop(robot, log) for log in logs)
 

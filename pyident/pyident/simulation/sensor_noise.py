@@ -86,7 +86,7 @@ def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
 
 
 def channel_noise(values: np.ndarray) -> float:
-    """Standard deviation of the white noise that fills a smooth channel's highest frequencies.
+    """Standard deviation of the white noise that fills a smooth channel's (N,) highest frequencies.
 
     By the mean power: where periods are alike they round alike, and the noise is a few lines.
     """

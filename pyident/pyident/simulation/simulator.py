@@ -74,9 +74,11 @@ class Unsimulated:
     """Stands where replicas go along a measured motion, and nothing is simulated."""
 
     def simulate(self, *_: Any, **__: Any) -> pd.DataFrame:
+        """Raises SimulationError."""
         raise SimulationError(_MEASURED)
 
     def simulate_batch(self, *_: Any, **__: Any) -> list[pd.DataFrame]:
+        """Raises SimulationError."""
         raise SimulationError(_MEASURED)
 
 

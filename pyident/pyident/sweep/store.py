@@ -69,7 +69,7 @@ class ResultsStore:
             rows.to_parquet(file, index=False)
 
     def finish(self, design: pd.DataFrame) -> pd.DataFrame:
-        """Write and return the table: parameters beside results, index `run`."""
+        """Write and return the table: parameters beside results, index `run`. Raises StudyError."""
         if not self.results.exists() or self._batches():
             rows = self.rows()
             rows = rows.drop(columns=[name for name in design if name in rows])

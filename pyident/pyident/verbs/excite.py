@@ -5,19 +5,14 @@ from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
 
+import pandas as pd
+
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
+from pyident.conditioning.weak_form import recipe
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.criterion import Yardstick
-from pyident.excitation.design import (
-    Design,
-    designed,
-    informative,
-    measure,
-    starts,
-    well_conditioned,
-)
-from pyident.excitation.drawing import Drawing, Task
+from pyident.excitation.design import Design, best_conditioned, designed, measure, most_informative
+from pyident.excitation.drawing import Drawing, Task, starts
 from pyident.excitation.limits import Limits, limits_of
 from pyident.excitation.prediction import predicted
 from pyident.excitation.rehearsal import (
@@ -34,13 +29,14 @@ from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
+from pyident.logs.log import Log, LogError
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
 from pyident.verbs.planned import Checked, Planned, Promise
 
 Progress = Callable[[float], None]
 Pair = tuple[Suspect | None, Suspect | None]
-CRITERIA = {"information": informative, "condition": well_conditioned}
+CRITERIA = {"information": most_informative, "condition": best_conditioned}
 ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
 _TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
 _RATE = 250.0  # Hz, of robots without a controller
@@ -82,7 +78,8 @@ def excite(
     radius      [m] of the links as capsules;  floor  its height [m] over the base, None: there is none
     spread      share by which the model's parameters may be off; robots so far off keep the limits, too
     evaluations, seconds   what the search may cost; an interrupt ends it with the best so far
-    Raises RobotError, SimulationError, BuildError.
+    seed        of the search: the same finds the same
+    The others as in `identify`. Raises RobotError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     asked = tuple(suspect(text) for text in separate)
@@ -99,13 +96,12 @@ def excite(
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
+    _long_enough(task)
     with rehearsal(robot) as own:
-        level = measure(task, drawing, own)
         if pair is not None:
-            found, promise = _apart(task, drawing, level, own, pair, budget, progress)
+            found, promise = _apart(task, drawing, own, pair, budget, progress)
         else:
-            score, promise = CRITERIA[criterion](task, drawing, level), None
-            found = designed(task, drawing, score, level, own, budget, progress)
+            found, promise = designed(task, drawing, CRITERIA[criterion], own, budget, progress), None
         prediction = predicted(robot, own.log(found.plan), task.noise)
     return Planned(robot, found, _notes(task), prediction, promise)
 
@@ -127,7 +123,7 @@ def check_plan(
 
     plan     an Experiment, or what `simulate` takes as one
     others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`, 24 side by side
-    The rest as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
+    The others as in `excite`. Raises RobotError, ExperimentError, SimulationError, BuildError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
@@ -154,8 +150,9 @@ def export_plan(
 ) -> Path:
     """Write a plan's references as a table (.csv) or a ROS JointTrajectory (.json, .yaml); its path.
 
+    path      ends in .csv, .json or .yaml
     rate      points a second, none: the plan's own;  degrees  and mm in a table, instead of SI units
-    Raises RobotError, ExperimentError.
+    The others as in `check_plan`. Raises RobotError, ExperimentError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
@@ -166,13 +163,13 @@ def export_plan(
 def _apart(
     task: Task,
     drawing: Drawing,
-    level: Yardstick,
     own: Rehearsal,
     pair: Pair,
     budget: Budget,
     progress: Progress | None,
 ) -> tuple[Design, Promise]:
     """The motion that brings two rivals apart; None of a pair is the robot as it is."""
+    level = measure(task, drawing, own)
     drawn = (drawing.reference(x, 1 / task.rate) for x in starts(drawing.family, 20))
     log = own.log(drawing.plan(next(reference for reference in drawn if reference is not None)))
     first, second = (task.robot if who is None else having(task.robot, who, log) for who in pair)
@@ -239,6 +236,17 @@ def _require(
             f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; "
             f"a plan has from {_FEWEST} to {_MOST:g}"
         )
+
+
+def _long_enough(task: Task) -> None:
+    """Raises RobotError where a log of the plan would be refused by the robot's [processing]."""
+    robot, samples = task.robot, range(round(task.duration * task.rate) + 1)
+    rest = pd.DataFrame(0.0, index=samples, columns=[*robot.coordinates, *robot.torques])
+    rest.insert(0, "time", rest.index / task.rate)
+    try:
+        recipe(Log(rest, "a log of the plan"), robot)
+    except LogError as error:
+        raise RobotError(f"{error}; give a longer duration or, without a controller, a higher rate") from None
 
 
 def _notes(task: Task) -> tuple[str, ...]:

@@ -55,6 +55,7 @@ def identify(
     estimator "iv" (instruments from the simulated model), "oe" (output error), "wls", "ols", "irls", "tls"
     prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
     heldout   further logs, checked like the others, whose torque the written model is judged on
+    allow_effects  run the Python files that the robot file names; without it only those that are trusted
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
@@ -82,11 +83,13 @@ def refine(
 ) -> Fit:
     """Like `identify`, and on until the simulated robot follows its logs (output error; a minute or so).
 
-    The robot needs its controller and the logs their references. Raises RobotError, LogError,
-    SimulationError.
+    The robot needs its controller and the logs their references. The others as in `identify`.
+    Raises RobotError, LogError, SimulationError.
     """
     read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
     found = refined(read.robot, list(read.logs), runs_in_threads, progress)
+    if progress:
+        progress(1.0)
     return Fit(found, (*read.notes, *found.notes), read.logs)
 
 
@@ -108,7 +111,7 @@ def identify_servo(
                 inertias of links stay, as positions alone give torques only up to a factor
     parameters  known values of all logs, such as {"servo.kp": 400}
     settings    known values that differ from log to log, a mapping for each
-    Raises RobotError, LogError, SimulationError.
+    The others as in `identify`. Raises RobotError, LogError, SimulationError.
     """
     robot = robot_of(model, parameters, allow_effects)
     if robot.servo is None:

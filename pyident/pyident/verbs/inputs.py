@@ -14,7 +14,7 @@ from pyident.checks.check_log import checked
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
-from pyident.logs.log import Log, LogError, check, renamed
+from pyident.logs.log import Log, LogError, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
 from pyident.refinement.loop_torque import with_loop_torque
@@ -56,9 +56,10 @@ def read_log(
 ) -> Log:
     """Read a log (CSV, Parquet, MAT; others through a mapping) under our names and in SI units.
 
+    path      of the file
     robot     whose [columns] name the file's columns and whose transmission refers motors to joints
     mapping   names, units and signs of the columns (a Mapping or its file)
-    Raises LogError, RobotError.
+    The others as in `identify`. Raises LogError, RobotError.
     """
     columns = mapping_of(mapping)
     if robot is not None:
@@ -145,13 +146,12 @@ def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:
         return robot_log(log, robot, mapping)
     if isinstance(log, LogFile):
         return robot_log(log.path, robot, mapping)
-    if isinstance(log, pd.DataFrame):
-        log = Log(log, "the data frame")
-    if mapping is not None and not set(mapping.signals) <= set(log.names):
-        return map_frame(log.frame, mapping, log.source, robot)
-    frame = renamed(log.frame, robot.settings.columns, log.source)
-    check(frame, log.source)
-    return replace(log, frame=at_joints(frame.reset_index(drop=True), robot, log.source))
+    frame, source = (log, "the data frame") if isinstance(log, pd.DataFrame) else (log.frame, log.source)
+    if mapping is not None and not set(mapping.signals) <= set(frame):
+        return map_frame(frame, mapping, source, robot)
+    read = Log.from_frame(renamed(frame, robot.settings.columns, source), source)
+    notes = () if isinstance(log, pd.DataFrame) else log.notes
+    return replace(read, frame=at_joints(read.frame, robot, source), notes=notes)
 
 
 def _on_disk(log: Data, robot: Robot, mapping: Mapping | None) -> Log | LogFile:

@@ -35,10 +35,9 @@ def compare(
 ) -> Compared:
     """Where an identified model fails on logs, beside the floor that the method leaves on replicas of it.
 
-    model, logs, mapping   as in `identify`
-    parameters             values that replace the model's own, by name, in SI units
+    parameters   values that replace the model's own, by name, in SI units
     A model that cannot be simulated is judged by its equations alone.
-    Raises RobotError, LogError, BuildError.
+    The others as in `identify`. Raises RobotError, LogError, BuildError.
     """
     read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
     outcome = compared(read.robot, read.logs, FmuRuns, progress or _silent)
@@ -61,11 +60,10 @@ def diagnose(
 ) -> Diagnosed:
     """Which effect a model lacks in its logs; its own dynamic parameters are never used.
 
-    model, logs, mapping   as in `identify`
     heldout      logs to judge on; none: the last of several, or the last third of the only one
     parameters   what is known of the servos in these logs, such as {"servo.kp": 400}
     draft        look for a formula where no law explains the residual (needs flexident[symbolic])
-    Raises RobotError, LogError, BuildError.
+    The others as in `identify`. Raises RobotError, LogError, BuildError.
     """
     read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
@@ -91,7 +89,9 @@ def add_effect(
 ) -> Added:
     """The model with one more effect at `joint` (from 1), fitted, and judged on data that were held out.
 
-    heldout, parameters   as in `diagnose`; the others as in `identify`
+    effect                its name in the catalogue or in the robot's own files, or `geometry`
+    heldout, parameters   as in `diagnose`
+    The others as in `identify`.
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
     read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)

@@ -23,7 +23,7 @@ _SHOWN = 4  # names in a line
 
 @dataclass(frozen=True, repr=False)
 class Compared(Result):
-    """Where a model fails on logs, and how much beside the method's own floor.
+    """Where a model fails on logs, and by how much compared with the method's own floor.
 
     arms   per log: the arm as it moved and as it was simulated, for a page
     """
@@ -146,7 +146,7 @@ class Added(Result):
         return self.extended.accepted
 
     def headline(self) -> str:
-        return self.extended.reason or f"{self.robot.name}: held-out data are met better"
+        return self.extended.reason or f"{self.robot.name}: it follows held-out data better"
 
     def to_dict(self) -> dict[str, Any]:
         return self.extended.json() | {"notes": list(self.notes)}

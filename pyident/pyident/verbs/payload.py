@@ -127,9 +127,7 @@ def payload(
     """What a robot carries in some logs and not in others; the model's own values are never used.
 
     model     as in `identify`;  empty, loaded   logs without and with the load, best of one motion
-    mapping   names, units and signs of the logs' columns (a Mapping or its file)
-    force     as in `identify`
-    Raises RobotError, LogError.
+    The others as in `identify`. Raises RobotError, LogError.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     share = (

@@ -159,7 +159,8 @@ class Checked(Result):
 
     def headline(self) -> str:
         if self.safe:
-            return f"{self.robot.name} keeps every limit, and so do {self.others} robots like it"
+            others = f", and so do {self.others} robots like it" if self.others else ""
+            return f"{self.robot.name} keeps every limit{others}"
         which = f", by {self.broken} of {self.others} robots like it" if self.broken else ""
         return f"{self.robot.name} must not run this: {len(self.violations)} limits are broken{which}"
 

@@ -46,7 +46,7 @@ def simulate(
     time_limit   seconds without progress after which an FMU, which runs in a process of its own, is stopped
     window       a robot without [controller] and [servo] runs freely under the torques of a recorded log,
                  from where its first `window` positions say; they stand in the result as they were measured
-    Raises RobotError, ExperimentError, LogError, SimulationError, BuildError.
+    The others as in `identify`. Raises RobotError, ExperimentError, LogError, SimulationError, BuildError.
     """
     if not isinstance(model, str | Path) or Path(model).suffix != ".fmu":
         robot = robot_of(model, parameters, allow_effects)
@@ -81,10 +81,12 @@ def export_fmu(
 
     path        ends in .fmu, in .ssp for plant and controller as two FMUs (FMI 2) and their connections, or
                 in .mo for Modelica text
+    fmi         version of the standard, 2 or 3
     part        the arm with its controller, or the plant alone, whose inputs are the motor torques: that of a
                 robot without [controller] too
     platforms   this machine's binary, or Linux, Windows and macOS in one file
-    Raises RobotError, BuildError.
+    parameters  values that replace the model's own, by name, in SI units
+    The others as in `identify`. Raises RobotError, BuildError.
     """
     from flexfmu.build import without_controller
     from flexfmu.code.modelica import export_modelica
@@ -123,7 +125,7 @@ def parameter_study(
     model, experiment   of a design, as in `simulate`; a plan names its own
     parameters   values that replace the model's own in every run
     scheduler    address of a Dask cluster; none: the configured one, else `workers` processes here
-    The same call goes on after an interrupt.
+    The same call goes on after an interrupt. The others as in `identify`.
     Raises StudyError, WorkersError, RobotError, SimulationError.
     """
     from pyident.simulation.processes.dask_cluster import scheduler_configured

@@ -176,7 +176,7 @@ def waterfall(steps: Sequence[Any]) -> dict[str, Any]:
 
 
 def line(time: np.ndarray, values: np.ndarray, name: str, colour: str, axis: str) -> dict[str, Any]:
-    """A curve, thinned."""
+    """A curve (N,) over time (N,) [s], thinned."""
     t, v = thinned(time, values)
     style = {"color": colour, "width": 1.2}
     return {"type": "scatter", "x": t.tolist(), "y": v.tolist(), "name": name, "yaxis": axis, "line": style}

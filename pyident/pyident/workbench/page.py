@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from pyident.workbench import versions
 from pyident.workbench.bench import Bench
 from pyident.workbench.channels import Channels
 from pyident.workbench.linked import scripts
-from pyident.workbench.places import data, model, next_step, where, why
+from pyident.workbench.places import data, model, next_step, versions, where, why
 from pyident.workbench.project import ProjectError
 from pyident.workbench.view import PLACES, View
 

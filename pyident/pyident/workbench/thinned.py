@@ -18,7 +18,7 @@ def thinned(time: np.ndarray, values: np.ndarray, points: int = POINTS) -> tuple
 def thinned_band(
     time: np.ndarray, low: np.ndarray, high: np.ndarray, points: int = POINTS
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time and a ribbon's edges: per stretch the least of `low` and the greatest of `high`."""
+    """Time and a ribbon's edges, (points,) each: per stretch the least of `low`, the greatest of `high`."""
     if len(time) <= points:
         return time, low, high
     starts = np.linspace(0, len(time), points, endpoint=False).astype(int)

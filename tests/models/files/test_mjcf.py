@@ -1,6 +1,7 @@
 """MJCF in and out: mass matrix, forces and motion against MuJoCo, which reads the original file itself."""
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from flexmodels.settings.controller import Controller
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is the oracle and is not installed")
 FOLDER = Path(__file__).parents[2] / "robots" / "mjcf"
-OWN = ("arm", "gantry", "legs", "servo_arm")
+OWN = ("arm", "gantry", "legs", "servo_arm", "defaults")
 
 
 @pytest.fixture(params=[*OWN, "so101"])
@@ -168,7 +169,8 @@ def test_round_trip_in_mujoco(file, robot, reference, tmp_path):
         one.at(np.zeros(n), np.full(n, 0.5))
         if robot.controller:
             one.data.ctrl[:] = 0.1
-        else:
+        else:  # no servos, or at some joints only, which is said and left out
+            one.model.actuator_gainprm[:], one.model.actuator_biasprm[:] = 0.0, 0.0
             one.data.qfrc_applied[:] = one.G @ np.full(n, 0.1)
         for _ in range(500):
             mujoco.mj_step(one.model, one.data)
@@ -249,6 +251,40 @@ def test_refusals(tmp_path, old, new, sentence):
     (tmp_path / "bad.xml").write_text(text.replace(old, new))
     with pytest.raises(RobotError, match=sentence):
         import_mjcf(tmp_path / "bad.xml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("", "", "the gains of the position servos are left out, as j4, f1, f2 has none"),
+        ("", "", "actuators grip are neither motors nor position servos"),
+        ("", "", "1 tendons are left out"),
+        ('name="hand"', 'name="hand" gravcomp="1"', "gravcomp of hand is left out"),
+        ('integrator="implicitfast"', 'integrator="implicitfast" density="1.2"', "the forces of the fluid"),
+        (
+            '<motor name="a4"',
+            '<general name="a4" dyntype="filter" dynprm="0.1"',
+            r"the dynamics \(dyntype\) of actuators a4",
+        ),
+    ],
+)
+def test_what_is_left_out_is_said(tmp_path, old, new, sentence):
+    text = (FOLDER / "defaults.xml").read_text()
+    text = text.replace(old, new) if new else text
+    (tmp_path / "changed.xml").write_text(text)
+    (tmp_path / "defaults_common.xml").write_text((FOLDER / "defaults_common.xml").read_text())
+    assert any(re.match(sentence, note) for note in import_mjcf(tmp_path / "changed.xml").notes)
+
+
+def test_a_slider_that_follows_is_refused_with_the_cure(tmp_path):
+    text = (FOLDER / "defaults.xml").read_text()
+    tied = '<equality><joint joint1="f2" joint2="f1"/></equality><actuator>'
+    (tmp_path / "tied.xml").write_text(text.replace("<actuator>", tied))
+    (tmp_path / "defaults_common.xml").write_text((FOLDER / "defaults_common.xml").read_text())
+    with pytest.raises(
+        RobotError, match=r"joint f2 is a slider that follows another; .* delete the equality"
+    ):
+        import_mjcf(tmp_path / "tied.xml")
 
 
 def test_mesh_files_may_be_missing_where_inertias_are_given(tmp_path):

@@ -90,6 +90,13 @@ def test_a_wrong_linkage_is_named_by_its_key(old, new, words, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_urdf_is_no_robot_file_yet(tmp_path):
+    arm = tmp_path / "arm.urdf"
+    arm.write_text("<robot/>", encoding="utf-8")
+    with pytest.raises(RobotError, match=r"pyident robots import arm.urdf -o arm.toml"):
+        load_robot(arm)
+
+
 def test_unknown_names_are_refused(four_link):
     with pytest.raises(RobotError, match="unknown robot 'nobody'"):
         load_robot("nobody")

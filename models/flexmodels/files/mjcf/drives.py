@@ -14,7 +14,10 @@ _FIXED, _NONE, _AFFINE = 0, 0, 1  # gain and bias types of motors and servos
 
 
 def couplings_of(model: Any) -> dict[int, tuple[int, float]]:
-    """Following joint -> its leader and the factor, of the active linear equalities between two joints."""
+    """Following joint -> its leader and the factor, of the active linear equalities between two joints.
+
+    Raises RobotError.
+    """
     ties: dict[int, tuple[int, float]] = {}
     for i in range(model.neq):
         if model.eq_type[i] != _JOINT_EQUALITY or not model.eq_active0[i]:
@@ -70,6 +73,15 @@ def left_out(model: Any) -> tuple[str, ...]:
     ]
     if odd:
         notes.append(f"actuators {', '.join(odd)} are neither motors nor position servos at a joint")
+    lagging = [
+        model.actuator(a).name or f"number {a + 1}" for a in range(model.nu) if model.actuator_dyntype[a]
+    ]
+    if lagging:
+        notes.append(
+            f"the dynamics (dyntype) of actuators {', '.join(lagging)} are left out: they act at once"
+        )
+    notes += _partly_driven(model)
+    notes += _surroundings(model)
     if model.ntendon:
         notes.append(f"{model.ntendon} tendons are left out")
     if sum(model.eq_type[i] != _JOINT_EQUALITY for i in range(model.neq)):
@@ -84,6 +96,26 @@ def left_out(model: Any) -> tuple[str, ...]:
             "is that of the error"
         )
     return tuple(notes)
+
+
+def _partly_driven(model: Any) -> Iterator[str]:
+    """That servos at some joints only are no controller."""
+    served, driven = {j for j, _ in _servos(model)}, _driven(model)
+    bare = [model.joint(j).name for j in driven if j not in served]
+    if served and bare:
+        yield (
+            f"the gains of the position servos are left out, as {', '.join(bare)} has none: a controller "
+            "drives every joint; give the robot file a [controller] or a [servo]"
+        )
+
+
+def _surroundings(model: Any) -> Iterator[str]:
+    """Forces that no joint and no inertia makes."""
+    lifted = [model.body(b).name for b in range(model.nbody) if model.body_gravcomp[b]]
+    if lifted:
+        yield f"gravcomp of {', '.join(lifted)} is left out: the weight acts on the joints here"
+    if model.opt.density or model.opt.viscosity:
+        yield "the forces of the fluid (option density, viscosity) are left out"
 
 
 def _driven(model: Any) -> list[int]:

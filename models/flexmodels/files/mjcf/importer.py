@@ -185,7 +185,10 @@ def _joint(tree: _Tree, j: int) -> Joint:
 
 def _passive(tree: _Tree, j: int, follows: dict[int, float]) -> PassiveJoint:
     if tree.model.jnt_type[j] == 2:
-        raise RobotError(f"joint {tree.model.joint(j).name} is a slider that follows; only hinges may")
+        raise RobotError(
+            f"joint {tree.model.joint(j).name} is a slider that follows another; only hinges may: delete the "
+            "equality that ties it, and it is a joint of its own, or the joint, and its body is fixed"
+        )
     return PassiveJoint(follows=follows, geared=True, **_place(tree, j))
 
 

@@ -127,7 +127,7 @@ def output_option(
     kind: Kind, required: bool = True, default: str | None = None
 ) -> Callable[[Command], Command]:
     """`-o FILE` of one kind; with a default it need not be given."""
-    endings = " or ".join(kind.endings)
+    endings = ", ".join(kind.endings)
     option = click.option(
         "-o",
         "--output",
@@ -135,7 +135,7 @@ def output_option(
         default=default,
         show_default=default is not None,
         type=Output(kind),
-        help=f"{kind.what[0].upper()}{kind.what[1:]} ({endings}) to write.",
+        help=f"{kind.what[0].upper()}{kind.what[1:]} to write ({endings}).",
     )
     return lambda command: _with_overwrite(option(command))
 
@@ -166,7 +166,7 @@ def scheduler_option(command: Command) -> Command:
         metavar="ADDRESS",
         expose_value=False,
         callback=_configure_scheduler,
-        help="Simulate on this Dask cluster, such as tcp://host:8786.",
+        help="Address of a Dask cluster to simulate on, such as tcp://host:8786.",
     )(command)
 
 
@@ -236,5 +236,5 @@ def _with_overwrite(command: Command) -> Command:
         expose_value=False,
         is_eager=True,
         callback=lambda context, _, value: context.meta.update({OVERWRITE: value}),
-        help="Also replace existing files of another kind.",
+        help="Also overwrite existing files of another kind.",
     )(command)

@@ -155,7 +155,7 @@ def columns(
 def columns_of(
     robot: Robot, listed: Sequence[Candidate], logs: Sequence[Equations], levels: Sequence[np.ndarray]
 ) -> list[list[dict[int, np.ndarray]]]:
-    """`columns` of each of many candidates, which are transformed together."""
+    """`columns` of each of many candidates, per log: equation -> (bins, K); they are transformed together."""
     found = [columns(robot, c, logs, levels) if c.describes else [] for c in listed]
     laws = [i for i, c in enumerate(listed) if not c.describes]
     for number, (log, level) in enumerate(zip(logs, levels, strict=True)):

@@ -139,7 +139,7 @@ class Others:
 
 
 def others_of(base: Base, residuals: Sequence[Sequence[np.ndarray]]) -> Others:
-    """What a base and other residuals have in common, taken once for all columns."""
+    """What a base and other residuals, each (n, bins) per log, have in common, once for all columns."""
     along = [
         np.sum([np.tensordot(r, basis, 2) for basis, r in zip(base.basis, left, strict=True)], axis=0)
         for left in residuals
@@ -150,7 +150,7 @@ def others_of(base: Base, residuals: Sequence[Sequence[np.ndarray]]) -> Others:
 def gains_over(
     base: Base, columns: Columns, others: Others, lower: np.ndarray, upper: np.ndarray
 ) -> list[float]:
-    """Energies that K columns explain of other residuals of the same motion."""
+    """Energies that K columns, bounded by lower and upper (K,), explain of other residuals of the motion."""
     K = len(lower)
     G, b = np.zeros((K, K)), np.zeros((base.basis[0].shape[2], K))
     for rows, basis in zip(columns, base.basis, strict=True):

@@ -190,7 +190,7 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
 def replicated(
     fmu: Simulator, setting: Setting, seeds: Sequence[int]
 ) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
-    """Per replica its logs, their bands and the residuals that the regression leaves, weighted as the data's.
+    """Per replica its logs, their bands and the residuals (n, bins) that the regression leaves of each.
 
     With one weight for all frequencies the noise of encoders, which differences amplify, would bend the
     parameters at high ones, and what that leaves at low ones would be a floor that drowns the physics there.

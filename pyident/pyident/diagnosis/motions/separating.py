@@ -55,7 +55,8 @@ def separating(
     rivals     fitted robots, each with its own effect
     simulate   one frame per rival, in their order (pyident.simulation.simulator.rivals)
     noise      channel -> standard deviation of its sensor
-    A variant that a rival cannot run is left out. Raises SimulationError when all are.
+    A variant that a rival cannot run is left out. Raises SimulationError when all are, ValueError for one
+    rival alone.
     """
     if len(rivals) < 2:
         raise ValueError("separating needs two rivals or more")

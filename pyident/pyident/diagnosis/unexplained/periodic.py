@@ -69,7 +69,7 @@ class Peak:
 def spectrum(
     base: Base, logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, rules: PeriodicRules
 ) -> Spectrum:
-    """A residual's amplitudes over a grid of frequencies or orders."""
+    """A residual's amplitudes over a grid of frequencies [Hz] or orders [per turn]."""
     at = _grid(logs, over, rules)
     if not len(at):  # an axis at rest passes no period
         return Spectrum(over, at, at, at, at)
@@ -88,7 +88,7 @@ def highest(
     found: Spectrum,
     rules: PeriodicRules,
 ) -> Peak | None:
-    """The largest peak, between the grid's values; None where there is no spectrum."""
+    """The largest peak, between the grid's values [Hz or per turn]; None where there is no spectrum."""
     if not len(found.at):
         return None
     best = int(np.argmax(found.energy))

@@ -138,7 +138,7 @@ class Score:
 
 
 def remaining(A: np.ndarray, y: np.ndarray) -> float:
-    """|y − A x|² of the best x, without ever being negative."""
+    """|y − A x|² of the best x for A (N, K), y (N,), without ever being negative."""
     size = np.linalg.norm(A, axis=0)
     A = A[:, size > 0] / size[size > 0]
     w, V = np.linalg.eigh(A.T @ A)

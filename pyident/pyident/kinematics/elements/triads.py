@@ -4,22 +4,22 @@ import numpy as np
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Scalar product over the first axis."""
+    """Scalar product (...) over the first axis of a, b (3, ...)."""
     return np.einsum("i...,i...->...", a, b)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Vector product over the first axis; the other axes broadcast, so a Jacobian may meet a vector."""
+    """Vector product (3, ...) over the first axis; other axes broadcast, so a Jacobian may meet a vector."""
     return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def rotate(R: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """R v: components along the axes of R to components in base axes."""
+    """R v (3, ...): components along the axes of R (3, 3, ...) to components in base axes."""
     return np.einsum("ij...,j...->i...", R, v)
 
 
 def unrotate(R: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Rᵀ v: components in base axes to components along the axes of R."""
+    """Rᵀ v (3, ...): components in base axes to components along the axes of R (3, 3, ...)."""
     return np.einsum("ji...,j...->i...", R, v)
 
 
@@ -45,7 +45,7 @@ def second_rate(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def axes(n: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x', y', z' of a triad, or of a triad with its derivatives."""
+    """x', y', z' (3, N) of a triad (3, 3, N), or of a triad with its derivatives."""
     return n[..., 0, :], n[..., 1, :], n[..., 2, :]
 
 

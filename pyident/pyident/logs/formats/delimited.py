@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pyident.logs.formats.recording import Recording
+from pyident.logs.formats.recording import Recording, with_whole_stamps
 from pyident.logs.log import LogError
 from pyident.logs.units import known_unit
 
@@ -45,12 +44,14 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     names = layout.names if header and layout.names else tuple(str(i + 1) for i in range(frame.shape[1]))
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
+    joints = _joint_names(frame)
     for i, at in enumerate(frame.columns):
         name = names[at] if int(at) < len(names) else str(i + 1)
-        for leaf, values in _cells(name, frame[at]):  # pyright: ignore[reportArgumentType]
+        for leaf, values in _cells(name, frame[at], joints):  # pyright: ignore[reportArgumentType]
             columns[leaf] = values
             if layout.units and int(at) < len(layout.units) and layout.units[at]:
                 units[leaf] = layout.units[at]
+    columns = with_whole_stamps(columns)
     if not columns:
         raise LogError(f"{path} holds no column of numbers")
     return Recording(columns, units, header=bool(header and layout.names))
@@ -133,15 +134,39 @@ def _is_units(row: list[str]) -> bool:
     return sum(c in ("", "-") or known_unit(c) is not None for c in cells) > 0.7 * len(cells) and any(cells)
 
 
-def _cells(name: str, column: pd.Series) -> list[tuple[str, np.ndarray]]:
-    """A column's numbers; of lists one column per place; of dates seconds; else nothing."""
+def _joint_names(frame: pd.DataFrame) -> list[str]:
+    """The names that every row lists in one cell, as messages of joints do; none where there are none."""
+    for at in frame.columns:
+        first = str(frame[at].iloc[0])
+        if _LIST.fullmatch(first) and set(frame[at].astype(str)) == {first}:
+            parts = _parts(first)
+            if len(parts) > 1 and len(set(parts)) == len(parts) and not any(map(_NUMBER.fullmatch, parts)):
+                return parts
+    return []
+
+
+def _parts(cell: str) -> list[str]:
+    """The members of a list as Python, JSON, NumPy and spreadsheets write it."""
+    return [part.strip("'\"") for part in re.split(r"[\s,;\[\]()]+", cell) if part.strip("'\"")]
+
+
+def _cells(name: str, column: pd.Series, joints: list[str]) -> list[tuple[str, np.ndarray]]:
+    """A column's numbers; of lists one column per place, or per joint; of dates seconds; else nothing."""
     if pd.api.types.is_bool_dtype(column) or pd.api.types.is_numeric_dtype(column):
         return [(name, column.to_numpy(float))]
     text = column.astype(str).str.strip()
-    if text.str.fullmatch(_LIST.pattern).mean() > 0.9:
-        rows = [json.loads("[" + cell[1:-1].replace(";", ",").strip(", ") + "]") for cell in text]
-        if len({len(row) for row in rows}) == 1:
-            return [(f"{name}[{i + 1}]", np.array(x, float)) for i, x in enumerate(zip(*rows, strict=True))]
+    if sum(bool(_LIST.fullmatch(cell)) for cell in text) > 0.9 * len(text):
+        rows = [_parts(cell) for cell in text]
+        if len({len(row) for row in rows}) > 1 or not all(map(_NUMBER.fullmatch, rows[0])):
+            return []
+        named = len(rows[0]) == len(joints)
+        ends = (
+            [f"{joint}.{name}" for joint in joints]
+            if named
+            else [f"{name}[{i + 1}]" for i in range(len(rows[0]))]
+        )
+        values = np.array([[float(part) for part in row] for row in rows])
+        return list(zip(ends, values.T, strict=True))
     numbers = pd.to_numeric(text, errors="coerce")
     if numbers.notna().mean() > 0.5:  # pyright: ignore[reportAttributeAccessIssue]
         return [(name, numbers.to_numpy(float))]  # pyright: ignore[reportArgumentType, reportAttributeAccessIssue, reportCallIssue, reportReturnType]

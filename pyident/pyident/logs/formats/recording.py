@@ -1,5 +1,6 @@
 """What a file holds, whatever its format: numeric columns by name, their units and their clocks."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,6 +20,30 @@ class Recording:
     units: Mapping[str, str] = field(default_factory=dict)
     clocks: Mapping[str, str] = field(default_factory=dict)
     header: bool = True
+
+
+_SECONDS = re.compile(r"(.*?)[._/]?secs?", re.IGNORECASE)
+_NANOSECONDS = re.compile(r"(.*?)[._/]?n(?:ano)?secs?", re.IGNORECASE)
+
+
+def with_whole_stamps(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Stamps in two columns, seconds and nanoseconds (stamp.sec, stamp.nanosec), as one [s] from 0 on."""
+    parts = {found[1]: name for name in columns if (found := _NANOSECONDS.fullmatch(name))}
+    out: dict[str, np.ndarray] = {}
+    for name, x in columns.items():
+        found = None if name in parts.values() else _SECONDS.fullmatch(name)
+        if found and found[1] in parts:
+            out[found[1] or "time"] = x - x[0] + 1e-9 * columns[parts[found[1]]]
+        elif not (name in parts.values() and _whole(name, columns)):
+            out[name] = x
+    return out
+
+
+def _whole(name: str, columns: Mapping[str, np.ndarray]) -> bool:
+    """Whether the seconds of these nanoseconds are there, too."""
+    place = _NANOSECONDS.fullmatch(name)
+    others = (_SECONDS.fullmatch(c) for c in columns if not _NANOSECONDS.fullmatch(c))
+    return any(found and place and found[1] == place[1] for found in others)
 
 
 def leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray]]:

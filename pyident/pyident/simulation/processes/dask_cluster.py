@@ -44,7 +44,10 @@ class Cluster:
 
     @contextmanager
     def holding(self, make: Make[T]) -> Iterator[Processes[T]]:
-        """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too."""
+        """Waits for the workers and gives each its tool; one that replaces a dead worker gets it too.
+
+        Raises WorkersError.
+        """
         token = uuid.uuid4().hex
         try:
             self.client.wait_for_workers(self.count, timeout=_START_SECONDS)
@@ -127,7 +130,12 @@ def _local_cluster(module: str | None, folder: Path) -> Iterator[Any]:
     import dask.config
     from distributed import LocalCluster
 
-    asked = {"distributed.scheduler.allowed-failures": 1, "temporary-directory": str(folder)}
+    asked = {
+        "distributed.scheduler.allowed-failures": 1,
+        # The cluster drops a worker for good whose successor takes longer, and then waits for none for ever.
+        "distributed.deploy.lost-worker-timeout": f"{_START_SECONDS}s",
+        "temporary-directory": str(folder),
+    }
     with dask.config.set(asked), ExitStack() as open_ones:
         with interrupts_blocked():  # one that is half built cannot be closed
             cluster = LocalCluster(

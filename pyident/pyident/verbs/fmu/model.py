@@ -52,10 +52,13 @@ def identify_fmu(
 ) -> FmuFit:
     """Some parameters (or start values of states) of an FMU by output error, with intervals.
 
+    model        path of the FMU
+    logs         as in `identify`; columns have the names of the FMU's inputs and outputs
     parameters   their names, or name -> (lowest, highest) or None: the FMU's own minimum and maximum
     values       of other variables, set for good
     interface    "CoSimulation" (inputs held over a sample) or "ModelExchange" (linear between samples)
     time_limit   seconds without a sign of the FMU after which it is stopped
+    progress     called with the fraction done
     Raises RobotError for names that cannot be identified, LogError, SimulationError.
     """
     if not parameters:
@@ -76,7 +79,11 @@ def compare_fmu(
     interface: Interface | None = None,
     time_limit: float = SILENCE,
 ) -> FmuCompared:
-    """Where an FMU's simulated outputs differ from logs. Arguments and errors as in `identify_fmu`."""
+    """Where an FMU's simulated outputs differ from logs.
+
+    values   of variables, instead of the FMU's own
+    The others as in `identify_fmu`. Raises RobotError, LogError, SimulationError.
+    """
     with _opened(model, logs, values, interface, time_limit) as o:
         left = misses(o.recordings, o.simulate, {})
     return FmuCompared(o.fmu.title, o.recordings, tuple(left), o.notes)
@@ -95,6 +102,7 @@ def diagnose_fmu(
     """What an FMU's output residuals show: a delay, the signals they depend on, periodic orders, or noise.
 
     parameters   fitted first, as in `identify_fmu`; none: the FMU is taken as it is
+    The others as in `identify_fmu`. Raises RobotError, LogError, SimulationError.
     """
     with _opened(model, logs, values, interface, time_limit) as o:
         fit = None

@@ -1,0 +1,62 @@
+"""What a planned motion says of itself, with and without a promise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planned_joint import FEW, limited
+
+import pyident as pi
+from pyident.verbs.planned import Promise
+
+STRIBECK = {"joint1.stribeck.level": 0.5, "joint1.stribeck.velocity": 0.05}
+
+
+@pytest.fixture(scope="module")
+def planned() -> pi.Planned:
+    return pi.excite(limited(), **FEW)
+
+
+@pytest.fixture(scope="module")
+def promised(planned) -> pi.Planned:
+    """It is to tell a law from none."""
+    rival = limited().with_effect(1, "stribeck").with_parameters(STRIBECK)
+    return replace(planned, promise=Promise(("stribeck@1", "no further law"), 12.34, (rival, limited())))
+
+
+def test_without_a_question_it_says_what_an_identification_will_find(planned):
+    assert planned.headline().startswith(f"{planned.robot.name}, a motion of ")
+    rank = planned.prediction.rank
+    assert f"rank {rank} of {len(planned.prediction.std)} parameters" in planned.headline()
+    summary = str(planned.summary())
+    assert "joint1.viscous" in summary
+    assert f"rehearsed by {planned.design.rehearsed} robots with every parameter 25 % off" in summary
+    assert "separation" not in planned.to_dict()
+
+
+def test_its_values_come_with_predicted_deviations_and_null_where_there_is_none(planned):
+    said = planned.to_dict()
+    row = said["parameters"]["joint1.viscous"]
+    assert row["std"] == pytest.approx(planned.to_frame().loc["joint1.viscous", "std"])
+    unknown = [name for name, std in planned.prediction.std.items() if not np.isfinite(std)]
+    assert unknown  # one joint tells of its link only in sums
+    assert all(said["parameters"][name]["std"] is None for name in unknown)
+    rms = float(np.sqrt(np.mean(planned.plan.feedforward**2)))
+    assert said["multisine"] == {"joint1": pytest.approx(rms)}
+    assert said["duration_s"] == planned.plan.time[-1]
+
+
+def test_a_promise_is_what_it_says_first_with_what_it_supposes(promised):
+    words = "stribeck@1 and no further law will differ by 12.3 standard deviations, which settles it"
+    assert promised.headline().endswith(words)
+    summary = " ".join(str(promised.summary()).split())
+    assert words in summary
+    assert "supposed of stribeck@1: level = 0.5, velocity = 0.05" in summary
+    supposed = promised.to_dict()["separation"]["supposed"]
+    assert list(supposed) == ["stribeck@1"]  # the rival without a law supposes nothing
+    assert supposed["stribeck@1"]["velocity"] == 0.05
+
+
+@pytest.mark.parametrize(("sigmas", "ending"), [(5.0, "which settles it"), (4.9, "which does not settle it")])
+def test_five_deviations_settle_a_question(promised, sigmas, ending):
+    assert replace(promised.promise, sigmas=sigmas).sentence.endswith(ending)
