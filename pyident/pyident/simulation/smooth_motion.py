@@ -12,6 +12,8 @@ from numpy.polynomial import Chebyshev
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
+_MOMENT = 128  # samples
+_AROUND = 8  # frequencies of a moment's spectrum that are averaged
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 
@@ -31,7 +33,7 @@ def smooth(x: np.ndarray, noise: float) -> np.ndarray:
 
 
 def _reached(x: np.ndarray, noise: float) -> float:
-    """The highest frequency of the motion, over the Nyquist frequency."""
+    """The highest frequency of the motion, over the Nyquist frequency: of all of it, or of a moment."""
     window = np.hanning(len(x))
     moved = x - np.linspace(x[0], x[-1], len(x))
     S = np.fft.rfft((moved - moved.mean()) * window)
@@ -39,7 +41,26 @@ def _reached(x: np.ndarray, noise: float) -> float:
     bins = max(3, len(S) // 200)
     mean = np.convolve(power, np.ones(bins) / bins, mode="same")
     above = np.flatnonzero(mean > _OVER_NOISE * noise**2)
-    return float(np.clip((above[-1] if len(above) else 0) / len(S), _LOWEST, _HIGHEST))
+    whole = (above[-1] if len(above) else 0) / len(S)
+    return float(np.clip(max(whole, _in_a_moment(x, noise)), _LOWEST, _HIGHEST))
+
+
+def _in_a_moment(x: np.ndarray, noise: float) -> float:
+    """The highest frequency of a motion that lasts for a moment, over the Nyquist frequency; 0: there is none.
+
+    Where friction turns round a robot shakes for a few samples, which hardly shows in the spectrum of all.
+    Accelerations do not leak as positions would.
+    """
+    if len(x) < 2 * _MOMENT:
+        return 0.0
+    window = np.hanning(_MOMENT)
+    pieces = np.lib.stride_tricks.sliding_window_view(np.diff(x, 2), _MOMENT)[:: _MOMENT // 2]
+    power = np.abs(np.fft.rfft(pieces * window, axis=1)) ** 2 / np.sum(window**2)
+    own = noise**2 * (2 - 2 * np.cos(np.linspace(0, np.pi, power.shape[1]))) ** 2
+    mean = np.lib.stride_tricks.sliding_window_view(power / np.maximum(own, 1e-300), _AROUND, axis=1).mean(-1)
+    above = np.flatnonzero((mean > _OVER_NOISE).any(axis=0))
+    last = above[-1] if len(above) else 0
+    return (last + _AROUND / 2) / power.shape[1] if last > _AROUND else 0.0
 
 
 def _course(x: np.ndarray, count: int) -> np.ndarray:
