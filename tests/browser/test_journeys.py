@@ -139,13 +139,16 @@ def test_what_is_brushed_in_one_panel_is_marked_in_all(tab, project):
             """() => {
                 const states = document.querySelector('[data-testid=states]').data;
                 const traces = document.querySelector('[data-testid=traces]').data;
-                const panels = states.filter(t => t.mode === 'markers');
-                const own = panels.map(t => JSON.stringify(t.selectedpoints));
-                return [new Set(own).size, JSON.parse(own[0]).length, traces[traces.length - 1].x.length];
+                const own = states.filter(t => t.mode === 'markers').map(t => t.selectedpoints);
+                return [own, traces[traces.length - 1].x.length];
             }"""
         )
-        assert marked[0] == 1
-        assert 0 < marked[1] == marked[2]
+        brushed, *others = marked[0]
+        assert len(others) > 2
+        assert all(other == others[0] for other in others)
+        assert 0 < len(others[0]) == marked[1]
+        assert set(others[0]) <= set(brushed)
+        assert len(brushed) - len(others[0]) <= 2  # Plotly looks once more which lie on the edge of its box
         assert tab.errors == []
 
 
