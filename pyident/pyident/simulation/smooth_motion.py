@@ -14,6 +14,7 @@ _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the mot
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
 _MOMENT = 128  # samples
 _AROUND = 8  # frequencies of a moment's spectrum that are averaged
+_ENDS = 0.01  # of the samples, at either end, where a motion goes on that nobody knows
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 
@@ -32,6 +33,11 @@ def smooth(x: np.ndarray, noise: float) -> np.ndarray:
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
 
 
+def ends_of(count: int) -> int:
+    """How many of so many samples, at either end, are not to be relied on after a low pass."""
+    return int(np.ceil(_ENDS * count))
+
+
 def _reached(x: np.ndarray, noise: float) -> float:
     """The highest frequency of the motion, over the Nyquist frequency: of all of it, or of a moment."""
     window = np.hanning(len(x))
@@ -46,7 +52,7 @@ def _reached(x: np.ndarray, noise: float) -> float:
 
 
 def _in_a_moment(x: np.ndarray, noise: float) -> float:
-    """The highest frequency of a motion that lasts for a moment, over the Nyquist frequency; 0: there is none.
+    """The highest frequency of a motion of a moment, over the Nyquist frequency; 0: there is none.
 
     Where friction turns round a robot shakes for a few samples, which hardly shows in the spectrum of all.
     Accelerations do not leak as positions would.

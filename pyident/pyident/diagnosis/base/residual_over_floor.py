@@ -115,7 +115,7 @@ class Examination:
 
     @property
     def may_rise(self) -> np.ndarray:
-        """(n, bands) how far a noise that drifts, and rises as 1/f² where it was not measured, exceeds the floor."""
+        """(n, bands) how far a noise that rises as 1/f² where it was not measured exceeds the floor."""
         top = max(EDGES[-1], float(self.floor.frequencies[-1]))
         edges = np.array([*EDGES, top])
         middle = (edges[:-1] + edges[1:]) / 2
