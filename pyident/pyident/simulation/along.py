@@ -17,7 +17,7 @@ from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
-from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
+from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
 from pyident.simulation.smooth_motion import ends_of, smooth
@@ -103,12 +103,12 @@ def _torque_noise(
     """Torque -> its noise; repeats: samples after which the motion comes back."""
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
-    at, out, ends = np.arange(len(left)), {}, ends_of(len(left))
+    out, ends = {}, ends_of(len(left))
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         moving[:ends], moving[-ends:] = False, False
-        known = np.interp(at, at[moving], left[moving, k]) if moving.any() else left[:, k]
+        known = bridged(left[:, k], moving) if moving.any() else left[:, k]
         found = None if repeats else between_reversals(known, moving, log.period)
         if repeats:
             found = repeated_spectrum(known, repeats, log.period)

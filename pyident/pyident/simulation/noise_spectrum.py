@@ -9,8 +9,8 @@ between reversals in stretches so short that a law is a cubic there; below the f
 the spectrum is that of white and of low-passed noise which fit it best above.
 
 In a loop an encoder's noise becomes torque by differences, and the arm hardly follows it: such a spectrum
-rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what lies
-below.
+rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what
+lies below.
 
 In a few stretches a low pass fits even white noise, and would raise it severalfold where nothing is seen. So
 white noise alone and with a low pass are averaged by their odds (Schwarz 1978). Noise whose corner is below
@@ -35,6 +35,7 @@ _FINE = 200  # frequencies of a spectrum
 _CORNERS = 15  # of low passes that are tried
 _ROUNDS = 4  # after which their sizes change by less than a per cent
 _LEAST = 1e-6  # of the mean density
+_BRIDGED = 17  # samples whose mean a line over others begins at
 _RISES = 4.0  # times the least density at lower frequencies: there noise of another kind begins
 _AVERAGED = 3  # bins
 _CERTAIN = 50.0  # logarithm of odds: more is not needed
@@ -81,6 +82,18 @@ class NoiseSpectrum:
 
     def _at(self, f: np.ndarray) -> np.ndarray:
         return np.interp(f, self.frequencies, self.density)
+
+
+def bridged(left: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """What a model leaves (N,), with straight lines over what is not known (N,).
+
+    A line begins at the mean of some samples before. At a single one it would begin with all its noise, and
+    spread that of high frequencies over low ones.
+    """
+    weight = np.convolve(known, np.ones(_BRIDGED), "same")
+    mean = np.convolve(np.where(known, left, 0.0), np.ones(_BRIDGED), "same") / np.maximum(weight, 1.0)
+    at = np.arange(len(left))
+    return np.where(known, left, np.interp(at, at[known], mean[known]))
 
 
 def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseSpectrum:
