@@ -15,6 +15,7 @@ from .machines import Machine
 from .motions import Plan
 from .sensors import Sensors, rounded
 
+_FAST = 10.0  # Hz: what a loop makes of its encoders' noise lies above
 STEP = 1e-3  # s, of the physics and of the controller
 _FILTER = 0.1  # of the speed, first order: 16 Hz
 _BANDWIDTH = 2 * np.pi * 4.0  # rad/s, of the loop
@@ -68,8 +69,14 @@ def simulated(
 
 def loop_noise(torques: np.ndarray, period: float) -> np.ndarray:
     """Standard deviation (n,) of what a loop's torques (N, n) have above 10 Hz, by the median of its size."""
-    fast = sosfiltfilt(butter(4, 20 * period, "high", output="sos"), torques, axis=0)
+    fast = sosfiltfilt(butter(4, 2 * _FAST * period, "high", output="sos"), torques, axis=0)
     return 1.4826 * np.median(np.abs(fast), axis=0)
+
+
+def spread_above(noise: np.ndarray, count: int, period: float) -> np.ndarray:
+    """(count, n) at frequencies up to Nyquist's: variance of such noise (n,), which on average is its own."""
+    above = np.linspace(0, 0.5 / period, count) > _FAST
+    return np.square(noise) * above[:, None] / above.mean()
 
 
 def _apply(data: Any, model: Any, machine: Machine, hidden: Sequence[Hidden], s: State, tau) -> None:

@@ -8,15 +8,17 @@ import pandas as pd
 from flexmodels.robot import Robot
 
 from .cases import SIZES, Case, large_error, small_errors
-from .closed_loop import STEP, Hidden, loop_noise, simulated
+from .closed_loop import STEP, Hidden, loop_noise, simulated, spread_above
 from .laws import OUTSIDE, SINGLE, Draw, State
 from .machines import Error, Machine, drawn_machine, owners_file
 from .motions import Plan, drawn_plan
 from .oracle import Oracle
-from .sensors import Sensors, drawn_sensors, noise_of, recorded, rounded, with_columns
+from .sensors import Sensors, drawn_sensors, noise_of, noise_power, recorded, rounded, with_columns
 
 _HIDDEN = {"strong": 1, "medium": 1, "weak": 1, "outside": 1, "pair": 2, "triple": 3}
-_DRAWS = 30  # of an error of the geometry, until the logs can show it
+_DRAWS = 30  # of an error of the geometry, until the logs can show it; then of another machine
+_MACHINES = 30
+_READABLE = 10.0  # standard deviations: from there on the logs tell an error's value within 20 %
 
 
 @dataclass(frozen=True)
@@ -44,14 +46,18 @@ class Made:
 
 
 def made(case: Case, most: int = 7) -> Made:
-    """Draws until a loop holds its machine. most: joints."""
+    """Draws until a loop holds its machine, and its logs can show an error of its geometry. most: joints."""
     rng = case.rng
-    for _ in range(10):
+    for _ in range(_MACHINES):
         try:
             return _made(case, rng, most)
-        except FloatingPointError:
+        except (FloatingPointError, _NotShown):
             continue
-    raise RuntimeError(f"case {case.id}: no loop holds any of ten machines; take another seed")
+    raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")
+
+
+class _NotShown(Exception):
+    """A machine hides the errors of its geometry: its bodies take them up."""
 
 
 def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
@@ -64,14 +70,16 @@ def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
     state = oracle.state(time, q, v, a)
     level = np.sqrt(np.mean(np.square(oracle.plain(state, a)), axis=0))
     noise = noise_of(sensors, level)
+    power = noise_power(sensors, level, len(time), 1 / case.rate)
     if case.closed:
         _, _, torques = _in_loop(case, oracle, plans[0], [], sensors, min(case.duration, 5.0))
-        noise = np.hypot(noise, loop_noise(torques, 1 / case.rate))
+        fast = loop_noise(torques, 1 / case.rate)
+        noise, power = np.hypot(noise, fast), power + spread_above(fast, len(power), 1 / case.rate)
     errors = small_errors(rng, n) if case.difficult and rng.random() < 0.5 else ()
     truth: list[Truth] = []
     hidden = []
     if case.kind == "geometry":
-        error, found = _geometry(rng, oracle, state, a, noise)
+        error, found = _geometry(rng, oracle, state, a, power)
         errors, truth = (error,), [found]
     for law in _laws(rng, case.kind):
         h, found = _hidden(rng, law, case.kind, oracle, state, a, noise, [h.joint for h in hidden])
@@ -137,18 +145,24 @@ def _hidden(
 
 
 def _geometry(
-    rng: np.random.Generator, oracle: Oracle, state: State, a: np.ndarray, noise: np.ndarray
+    rng: np.random.Generator, oracle: Oracle, state: State, a: np.ndarray, power: np.ndarray
 ) -> tuple[Error, Truth]:
-    """An error that leaves a trace at some joint; of those drawn the last, if none does."""
-    n = len(noise)
+    """An error whose value the logs can tell. power: of the noise (frequencies, n). Raises _NotShown."""
+    n = power.shape[1]
     for _ in range(_DRAWS):
         error = large_error(rng, n)
         as_filed = Oracle(_filed(oracle.machine, error)).state(state.time, state.q, state.v, a)
         left = oracle.beyond(state, a, state.load - as_filed.load)
-        size = float((np.sqrt(np.mean(left**2, axis=0)) / noise).max())
-        if size > 0.3:
-            break
-    return error, Truth("geometry", ((error.quantity, error.joint),), size, error.amount)
+        size = float((np.sqrt(np.mean(left**2, axis=0) / power.mean(axis=0))).max())
+        if _deviations(left, power, len(a)) > _READABLE:
+            return error, Truth("geometry", ((error.quantity, error.joint),), size, error.amount)
+    raise _NotShown
+
+
+def _deviations(left: np.ndarray, power: np.ndarray, count: int) -> float:
+    """By which a trace (N', n) of a log of `count` samples exceeds noise; power: (frequencies, n) of it."""
+    S = np.square(np.abs(np.fft.rfft(left, axis=0)))  # of positive frequencies alone: half
+    return float(np.sqrt(2 * np.sum(S / power[: len(S)]) * count)) / len(left)
 
 
 def _filed(machine: Machine, error: Error) -> Machine:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.signal import butter, sosfilt
+from scipy.signal import butter, sosfilt, sosfreqz
 
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Column
@@ -46,6 +46,13 @@ def noise_of(sensors: Sensors, level: np.ndarray) -> np.ndarray:
     return float(np.hypot(sensors.white, sensors.slow)) * level
 
 
+def noise_power(sensors: Sensors, level: np.ndarray, count: int, period: float) -> np.ndarray:
+    """(count // 2 + 1, n) at the frequencies of a log: variance of a torque's noise, on average its own."""
+    f = np.fft.rfftfreq(count, period)
+    gain = np.square(np.abs(sosfreqz(_low_pass(sensors, period), f, fs=1 / period)[1]))
+    return np.square(level) * (sensors.white**2 + sensors.slow**2 * gain / gain.mean())[:, None]
+
+
 def rounded(q: np.ndarray, sensors: Sensors, sliders: np.ndarray) -> np.ndarray:
     """Positions (..., n) in whole counts; `sliders` (n,)."""
     count = np.where(sliders, 1.0, 2 * np.pi) / 2**sensors.bits
@@ -65,14 +72,18 @@ def recorded(
     encoders, tau (N, n): what encoders read, and the true torques;  level (n,): rms of the torques
     """
     period = time[1] - time[0]
-    sos = butter(2, min(2 * sensors.corner * period, 0.9), output="sos")
-    slow = np.asarray(sosfilt(sos, rng.standard_normal((len(time) + 2000, tau.shape[1])), axis=0))[2000:]
+    low_pass = _low_pass(sensors, period)
+    slow = np.asarray(sosfilt(low_pass, rng.standard_normal((len(time) + 2000, tau.shape[1])), axis=0))[2000:]
     slow /= slow.std(axis=0)
     noise = sensors.white * rng.standard_normal(tau.shape) + sensors.slow * slow
     logged = sensors.gain * tau + level * noise
     name, unit = ("i", sensors.constant) if sensors.constant else ("tau", 1.0)
     columns = {"time": time} | {f"q{k + 1}": q for k, q in enumerate(encoders.T)}
     return pd.DataFrame(columns | {f"{name}{k + 1}": t / unit for k, t in enumerate(logged.T)})
+
+
+def _low_pass(sensors: Sensors, period: float) -> np.ndarray:
+    return np.asarray(butter(2, min(2 * sensors.corner * period, 0.9), output="sos"))
 
 
 def with_columns(robot: Robot, sensors: Sensors) -> Robot:

@@ -12,7 +12,8 @@ from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
-from pyident.simulation.along import along, resolution, smooth
+from pyident.simulation.along import along, resolution
+from pyident.simulation.smooth_motion import smooth
 
 
 def never(_):

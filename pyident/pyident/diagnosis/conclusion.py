@@ -73,7 +73,7 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         tie=tuple(named(search, f) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
-        share_percent=100 * share_on(view, step.candidates, rows),
+        share_percent=max(100 * share_on(view, step.candidates, rows), 0.0),
         heldout_gain_percent=None if unseen is None else 100 * unseen.share,
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
         experiment=asked_for(search.robot, [f.candidate for f in step.tie]),

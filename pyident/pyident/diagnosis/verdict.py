@@ -8,6 +8,8 @@ from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Named, Place, VerdictName
 from pyident.regression.descriptions import place_name, stated
 
+_HARDLY = 10.0  # per cent of an excess: less than any effect takes that is named for its share
+
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
     """stands_out: whether the residual exceeds the replicas' by far."""
@@ -70,6 +72,8 @@ def _said(named: Named) -> str:
 
 
 def _share(finding: Finding) -> str:
+    if finding.share_percent < _HARDLY:
+        return "hardly more than the floor, but held-out data show it alike"
     share = f"{min(finding.share_percent, 100.0):.0f} % of what exceeds the floor there"
     if finding.heldout_gain_percent is None:
         return share

@@ -31,6 +31,12 @@ class SearchRules:
     unseen_excess: float = rule(
         0.2, "floor's energy: held-out logs that exceed it by less have nothing to explain", "noise", _TUNING
     )
+    again: float = rule(
+        3.0,
+        "standard deviations of an error's value in held-out logs, where shares say nothing",
+        "one test on logs that chose nothing: a chance of 0.1 %",
+        "normal law",
+    )
     part: float = rule(
         0.1, "excess that each effect of a set takes away", "remainders are shared by many", _TUNING
     )

@@ -4,8 +4,6 @@ A stand-in controller moves otherwise than the robot did, and its floor would be
 simulated: the motion is the measured one without its noise, the torques are those that the model needs for
 it (inverse dynamics), and noise is put on both: white on the motion, on the torques with the spectrum that
 theirs has in the log. Every replica has parameters of its own, drawn from the fit's covariance.
-
-The motion is what a low pass leaves whose corner is where the spectrum of a coordinate meets its noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,13 +17,10 @@ from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
-from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
+from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
-
-_OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
-_WIDER = 1.5  # times the highest frequency of the motion: the corner of the low pass
-_LOWEST, _HIGHEST = 0.05, 0.9  # of the Nyquist frequency: ends of the corner
+from pyident.simulation.smooth_motion import ends_of, smooth
 
 
 @dataclass(frozen=True)
@@ -108,11 +103,12 @@ def _torque_noise(
     """Torque -> its noise; repeats: samples after which the motion comes back."""
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
-    at, out = np.arange(len(left)), {}
+    out, ends = {}, ends_of(len(left))
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
-        known = np.interp(at, at[moving], left[moving, k]) if moving.any() else left[:, k]
+        moving[:ends], moving[-ends:] = False, False
+        known = bridged(left[:, k], moving) if moving.any() else left[:, k]
         found = None if repeats else between_reversals(known, moving, log.period)
         if repeats:
             found = repeated_spectrum(known, repeats, log.period)
@@ -123,22 +119,6 @@ def _torque_noise(
 def smooth_motion(robot: Robot, log: Log) -> np.ndarray:
     """(N, n) coordinates of a log without their sensors' noise."""
     return np.column_stack([smooth(x, channel_noise(x)) for x in log.signals(robot.coordinates).T])
-
-
-def smooth(x: np.ndarray, noise: float) -> np.ndarray:
-    """(N,) without what lies above the frequencies at which the motion exceeds its white noise."""
-    N = len(x)
-    line = np.linspace(x[0], x[-1], N)  # what is left begins and ends at zero: an odd continuation is smooth
-    S = np.fft.rfft(np.concatenate([x - line, -(x - line)[-2:0:-1]]))
-    power = np.abs(S) ** 2 / len(S)
-    bins = max(3, len(S) // 200)
-    mean = np.convolve(power, np.ones(bins) / bins, mode="same")
-    level = max(2 * noise**2, 0.0)
-    above = np.flatnonzero(mean > _OVER_NOISE * level)
-    last = above[-1] if len(above) else 0
-    corner = int(np.clip(_WIDER * last, _LOWEST * len(S), _HIGHEST * len(S)))
-    gain = 1 / (1 + (np.arange(len(S)) / max(corner, 1)) ** 16)
-    return line + np.fft.irfft(S * gain, 2 * N - 2)[:N]
 
 
 def resolution(x: np.ndarray) -> float:

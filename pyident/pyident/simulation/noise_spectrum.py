@@ -8,6 +8,10 @@ the model lacks. Where the motion repeats, noise is what does not (see `repetiti
 between reversals in stretches so short that a law is a cubic there; below the frequencies that these resolve,
 the spectrum is that of white and of low-passed noise which fit it best above.
 
+In a loop an encoder's noise becomes torque by differences, and the arm hardly follows it: such a spectrum
+rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what
+lies below.
+
 In a few stretches a low pass fits even white noise, and would raise it severalfold where nothing is seen. So
 white noise alone and with a low pass are averaged by their odds (Schwarz 1978). Noise whose corner is below
 what the stretches resolve is told too small under it, as nothing says how far it goes on rising.
@@ -27,9 +31,13 @@ _SMOOTH = 3  # degree of what a law may leave within one
 _FIRST = 4  # bin from which on nothing of it is left
 _WIDER = 1.25  # each band's width in which a spectrum is averaged, over the one's before
 _BINS = 8  # in a band at least
+_FINE = 200  # frequencies of a spectrum
 _CORNERS = 15  # of low passes that are tried
 _ROUNDS = 4  # after which their sizes change by less than a per cent
 _LEAST = 1e-6  # of the mean density
+_BRIDGED = 17  # samples whose mean a line over others begins at
+_RISES = 4.0  # times the least density at lower frequencies: there noise of another kind begins
+_AVERAGED = 3  # bins
 _CERTAIN = 50.0  # logarithm of odds: more is not needed
 _FURTHER = 2  # parameters of low-passed noise beside white: its corner and its size
 _TOLD = (
@@ -76,6 +84,18 @@ class NoiseSpectrum:
         return np.interp(f, self.frequencies, self.density)
 
 
+def bridged(left: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """What a model leaves (N,), with straight lines over what is not known (N,).
+
+    A line begins at the mean of some samples before. At a single one it would begin with all its noise, and
+    spread that of high frequencies over low ones.
+    """
+    weight = np.convolve(known, np.ones(_BRIDGED), "same")
+    mean = np.convolve(np.where(known, left, 0.0), np.ones(_BRIDGED), "same") / np.maximum(weight, 1.0)
+    at = np.arange(len(left))
+    return np.where(known, left, np.interp(at, at[known], mean[known]))
+
+
 def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseSpectrum:
     """Of what a model leaves (N,) along a motion that repeats after so many samples."""
     noise, step = unrepeated(left, repeats)
@@ -102,19 +122,33 @@ def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> No
 
 
 def _fitted(pieces: np.ndarray, period: float) -> NoiseSpectrum:
-    """White and low-passed noise by the spectrum of pieces (M, L)."""
+    """White and low-passed noise by the spectrum of pieces (M, L), and above them what rises."""
     f, typical = _typical(pieces, period)
-    fine = np.linspace(0, 0.5 / period, 200)
+    seen = np.convolve(np.pad(typical, _AVERAGED // 2, mode="edge"), np.ones(_AVERAGED) / _AVERAGED, "valid")
+    fine = np.linspace(0, 0.5 / period, _FINE)
+    quiet = _before_a_rise(seen)
+    low = _by_shapes(f[:quiet], typical[:quiet], fine, len(pieces))
+    density = np.where(fine <= f[quiet - 1], low, np.interp(fine, f, seen)) if quiet < len(f) else low
+    return NoiseSpectrum(fine, density, period, continued=float(f[0]))
+
+
+def _before_a_rise(seen: np.ndarray) -> int:
+    """How many of the lowest bins of a density (F,) lie before it rises."""
+    rises = np.flatnonzero(seen > _RISES * np.minimum.accumulate(seen))
+    return int(rises[0]) if len(rises) else len(seen)
+
+
+def _by_shapes(f: np.ndarray, typical: np.ndarray, fine: np.ndarray, pieces: int) -> np.ndarray:
+    """Density at the frequencies `fine` of the white and low-passed noise that fits (F,) at f best."""
     white = float(typical.mean())
     corners = np.geomspace(f[0] / 2, fine[-1] / 3, _CORNERS)
     fits = [_low_passed(f, typical, corner) for corner in corners]
     misses = [_miss(typical, _shapes(f, c) @ size) for c, size in zip(corners, fits, strict=True)]
     best = int(np.argmin(misses))
-    told = _TOLD * len(pieces)  # times each bin is seen
+    told = _TOLD * pieces  # times each bin is seen
     gain = told * (_miss(typical, np.full(len(f), white)) - misses[best])
     odds = np.exp(min(gain - _FURTHER / 2 * np.log(told * len(f)), _CERTAIN))
-    density = (white + odds * _shapes(fine, corners[best]) @ fits[best]) / (1 + odds)
-    return NoiseSpectrum(fine, density, period, continued=float(f[0]))
+    return (white + odds * _shapes(fine, corners[best]) @ fits[best]) / (1 + odds)
 
 
 def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:

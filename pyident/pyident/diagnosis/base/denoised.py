@@ -9,15 +9,12 @@ meets the noise. The torques keep all their frequencies.
 
 from dataclasses import replace
 
-import numpy as np
-
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.simulation.along import smooth_motion
-
-_ENDS = 0.01  # of the samples, at either end, where the low pass continues a motion that nobody knows
+from pyident.simulation.smooth_motion import ends_of
 
 
 def denoised(robot: Robot, log: Log) -> Conditioned:
@@ -47,6 +44,6 @@ def _smooth(robot: Robot, log: Log) -> Log:
 def _without_ends(robot: Robot, part: Conditioned) -> Conditioned:
     if not denoises(robot):
         return part
-    use, ends = part.use.copy(), int(np.ceil(_ENDS * len(part.use)))
+    use, ends = part.use.copy(), ends_of(len(part.use))
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)

@@ -115,11 +115,11 @@ class Examination:
 
     @property
     def may_rise(self) -> np.ndarray:
-        """(n, bands) how far a noise that rises as 1/f where it was not measured exceeds the floor."""
+        """(n, bands) how far a noise that rises as 1/f² where it was not measured exceeds the floor."""
         top = max(EDGES[-1], float(self.floor.frequencies[-1]))
         edges = np.array([*EDGES, top])
         middle = (edges[:-1] + edges[1:]) / 2
-        return np.maximum(self.setting.continued[:, None] / np.maximum(middle, 1e-300), 1.0)
+        return np.maximum(self.setting.continued[:, None] / np.maximum(middle, 1e-300), 1.0) ** 2
 
     @property
     def levels(self) -> list[np.ndarray]:

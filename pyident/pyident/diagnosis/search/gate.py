@@ -12,6 +12,7 @@ import numpy as np
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import fall_per_row
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
+from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Found, Search, Step
 
 _EXCHANGES = 4  # rounds; two are the rule
@@ -33,6 +34,7 @@ class Admission:
     """What the gate finds of effects, `lead` first, on the equations `rows` of a search.
 
     p_value   chance of the lead's gain with nothing missing
+    measured  whether they are an error of the robot file that counts without a share (see `measured`)
     share     of what exceeds the floor there that all of them take;  unseen: the same on held-out logs
     reason    why they do not pass; empty: they do
     """
@@ -43,6 +45,7 @@ class Admission:
     share: float
     unseen: Unseen | None
     reason: str
+    measured: bool = False
 
     @property
     def refusal(self) -> Refusal:
@@ -55,9 +58,11 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     rules, rows = search.rules, main_rows(search, lead.candidate)
     p_value, share = search.p_value(lead), share_on(search, candidates, rows)
     unseen = held.share(search, candidates, rows)
-    reason = ""
+    reason, certain = "", p_value <= rules.level and measured(search, candidates[0], unseen)
     if p_value > rules.level:
         reason = f"replicas without it show as much (p = {p_value:.2g})"
+    elif certain:
+        pass
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
     elif (driven := search.drives(candidates)) > rules.power:
@@ -66,7 +71,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
     elif unseen is not None and not held.holds(unseen, share, rules):
         reason = f"on held-out data it takes {unseen}"
-    return Admission(lead.candidate, rows, p_value, share, unseen, reason)
+    return Admission(lead.candidate, rows, p_value, share, unseen, reason, certain)
 
 
 def counts(search: Search, found: Found) -> bool:

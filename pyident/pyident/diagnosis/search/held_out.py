@@ -38,6 +38,11 @@ class Unseen:
     excess: float
     kept: float
 
+    @property
+    def deviations(self) -> float:
+        """Standard deviations from zero of the size that these logs by themselves give the effects."""
+        return self.share * (1 + 1 / self.kept) / self.std if self.kept > 0 else 0.0
+
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
 

@@ -257,7 +257,10 @@ class Search:
     def standing_out(self) -> np.ndarray:
         """(n,) by equation: by far more than replicas on average, and more than any; in all or in a band."""
         ex, rules = self.examination, self.rules
-        in_all = self.over_floor > np.maximum(1 + rules.stands_out, ex.most_over_floor)
+        rises = np.where(ex.may_rise > 1, 1 + rules.band_stands_out * ex.may_rise, 1 + rules.stands_out)
+        shares = ex.replica_energy.mean(axis=0) * ex.count
+        least = (rises * shares).sum(axis=1) / np.maximum(shares.sum(axis=1), 1e-300)
+        in_all = self.over_floor > np.maximum(least, ex.most_over_floor)
         return in_all | self.bands_standing_out.any(axis=1)
 
     @property

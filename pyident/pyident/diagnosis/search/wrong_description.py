@@ -3,7 +3,8 @@
 They are ranked among themselves once the laws are chosen. One that explains what a law was named for joins
 its tie, or takes its place if it explains more. Then the best one beside what stands is named if it takes as
 much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance: a
-gain of a torque takes what no replica shows of almost any log.
+gain of a torque takes what no replica shows of almost any log. Where nothing stands out and no law explains
+as much, an error is named that both measure (see `measured`).
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
@@ -45,7 +46,7 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
             takes = f"it takes {100 * share:.0f} %, an error of {_place(rivals.best)} {100 * of_error:.0f} %"
             imitators[f"{law.effect} at joint{law.joint}"] = takes
         steps[steps.index(step)] = rivals
-    further, notes = _beside(among, steps, held)
+    further, notes = _beside(among, steps, held, selection.first.best)
     return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
 
 
@@ -75,8 +76,13 @@ def _small(view: Search, error: Found) -> bool:
     return bool(np.all((error.gain.coefficients > lower) & (error.gain.coefficients < upper)))
 
 
-def _beside(among: Search, steps: Sequence[Step], held: HeldOut) -> tuple[list[Step], tuple[str, ...]]:
-    """Errors that are named beside what stands, one after the other; and what is said of the next."""
+def _beside(
+    among: Search, steps: Sequence[Step], held: HeldOut, law: Found
+) -> tuple[list[Step], tuple[str, ...]]:
+    """Errors that are named beside what stands, one after the other; and what is said of the next.
+
+    law   that explains most with none named
+    """
     named: list[Step] = []
     while len(steps) + len(named) < among.rules.most:
         view = among.resting_on(_candidates([*steps, *named]))
@@ -84,6 +90,9 @@ def _beside(among: Search, steps: Sequence[Step], held: HeldOut) -> tuple[list[S
         entry = admission(view, step.best, [step.best.candidate], held)
         if entry.reason or not entry.rows or not _small(view, step.best):
             break
+        if entry.measured and not steps and law.excess < view.rules.tie * step.best.excess:
+            named.append(step)
+            continue
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         doubt = changes_with(beside, step.best.candidate)
         if doubt or entry.share < view.rules.explained[0] or beside.stands_out:

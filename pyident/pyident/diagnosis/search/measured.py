@@ -1,0 +1,35 @@
+"""Whether logs measure an error of the robot file that hardly exceeds their noise.
+
+An axis that is turned by a fifth of a degree may explain a hundredth of a residual, and over thousands of
+samples be certain all the same. Shares of the excess say nothing there; its value does: it is far from zero
+in the fitted logs, and held-out logs, which move otherwise, find the same one. Standard deviations are those
+of coloured noise, from the residual at the very frequencies where the error acts (White 1980).
+"""
+
+import numpy as np
+
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.search.held_out import Unseen
+from pyident.diagnosis.search.search import Search
+
+
+def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> bool:
+    """Whether the value of a candidate, of the robot's description, counts without a share of the excess.
+
+    unseen   what it takes of held-out logs; none: it does not count
+    """
+    rules = search.rules
+    if unseen is None or not candidate.describes or search.stands_out:
+        return False
+    again = unseen.deviations >= rules.again and abs(unseen.kept - 1) <= rules.unseen
+    return again and _deviations(search, candidate) >= rules.chance
+
+
+def _deviations(search: Search, candidate: Candidate) -> float:
+    """Standard deviations of a coefficient from zero."""
+    pairs = zip(search.base.residual, search.with_further([candidate]).base.residual, strict=True)
+    fall, variance = 0.0, 0.0
+    for before, after in pairs:
+        fall += float((np.square(before) - np.square(after)).sum())
+        variance += float((np.square(before - after) * np.square(after)).sum())
+    return fall / max(np.sqrt(variance), 1e-300)
