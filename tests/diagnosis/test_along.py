@@ -49,6 +49,15 @@ def test_torque_noise_is_that_of_each_joint(nothing):
             assert setting.own_noise[log.source][name] == pytest.approx(true, rel=0.2)
 
 
+def test_the_ends_of_a_log_that_begins_in_mid_motion_are_no_noise(nothing):
+    """What a difference makes of a motion that nobody knows beyond its ends is not in the torques."""
+    part = replace(nothing[0], frame=nothing[0].frame.iloc[137:-211].reset_index(drop=True))
+    setting = set_up(arm(), [part, nothing[1]])
+    for name in setting.robot.torques:
+        true = 0.004 * np.sqrt(np.mean(part.frame[name] ** 2))
+        assert setting.own_noise[part.source][name] == pytest.approx(true, rel=0.2)
+
+
 def test_replicas_differ_in_noise_and_keep_the_steps_of_the_log(nothing):
     setting = set_up(arm(), nothing[:1])
     frame = nothing[0].frame.copy()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, repeated_spectrum
+from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 
 PERIOD, POLE = 0.01, 0.9
@@ -107,6 +107,36 @@ def test_coloured_noise_stays_coloured(count, allowed):
     scaled = np.array([*SLOW, 3.0]) * 0.004 / PERIOD  # `true` is of another period
     levels = mean_of(found, np.array([*SLOW, 3.0])) / (true(scaled, 1.0, 0.0) * 0.004 / PERIOD)
     assert levels == pytest.approx(np.ones(3), abs=allowed)
+
+
+def test_noise_of_differences_does_not_raise_what_is_slow():
+    """As a loop makes of its encoders': sampled differences of white noise, 4 sin²(pi f T) of its density."""
+    period, count = 0.004, 8000
+    true_at = np.array([30.0, 60.0, 100.0])
+    levels = []
+    for seed in range(20):
+        white = np.random.default_rng(seed).standard_normal(count + 1)
+        found = between(np.diff(white), seed, period)
+        levels.append(np.interp(true_at, found.frequencies, found.density))
+        assert np.interp(0.5, found.frequencies, found.density) < 0.1 * np.mean(found.density)
+    true_levels = 2 * period * 4 * np.sin(np.pi * true_at * period) ** 2
+    assert np.mean(levels, axis=0) == pytest.approx(true_levels, rel=0.3)
+
+
+def test_gaps_are_bridged_without_the_noise_of_single_samples():
+    rng, count = np.random.default_rng(0), 8000
+    noise = np.diff(rng.standard_normal(count + 1))
+    known = np.arange(count) % 100 >= 10
+    at = np.arange(count)
+    single = np.interp(at, at[known], noise[known])
+
+    def slow(x):  # up to a fiftieth of the Nyquist frequency
+        return np.square(np.abs(np.fft.rfft(x))[1:80]).sum()
+
+    assert slow(bridged(noise, known)) < 0.5 * slow(single)
+    assert (bridged(noise, known)[known] == noise[known]).all()
+    course = 3 + 0.01 * at
+    assert np.abs(bridged(course, known) - course)[20:-20].max() < 0.1
 
 
 def test_noise_is_drawn_with_its_spectrum():

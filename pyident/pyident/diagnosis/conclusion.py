@@ -52,7 +52,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *_of_time(ex.setting),
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, places),
-            *_in_doubt(beside),
+            *_in_doubt(beside, places),
             *selection.notes,
         ),
         noise=ex.setting.noise,
@@ -109,9 +109,10 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in search.rows(c)}
     for row, coordinate in enumerate(robot.q):
-        left = bool(beside.standing_out[row])
-        state = "unexplained" if left else "explained" if row in acting else "in_order"
         refusal = next((r for r in selection.refusals if row in r.rows), None)
+        in_doubt = beside.bands_in_doubt[row].any() and refusal is not None and refusal.certain
+        left = bool(beside.standing_out[row] or in_doubt)
+        state = "unexplained" if left else "explained" if row in acting else "in_order"
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""
         joint = joint_name(coordinate.joint)
@@ -121,7 +122,8 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
 def _worst_band(beside: Search, row: int) -> tuple[float, float, float] | None:
     """Where an equation stands out most, if in one band more than in all together."""
     ex = beside.examination
-    ratio = np.where(beside.bands_standing_out[row], ex.over_floor_in_bands(beside.base)[row], 0.0)
+    out = beside.bands_standing_out[row] | beside.bands_in_doubt[row]
+    ratio = np.where(out, ex.over_floor_in_bands(beside.base)[row], 0.0)
     band, top = int(np.argmax(ratio)), float(ex.floor.frequencies[-1])
     if ratio[band] <= beside.over_floor[row]:
         return None
@@ -172,12 +174,12 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
         )
 
 
-def _in_doubt(beside: Search) -> Iterator[str]:
+def _in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
     """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
     ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
-    above = ratio > np.maximum(1 + beside.rules.band_stands_out, ex.most_in_bands)
-    doubted = np.where(above & ~beside.bands_standing_out, np.sqrt(ratio), 0.0)
+    doubted = np.where(beside.bands_in_doubt, np.sqrt(ratio), 0.0)
     ends = (*EDGES, float(ex.floor.frequencies[-1]))
+    doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
     for row in np.flatnonzero(doubted.any(axis=1)):
         band, c = int(np.argmax(doubted[row])), beside.robot.q[row]
         yield (

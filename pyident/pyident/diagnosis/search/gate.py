@@ -20,13 +20,17 @@ _EXCHANGES = 4  # rounds; two are the rule
 
 @dataclass(frozen=True)
 class Refusal:
-    """A candidate that explains most of what its equations lack, and is not named. Shares in percent."""
+    """A candidate that explains most of what its equations lack, and is not named. Shares in percent.
+
+    certain   whether held-out logs show beyond chance that it, or a set with it, is a part of what is missing
+    """
 
     candidate: Candidate
     rows: tuple[int, ...]
     share_percent: float
     heldout_percent: float | None
     reason: str
+    certain: bool = False
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class Admission:
     measured  whether they are an error of the robot file that counts without a share (see `measured`)
     share     of what exceeds the floor there that all of them take;  unseen: the same on held-out logs
     reason    why they do not pass; empty: they do
+    certain   as of a refusal
     """
 
     lead: Candidate
@@ -46,11 +51,12 @@ class Admission:
     unseen: Unseen | None
     reason: str
     measured: bool = False
+    certain: bool = False
 
     @property
     def refusal(self) -> Refusal:
         unseen = None if self.unseen is None else 100 * self.unseen.share
-        return Refusal(self.lead, self.rows, 100 * self.share, unseen, self.reason)
+        return Refusal(self.lead, self.rows, 100 * self.share, unseen, self.reason, self.certain)
 
 
 def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held: HeldOut) -> Admission:
@@ -58,10 +64,10 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     rules, rows = search.rules, main_rows(search, lead.candidate)
     p_value, share = search.p_value(lead), share_on(search, candidates, rows)
     unseen = held.share(search, candidates, rows)
-    reason, certain = "", p_value <= rules.level and measured(search, candidates[0], unseen)
+    reason, counted = "", p_value <= rules.level and measured(search, candidates[0], unseen)
     if p_value > rules.level:
         reason = f"replicas without it show as much (p = {p_value:.2g})"
-    elif certain:
+    elif counted:
         pass
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
@@ -71,7 +77,8 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
     elif unseen is not None and not held.holds(unseen, share, rules):
         reason = f"on held-out data it takes {unseen}"
-    return Admission(lead.candidate, rows, p_value, share, unseen, reason, certain)
+    held_out = unseen is not None and unseen.deviations >= rules.chance
+    return Admission(lead.candidate, rows, p_value, share, unseen, reason, counted, held_out)
 
 
 def counts(search: Search, found: Found) -> bool:

@@ -270,6 +270,15 @@ class Search:
         least = np.maximum(1 + self.rules.band_stands_out * ex.may_rise, ex.most_in_bands)
         return ex.over_floor_in_bands(self.base) > least
 
+    @property
+    def bands_in_doubt(self) -> np.ndarray:
+        """(n, bands) where a residual would stand out but for what slow noise may do."""
+        ex = self.examination
+        above = ex.over_floor_in_bands(self.base) > np.maximum(
+            1 + self.rules.band_stands_out, ex.most_in_bands
+        )
+        return above & ~self.bands_standing_out
+
     def needed(self, family: int) -> float:
         """Gain a family (by number) would need to be named."""
         peak = float(np.quantile(self.families.peaks, 1 - self.rules.level))

@@ -101,11 +101,18 @@ def _group(
             continue
         group, why, faults = _checked(view, found, why, lead, chosen)
         imitators |= faults
-        first = first or why
+        first = _firmer(first, why)
         best = group or best
         if best and not view.with_further(_candidates(best)).standing_out[list(rows)].any():
             break
     return best, None if best else first, imitators
+
+
+def _firmer(first: Refusal | None, later: Refusal | None) -> Refusal | None:
+    """The first refusal; what a larger set shows on held-out logs counts for it, too."""
+    if first is None or later is None:
+        return first or later
+    return replace(first, certain=first.certain or later.certain)
 
 
 def _checked(
