@@ -8,10 +8,12 @@ cubic through four of them.
 """
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d
 
 AROUND = 2  # samples on either side of a reversal that are left out
 REACH = AROUND + 3  # samples on either side on which the answer for one depends
 STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill
+_WIDENED = 0.1  # of the samples
 _BETWEEN = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of an interval: where the speed is looked at
 
 
@@ -33,6 +35,13 @@ def away_from_rest(speed: np.ndarray, mean_square: float) -> np.ndarray:
     for _ in range(AROUND - 1):
         near[1:-1] = near[1:-1] | near[2:] | near[:-2]
     return ~near
+
+
+def widened(known: np.ndarray, samples: int) -> np.ndarray:
+    """`away_from_rest` (N,) with rests longer by so many samples either side, by a tenth of all at most."""
+    rests = np.count_nonzero(known[:-1] & ~known[1:]) + 1
+    further = min(samples, int(_WIDENED * len(known) / (2 * rests)))
+    return minimum_filter1d(known.astype(np.uint8), 2 * further + 1).astype(bool)
 
 
 def _rests_between(speed: np.ndarray, slow: float) -> np.ndarray:

@@ -13,14 +13,14 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rest import away_from_rest
+from pyident.conditioning.rest import away_from_rest, widened
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
-from pyident.simulation.smooth_motion import ends_of, smooth
+from pyident.simulation.smooth_motion import blurred, ends_of, smooth
 
 
 @dataclass(frozen=True)
@@ -92,21 +92,31 @@ def along(
         return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
-    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise))
+    blurs = [blurred(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)]
+    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), blurs)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
 
 
 def _torque_noise(
-    robot: Robot, log: Log, motion: Motion, p: np.ndarray, repeats: float | None
+    robot: Robot,
+    log: Log,
+    motion: Motion,
+    p: np.ndarray,
+    repeats: float | None,
+    blurs: Sequence[int],
 ) -> dict[str, NoiseSpectrum]:
-    """Torque -> its noise; repeats: samples after which the motion comes back."""
+    """Torque -> its noise.
+
+    repeats   samples after which the motion comes back;  blurs: over which a reversal is spread
+    """
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
     out, ends = {}, ends_of(len(left))
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
+        moving = widened(moving, blurs[k])
         moving[:ends], moving[-ends:] = False, False
         known = bridged(left[:, k], moving) if moving.any() else left[:, k]
         found = None if repeats else between_reversals(known, moving, log.period)

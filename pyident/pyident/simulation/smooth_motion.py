@@ -12,6 +12,7 @@ from numpy.polynomial import Chebyshev
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
+_RINGS = 0.67  # periods of the highest frequency of the motion, until a step has settled: 1 / (_NOTHING - 1)
 _MOMENT = 128  # samples
 _AROUND = 8  # frequencies of a moment's spectrum that are averaged
 _ENDS = 0.01  # of the samples, at either end, where a motion goes on that nobody knows
@@ -31,6 +32,11 @@ def smooth(x: np.ndarray, noise: float) -> np.ndarray:
     beyond = (np.linspace(0, 1, len(S)) / reached - 1) / (_NOTHING - 1)
     gain = np.cos(np.pi / 2 * np.clip(beyond, 0, 1)) ** 2
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
+
+
+def blurred(x: np.ndarray, noise: float) -> int:
+    """Samples on either side over which `smooth` spreads what happens in one: a reversal of friction."""
+    return int(np.ceil(2 * _RINGS / _reached(x, noise)))
 
 
 def ends_of(count: int) -> int:

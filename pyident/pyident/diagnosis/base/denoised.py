@@ -10,21 +10,23 @@ meets the noise. The torques keep all their frequencies.
 from dataclasses import replace
 
 from flexmodels.robot import Robot
+from pyident.conditioning.rest import widened
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.simulation.along import smooth_motion
-from pyident.simulation.smooth_motion import ends_of
+from pyident.simulation.sensor_noise import channel_noise
+from pyident.simulation.smooth_motion import blurred, ends_of
 
 
 def denoised(robot: Robot, log: Log) -> Conditioned:
     """As `condition`, of the motion without its noise. Raises LogError."""
-    return _without_ends(robot, condition(_smooth(robot, log), robot))
+    return _relied_on(robot, log, condition(_smooth(robot, log), robot))
 
 
 def denoised_every_sample(robot: Robot, log: Log) -> Conditioned:
     """As `condition_every_sample`. Raises LogError."""
-    return _without_ends(robot, condition_every_sample(_smooth(robot, log), robot))
+    return _relied_on(robot, log, condition_every_sample(_smooth(robot, log), robot))
 
 
 def denoises(robot: Robot) -> bool:
@@ -41,9 +43,12 @@ def _smooth(robot: Robot, log: Log) -> Log:
     return replace(log, frame=frame)
 
 
-def _without_ends(robot: Robot, part: Conditioned) -> Conditioned:
+def _relied_on(robot: Robot, log: Log, part: Conditioned) -> Conditioned:
+    """Without the ends, and where a low pass blurs the step of an acceleration when friction turns round."""
     if not denoises(robot):
         return part
     use, ends = part.use.copy(), ends_of(len(part.use))
+    for k, x in enumerate(log.signals(robot.coordinates).T):
+        use[:, k] *= widened(use[:, k] > 0, blurred(x, channel_noise(x)))
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
