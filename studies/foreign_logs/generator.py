@@ -1,5 +1,6 @@
 """The logs of a case, its owner's robot file, and what is hidden."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,12 +38,16 @@ class Truth:
 
 @dataclass(frozen=True)
 class Made:
-    """robot: the owner's file;  fit, heldout: the owner's logs, in his units;  truth: sealed."""
+    """robot: the owner's file;  fit, heldout: the owner's logs, in his units;  truth: sealed.
+
+    besides   names of what makes a case difficult: true, though nobody asks for them
+    """
 
     robot: Robot
     fit: pd.DataFrame
     heldout: pd.DataFrame
     truth: tuple[Truth, ...]
+    besides: tuple[tuple[str, int], ...] = ()
 
 
 def made(case: Case, most: int = 7) -> Made:
@@ -90,7 +95,17 @@ def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
         run = _in_loop if case.closed else _along
         frames.append(recorded(*run(case, oracle, plan, hidden, sensors, duration), level, sensors, rng))
     robot = with_columns(owners_file(machine, rng, errors), sensors)
-    return Made(robot, frames[0], frames[1], tuple(truth))
+    return Made(robot, frames[0], frames[1], tuple(truth), _besides(sensors, errors, n))
+
+
+def _besides(sensors: Sensors, errors: Sequence[Error], joints: int) -> tuple[tuple[str, int], ...]:
+    effects = [
+        name
+        for name, is_there in (("torque_delay", sensors.delay), ("torque_gain", sensors.gain != 1))
+        if is_there
+    ]
+    everywhere = [(name, k + 1) for name in effects for k in range(joints)]
+    return (*everywhere, *((e.quantity, e.joint) for e in errors))
 
 
 def _along(

@@ -85,7 +85,10 @@ def _solve(_: None, case: Case, folder: Path, own: Mapping[str, Method], joints:
         except Exception as error:  # a wrong answer, whatever it is
             said["failure"] = f"{type(error).__name__}: {error}"
     _write(folder / "answers" / f"{case.id}.json", said | {"seconds": time.perf_counter() - begin})
-    _write(folder / "sealed" / f"{case.id}.json", {"truth": [asdict(t) for t in machine.truth]})
+    _write(
+        folder / "sealed" / f"{case.id}.json",
+        {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides},
+    )
 
 
 def _answered(folder: Path, case: Case, own: Mapping[str, Method]) -> bool:
@@ -106,7 +109,8 @@ def _read(folder: Path, case: Case) -> Scored:
     truth = tuple(
         Truth(t["law"], tuple((e, k) for e, k in t["names"]), t["size"], t["amount"]) for t in sealed["truth"]
     )
-    return Scored(case.kind, case.difficult, truth, answers, said["failure"])
+    besides = tuple((e, k) for e, k in sealed["besides"])
+    return Scored(case.kind, case.difficult, truth, answers, said["failure"], besides)
 
 
 def _line(case: Case, scored: Scored) -> dict[str, Any]:

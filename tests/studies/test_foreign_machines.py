@@ -106,6 +106,8 @@ def test_answers_are_counted():
     cases = [
         Scored("null", False, (), {"diagnosis": Answer("nothing_detectable", [])}),
         Scored("null", True, (), {"diagnosis": named([("stribeck", 1)])}),
+        Scored("null", True, (), {"diagnosis": named([("torque_delay", 1)])}, besides=(("torque_delay", 1),)),
+        Scored("null", True, (), {"diagnosis": Answer("unexplained", [])}, besides=(("torque_delay", 1),)),
         Scored("strong", False, (spring,), {"diagnosis": tie}),
         Scored("strong", False, (spring,), {}, "LogError: no"),
         Scored("geometry", False, (shift,), {"diagnosis": shifted(2.3e-3)}),
@@ -114,13 +116,13 @@ def test_answers_are_counted():
     ]  # fmt: skip
     value = {r["what"]: r["value"].split(" (")[0] for r in table(cases, ["diagnosis"])}
     assert value["false alarm, ordinary"] == "0 of 1"
-    assert value["false alarm, difficult"] == "1 of 1"
+    assert value["false alarm, difficult"] == "2 of 3"
     assert value["strong: in the first tie"] == "1 of 2"
     assert value["strong: strictly first"] == "0 of 2"
     assert value["single: confidently wrong"] == "1 of 2"
     assert value["geometry: named, value within 20 %"] == "1 of 2"
     assert value["outside: unexplained or a fair alias"] == "1 of 1"
-    assert value["cases that failed"] == "1 of 7"
+    assert value["cases that failed"] == "1 of 9"
 
 
 def nothing(robot, fit, heldout):
