@@ -37,11 +37,20 @@ def away_from_rest(speed: np.ndarray, mean_square: float) -> np.ndarray:
     return ~near
 
 
-def widened(known: np.ndarray, samples: int) -> np.ndarray:
-    """`away_from_rest` (N,) with rests longer by so many samples either side, by a tenth of all at most."""
+def without_steps(known: np.ndarray, acceleration: np.ndarray, samples: int) -> np.ndarray:
+    """`away_from_rest` (N,), with longer rests where dry friction makes the joint's acceleration (N,) a step.
+
+    A motion that is followed closely turns round with the least jerk, and nothing is left out beside its
+    rests. One that is not, in a loop that the friction disturbs, has its jerk there; a low pass spreads that
+    over so many samples on either side, which are left out as well, a tenth of all at most.
+    """
     rests = np.count_nonzero(known[:-1] & ~known[1:]) + 1
     further = min(samples, int(_WIDENED * len(known) / (2 * rests)))
-    return minimum_filter1d(known.astype(np.uint8), 2 * further + 1).astype(bool)
+    kept = minimum_filter1d(known.astype(np.uint8), 2 * further + 1).astype(bool)
+    jerk = np.abs(np.gradient(acceleration))
+    if not kept.any() or kept.all() or np.median(jerk[~kept]) <= np.median(jerk[kept]):
+        return known
+    return kept
 
 
 def _rests_between(speed: np.ndarray, slow: float) -> np.ndarray:

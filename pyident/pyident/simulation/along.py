@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rest import away_from_rest, widened
+from pyident.conditioning.rest import away_from_rest, without_steps
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
@@ -116,7 +116,7 @@ def _torque_noise(
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
-        moving = widened(moving, blurs[k])
+        moving = without_steps(moving, motion.ddq[:, k], blurs[k])
         moving[:ends], moving[-ends:] = False, False
         known = bridged(left[:, k], moving) if moving.any() else left[:, k]
         found = None if repeats else between_reversals(known, moving, log.period)

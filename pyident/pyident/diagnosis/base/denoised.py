@@ -10,7 +10,7 @@ meets the noise. The torques keep all their frequencies.
 from dataclasses import replace
 
 from flexmodels.robot import Robot
-from pyident.conditioning.rest import widened
+from pyident.conditioning.rest import without_steps
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
@@ -49,6 +49,6 @@ def _relied_on(robot: Robot, log: Log, part: Conditioned) -> Conditioned:
         return part
     use, ends = part.use.copy(), ends_of(len(part.use))
     for k, x in enumerate(log.signals(robot.coordinates).T):
-        use[:, k] *= widened(use[:, k] > 0, blurred(x, channel_noise(x)))
+        use[:, k] *= without_steps(use[:, k] > 0, part.motion.ddq[:, k], blurred(x, channel_noise(x)))
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)

@@ -62,8 +62,8 @@ def select(search: Search, held: HeldOut) -> Selection:
         group, refusal, faults = _group(view, step, lead, chosen, held)
         imitators |= faults
         if refusal is not None:
-            worst = max(refusal.rows, key=lambda row: view.remaining_on([row]))
-            refusals[worst] = refusal
+            worst = max(main_rows(view, lead.candidate), key=lambda row: view.remaining_on([row]))
+            refusals[worst] = refusal  # of the lead's own equations: it may have been exchanged
             continue
         chosen = _with_orders(search, [*chosen, *group])
         view = search.resting_on(_candidates(chosen))
