@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.conditioning.rest import at_samples, away_from_rest
+from pyident.conditioning.rest import at_samples, away_from_rest, without_steps
 
 T = 0.004  # s
 
@@ -41,3 +41,27 @@ def test_means_under_hats_become_speeds_at_the_samples():
     mean = np.cos(omega * t) * (2 - 2 * np.cos(omega * T)) / (omega * T) ** 2  # of the cosine, exactly
     error = at_samples(mean)[1:-1] - np.cos(omega * t)[1:-1]
     assert np.abs(error).max() < 0.1 * np.abs(mean - np.cos(omega * t)).max()
+
+
+def _turns(step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Whether 4000 samples of a sine are away from rest, and its acceleration with a step at its reversals.
+
+    The step is spread over some ten samples, as by a low pass.
+    """
+    t = np.arange(4000) * T
+    speed = np.cos(2 * np.pi * 0.5 * t)
+    blurred = np.convolve(np.sign(speed), np.ones(11) / 11, "same")
+    return away_from_rest(speed, 0.5), -np.pi * np.sin(2 * np.pi * 0.5 * t) - step * blurred
+
+
+def test_a_blurred_step_of_the_acceleration_is_left_out():
+    known, acceleration = _turns(2.0)
+    kept = without_steps(known, acceleration, 8)
+    assert not kept[~known].any()
+    assert known.sum() - kept.sum() == pytest.approx(2 * 8 * 16, abs=16)  # sixteen reversals
+    assert without_steps(known, acceleration, 1000).mean() > 0.85  # of a tenth at most
+
+
+def test_a_motion_that_turns_round_smoothly_keeps_its_samples():
+    known, acceleration = _turns(0.0)
+    assert (without_steps(known, acceleration, 8) == known).all()

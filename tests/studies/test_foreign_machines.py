@@ -16,11 +16,13 @@ from studies.foreign_logs.methods import Answer, named
 from studies.foreign_logs.motions import drawn_plan
 from studies.foreign_logs.oracle import Oracle
 from studies.foreign_logs.scoring import Scored, table
-from studies.foreign_logs.sensors import Sensors
+from studies.foreign_logs.sensors import Sensors, as_log
 
 from pyident.cli.main import main
 from pyident.conditioning.motion import Motion
+from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.regressor import generalised_forces
+from pyident.simulation.fmu_runs import runs_here
 
 pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
 FINE = Sensors(bits=40, white=0.0, slow=0.0, corner=1.0)
@@ -147,3 +149,12 @@ def test_a_study_that_draws_nothing_takes_no_seed(tmp_path):
     done = CliRunner().invoke(main, ["study", "paper", "--seed", "3", "-o", str(tmp_path)])
     assert done.exit_code == 2
     assert "study paper takes no --seed" in done.output
+
+
+def test_a_diagnosis_ends_where_laws_of_a_set_are_exchanged_for_those_of_another_joint():
+    """Two joints in a loop; the law that comes nearest at one is exchanged for one that acts at the other."""
+    machine = made(case_list(2056, 94)[-1])
+    fit = as_log(machine.robot, machine.fit, "fit")
+    heldout = as_log(machine.robot, machine.heldout, "held out")
+    found = concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout])
+    assert found.verdict != "nothing_detectable"

@@ -12,7 +12,7 @@ from numpy.polynomial import Chebyshev
 _OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
-_RINGS = 0.67  # periods of the highest frequency of the motion, until a step has settled: 1 / (_NOTHING - 1)
+_RINGS = 1 / (_NOTHING - 1)  # periods of the highest frequency of the motion, until a step has settled
 _MOMENT = 128  # samples
 _AROUND = 8  # frequencies of a moment's spectrum that are averaged
 _ENDS = 0.01  # of the samples, at either end, where a motion goes on that nobody knows

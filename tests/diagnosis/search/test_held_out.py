@@ -50,3 +50,9 @@ def test_what_lies_in_bands_that_no_fitted_log_has_does_not_count():
 )
 def test_a_share_on_unseen_logs_must_stand_beside_the_fitted_one(unseen, fitted, holds):
     assert HeldOut(()).holds(unseen, fitted, SEARCH) == holds
+
+
+@pytest.mark.parametrize(("kept", "deviations"), [(1.0, 8.0), (0.5, 12.0), (-0.5, 0.0)])
+def test_what_held_out_logs_alone_say_of_a_size(kept, deviations):
+    """The fall is Σ 2rs - s², and rs has half its deviation: 0.4 and 0.1 of the excess."""
+    assert Unseen(0.4, 0.1, 0.1, kept).deviations == pytest.approx(deviations)

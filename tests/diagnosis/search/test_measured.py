@@ -1,0 +1,55 @@
+"""A value far from zero, and the same on held-out logs, counts though it explains next to nothing."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.search.held_out import Unseen
+from pyident.diagnosis.search.measured import measured
+from pyident.rules.rules import RULES
+
+AXIS = Candidate("axis[y]", 2)
+SEEN_AGAIN = Unseen(0.02, 0.005, 0.1, 0.9)  # 8 standard deviations, at 0.95 of its size
+COUNT = 4000
+
+
+def search(size: float, stands_out: bool = False) -> Any:
+    """Of white residuals that hold a sine of `size` times their standard deviation, and lose it."""
+    noise = np.random.default_rng(0).standard_normal((1, COUNT))
+    sine = size * np.sin(0.1 * np.arange(COUNT))
+    after = SimpleNamespace(base=SimpleNamespace(residual=[noise]))
+    return cast(
+        Any,
+        SimpleNamespace(
+            rules=RULES.search,
+            stands_out=stands_out,
+            base=SimpleNamespace(residual=[noise + sine]),
+            with_further=lambda _: after,
+        ),
+    )
+
+
+@pytest.mark.parametrize(("size", "counts"), [(0.3, True), (0.02, False)])  # 13 and 1 standard deviations
+def test_far_from_zero(size, counts):
+    assert measured(search(size), AXIS, SEEN_AGAIN) == counts
+
+
+@pytest.mark.parametrize(
+    "unseen",
+    [
+        None,
+        Unseen(0.02, 0.02, 0.1, 0.9),  # two deviations
+        Unseen(0.02, 0.005, 0.1, 1.8),  # 1.4 times its size
+        Unseen(0.02, 0.005, 0.1, 0.2),  # 0.6 times
+    ],
+)
+def test_held_out_logs_must_find_the_same(unseen):
+    assert not measured(search(0.3), AXIS, unseen)
+
+
+def test_a_law_needs_its_share_and_so_does_an_error_beside_what_stands_out():
+    assert not measured(search(0.3), Candidate("stribeck", 2), SEEN_AGAIN)
+    assert not measured(search(0.3, stands_out=True), AXIS, SEEN_AGAIN)
