@@ -110,19 +110,20 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     acting = {row for c in selection.candidates for row in search.rows(c)}
     for row, coordinate in enumerate(robot.q):
         refusal = next((r for r in selection.refusals if row in r.rows), None)
-        in_doubt = beside.bands_in_doubt[row].any() and refusal is not None and refusal.certain
-        left = bool(beside.standing_out[row] or in_doubt)
+        bands = beside.bands_standing_out[row]
+        if refusal is not None and refusal.certain:
+            bands = bands | beside.bands_in_doubt[row]
+        left = bool(beside.standing_out[row] or bands.any())
         state = "unexplained" if left else "explained" if row in acting else "in_order"
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""
         joint = joint_name(coordinate.joint)
-        yield Place(joint, coordinate.side, state, ratio, floor[row], reason, _worst_band(beside, row))
+        yield Place(joint, coordinate.side, state, ratio, floor[row], reason, _worst_band(beside, row, bands))
 
 
-def _worst_band(beside: Search, row: int) -> tuple[float, float, float] | None:
-    """Where an equation stands out most, if in one band more than in all together."""
+def _worst_band(beside: Search, row: int, out: np.ndarray) -> tuple[float, float, float] | None:
+    """The worst of the bands `out` where an equation stands out, if it does so more than in all together."""
     ex = beside.examination
-    out = beside.bands_standing_out[row] | beside.bands_in_doubt[row]
     ratio = np.where(out, ex.over_floor_in_bands(beside.base)[row], 0.0)
     band, top = int(np.argmax(ratio)), float(ex.floor.frequencies[-1])
     if ratio[band] <= beside.over_floor[row]:
