@@ -51,11 +51,9 @@ def cost_of_export(robot: Robot, log: Log, kept: frozenset[str]) -> ExportCost:
     p = np.array(list(values.values()))
     fewer = np.array([0.0 if name in gone else v for name, v in values.items()])
     motors = slice(0, len(robot.joints))
-    target, use = part.target[:, motors], np.broadcast_to(part.use, part.target.shape)[:, motors]
-    scale = np.linalg.norm(target * use)
-    errors = [
-        100 * float(np.linalg.norm((target - (matrix @ v)[:, motors]) * use) / scale) for v in (p, fewer)
-    ]
+    scale = np.linalg.norm(part.all_used(part.target)[:, motors])
+    left = [part.all_used(part.target - matrix @ v)[:, motors] for v in (p, fewer)]
+    errors = [100 * float(np.linalg.norm(r) / scale) for r in left]
     return ExportCost(errors[0], errors[1], tuple(law for law in lost if _acts(robot, law)))
 
 
