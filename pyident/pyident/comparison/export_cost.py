@@ -63,8 +63,10 @@ def cost_of_export(robot: Robot, log: Log, kept: frozenset[str], open_runs: Open
     }
     named = tuple(law for law in lost if _acts(robot, law))
     if any(name in log.frame for name in robot.torques):
-        return ExportCost(*_torque_errors(robot, log, gone), named)
-    return ExportCost(*_position_errors(robot, log, gone, open_runs), named, "position")
+        whole, fewer = _torque_errors(robot, log, gone)
+        return ExportCost(whole, fewer, named)
+    whole, fewer = _position_errors(robot, log, gone, open_runs)
+    return ExportCost(whole, fewer, named, "position")
 
 
 def _torque_errors(robot: Robot, log: Log, gone: dict[str, float]) -> list[float]:

@@ -101,12 +101,16 @@ def _means(
     """Free equation -> means (P,) of its A and of its y over the samples in use; blocks: A, y, use."""
     if not part.free:
         return {}
-    sums = {row: (0.0, 0.0, 0.0) for row in part.free}
+    size, free = len(part.target[0]), list(part.free)
+    of_A: dict[int, np.ndarray] = {}
+    of_y, count = np.zeros(size), np.zeros(size)
     for A, y, use in blocks:
-        for row, (of_A, of_y, count) in sums.items():
-            own = use[:, row]
-            sums[row] = (of_A + own @ A[:, row], of_y + own @ y[:, row], count + own.sum())
-    return {row: (np.asarray(a) / max(n, 1.0), y / max(n, 1.0)) for row, (a, y, n) in sums.items()}
+        for row in free:
+            of_A[row] = of_A.get(row, 0.0) + use[:, row] @ A[:, row]
+        of_y += (use * y).sum(axis=0)
+        count += use.sum(axis=0)
+    count = np.maximum(count, 1.0)
+    return {row: (of_A[row] / count[row], float(of_y[row] / count[row])) for row in free}
 
 
 def _centre(A: np.ndarray, y: np.ndarray, means: Mapping[int, tuple[np.ndarray, float]]) -> None:
