@@ -32,7 +32,9 @@ def pendulum() -> Robot:
     return replace(base, name="pendulum", joints=(joint,), links=(link,), controller=None, servo=servo)
 
 
-def by_hand(plan: Experiment, armature: float = ARMATURE, kt: float = KT) -> np.ndarray:
+def by_hand(
+    plan: Experiment, armature: float = ARMATURE, kt: float = KT, viscous: float = 0.001
+) -> np.ndarray:
     """The loop of flexmodels.settings.servo, written from its description; SciPy between its samples."""
     ticks = np.arange(round(plan.time[-1] * RATE) + 1) / RATE
     late = np.interp(ticks - 0.0125, plan.time, plan.reference[:, 0])
@@ -50,7 +52,7 @@ def by_hand(plan: Experiment, armature: float = ARMATURE, kt: float = KT) -> np.
             integral = 0.0
 
         def rate(_, x, torque=torque):
-            force = torque - WEIGHT * np.sin(x[0]) - 0.001 * x[1]
+            force = torque - WEIGHT * np.sin(x[0]) - viscous * x[1]
             return [x[1], force / (MASS * ARM**2 + armature)]
 
         e, de = solve_ivp(rate, (0, 1 / RATE), [e, de], rtol=1e-9, atol=1e-11).y[:, -1]

@@ -1,13 +1,17 @@
 """Errors beside signal and floor, and what a format costs that cannot hold a law: from their definitions."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from one_joint import one_joint
+from servo_pendulum import by_hand, pendulum
 
 import pyident as pi
 from flexmodels.experiment import Experiment
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.export_cost import cost_of_export
+from pyident.logs.log import Log, LogError
+from pyident.simulation.fmu_runs import FmuRuns
 
 TURN = 2 * np.pi
 
@@ -37,7 +41,7 @@ def test_the_cost_of_a_lost_law_is_its_share_of_the_torque():
     time = np.arange(2001) * 0.004
     reference = (1 - np.cos(TURN * time))[:, None]
     log = pi.simulate(one_joint(), Experiment(time, reference, np.zeros_like(reference)))
-    cost = cost_of_export(one_joint(), log, frozenset({"motor_inertia", "coulomb"}))
+    cost = cost_of_export(one_joint(), log, frozenset({"motor_inertia", "coulomb"}), FmuRuns)
     e, tau = log.signals(["joint1.e", "joint1.tau"]).T
     v = np.gradient(e, log.period)
     assert cost.lost == ("viscous",)
@@ -45,6 +49,26 @@ def test_the_cost_of_a_lost_law_is_its_share_of_the_torque():
     expected = 100 * np.linalg.norm(2.0 * v) / np.linalg.norm(tau)
     assert cost.kept == pytest.approx(expected, rel=0.05)
     assert cost.sentence.endswith("without viscous")
-    whole = cost_of_export(one_joint(), log, frozenset({"motor_inertia", "coulomb", "viscous"}))
+    whole = cost_of_export(one_joint(), log, frozenset({"motor_inertia", "coulomb", "viscous"}), FmuRuns)
     assert whole.sentence.startswith("nothing is lost: the torque error stays ")
     assert whole.kept == whole.all_laws
+
+
+def test_without_torques_the_cost_is_told_by_the_position_in_closed_loop():
+    """Against the same loop integrated by SciPy, with the law and without it."""
+    time = np.arange(301) * 0.005
+    reference = (0.7 * np.sin(2 * np.pi * time) + 0.2)[:, None]
+    plan = Experiment(time, reference, 0 * reference, np.ones_like(reference), np.array([0.2]))
+    robot = pendulum().with_parameters({"joint1.viscous": 0.05})
+    e, without = by_hand(plan, viscous=0.05), by_hand(plan, viscous=0.0)
+    log = Log(pd.DataFrame({"time": time, "joint1.r": reference[:, 0], "joint1.e": e}), "servo.csv")
+    cost = cost_of_export(robot, log, frozenset({"motor_inertia"}), FmuRuns)
+    assert cost.lost == ("viscous",)
+    assert cost.all_laws < 0.1
+    assert cost.kept == pytest.approx(100 * np.sqrt(np.mean((without - e) ** 2)) / e.std(), rel=0.02)
+    assert cost.sentence.startswith("the position error in closed loop is ")
+    with pytest.raises(LogError, match=r"servo\.csv: it has no torques and cannot be simulated"):
+        cost_of_export(robot, Log(log.frame.drop(columns="joint1.r"), "servo.csv"), frozenset(), FmuRuns)
+    driven = one_joint()
+    with pytest.raises(LogError, match=r"servo\.csv: it has no torques, and joint1\.tau_ff is missing"):
+        cost_of_export(driven, log, frozenset(), FmuRuns)

@@ -169,3 +169,74 @@ def test_names_are_understood(name, signal, joint, unit):
     found = meaning(name)
     assert (found.signal, found.unit) == (signal, unit)
     assert found.joint in (joint, None) if joint is None else found.joint == joint
+
+
+@pytest.mark.parametrize(
+    ("pattern", "numbers"), [("joint{}.pos_deg", (10, 2, 1)), ("id{}_position_deg", (21, 3, 12))]
+)
+def test_numbers_that_are_no_joints_from_one_on_are_taken_in_their_order_and_asked(
+    pattern, numbers, recording, tmp_path
+):
+    """A bus's ids, in any order of the columns: 1, 2, 10, not 1, 10, 2, and not ten joints."""
+    angles = {pattern.format(j): np.rad2deg(recording[f"q{k}"]) for k, j in enumerate(numbers, start=1)}
+    pd.DataFrame({"time": recording["time"]} | angles).to_csv(tmp_path / "bus.csv", index=False)
+    found = inspect_log([tmp_path / "bus.csv"])
+    guesses = {c.column: c for c in found.channels}
+    assert found.joints == 3
+    for place, number in enumerate(sorted(numbers), start=1):
+        column = pattern.format(number)
+        assert guesses[column].name == f"joint{place}.e"
+        asked = f"is {column} really joint{place}.e? only the order of the numbers in the names says so"
+        assert asked in found.questions
+
+
+def test_ids_of_a_bus_that_a_robots_equations_confirm_are_not_asked(recording, robot, tmp_path):
+    ids = {f"id{10 + k}_{word}": recording[f"{a}{k}"] for k in range(6, 0, -1)
+           for word, a in (("q", "q"), ("torque", "tau"))}  # fmt: skip
+    pd.DataFrame({"time": recording["time"]} | ids).to_csv(tmp_path / "bus.csv", index=False)
+    found = inspect_log([tmp_path / "bus.csv"], robot)
+    names = {c.column: c.name for c in found.channels}
+    assert names == {"time": "time"} | {
+        f"id{10 + k}_{word}": f"joint{k}.{a}"
+        for k in range(1, 7)
+        for word, a in (("q", "e"), ("torque", "tau"))
+    }
+    assert found.questions == ()
+
+
+def test_words_that_differ_in_a_number_come_in_its_order(recording, tmp_path):
+    names = ("shoulder", "elbow", "wrist_10", "wrist_2")
+    angles = {f"{name}.position": recording[f"q{k}"] for k, name in enumerate(names, start=1)}
+    pd.DataFrame({"time": recording["time"]} | angles).to_csv(tmp_path / "words.csv", index=False)
+    guesses = {c.column: c for c in inspect_log([tmp_path / "words.csv"]).channels}
+    places = ("shoulder", "elbow", "wrist_2", "wrist_10")
+    for place, name in enumerate(places, start=1):
+        c = guesses[f"{name}.position"]
+        assert c.name == f"joint{place}.e"
+        assert "only the order of names without numbers says so" in c.doubt
+
+
+def test_messages_that_a_terminal_wrote_without_header_are_read(recording, tmp_path):
+    """`ros2 topic echo --csv`: stamp, frame, names, positions, velocities, efforts of each message."""
+    names = ["elbow", "shoulder", "base"]
+    lines = []
+    for _, row in recording.iterrows():
+        whole = round(1e9 * row["time"]) + 1_700_000_000_900_000_000
+        values = [row[f"{a}{k}"] for a in ("q", "dq", "tau") for k in (3, 2, 1)]
+        head = [whole // 10**9, whole % 10**9, "", *names]
+        lines.append(",".join(str(v) for v in (*head, *values)))
+    (tmp_path / "echo.csv").write_text("\n".join(lines) + "\n")
+    found = inspect_log([tmp_path / "echo.csv"])
+    guesses = {c.column: c for c in found.channels}
+    np.testing.assert_allclose(
+        guesses["stamp"].values - guesses["stamp"].values[0], recording["time"], atol=1e-6
+    )
+    for place, (name, k) in enumerate(zip(names, (3, 2, 1), strict=True), start=1):
+        np.testing.assert_array_equal(guesses[f"{name}.position"].values, recording[f"q{k}"])
+        assert guesses[f"{name}.position"].name == f"joint{place}.e"
+        assert guesses[f"{name}.effort"].name == f"joint{place}.tau"
+        assert guesses[f"{name}.velocity"].name is None
+        assert guesses[f"{name}.position"].doubt
+    (tmp_path / "mapping.toml").write_text(found.toml())
+    log = import_log([tmp_path / "echo.csv"], read_mapping(tmp_path / "mapping.toml"))
+    np.testing.assert_allclose(log.frame["joint3.e"], recording["q1"])

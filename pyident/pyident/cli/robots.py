@@ -20,6 +20,7 @@ from pyident.cli.common.shared import (
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
+from pyident.simulation.fmu_runs import FmuRuns
 
 
 @click.group(invoke_without_command=True)
@@ -103,6 +104,7 @@ def export_command(
     """Write MODEL for other simulators: a URDF, an MJCF (.xml), or five numbers per joint (.json).
 
     The five numbers are armature, damping, friction, bias and delay, as simulators for learning take them.
+    What is lost on a log without torques is told by its positions, simulated in closed loop.
 
     Example: pyident robots export identified.toml -o identified.xml --log log.parquet
     """
@@ -110,12 +112,15 @@ def export_command(
     notes, kept = exported(robot, output)
     show(f"wrote {output}")
     columns = read_mapping(mapping) if mapping else None
-    costs = {log: cost_of_export(robot, robot_log(log, robot, columns), kept) for log in logs}
+    costs = {log: cost_of_export(robot, robot_log(log, robot, columns), kept, FmuRuns) for log in logs}
     for log, cost in costs.items():
         notes.append(f"on {log} {cost.sentence}")
     for note in notes:
         show(f"note: {note}")
-    shares = {log: {"all_laws_percent": c.all_laws, "kept_percent": c.kept} for log, c in costs.items()}
+    shares = {
+        log: {"of": c.measured, "all_laws_percent": c.all_laws, "kept_percent": c.kept}
+        for log, c in costs.items()
+    }
     write_json(json_file, {"file": output, "notes": notes, "relative_error": shares})
 
 

@@ -218,7 +218,8 @@ def _part(robot: Robot, fitted: Robot, log: Log, r: Repeat, simulated: pd.DataFr
         for name in names
         if name in log.frame and name in frame and name in r.log.frame
     }
-    part = condition(Log(log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True), log.source), robot)
+    missed |= {n: missed[n] - missed[n].mean() for n in log.up_to_constant if n in missed}
+    part = condition(replace(log, frame=log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True)), robot)
     left = residual(robot, part), residual(fitted, part)
     return Part(part, log.period, *left, time[late], missed)
 

@@ -107,7 +107,9 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     plan = recipe(log, robot)
     whole = plan.aligned(log.signals(plan.names))
     part = whole.cut(slice(plan.border, len(whole.target) - plan.border))
-    return plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
+    masked = plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
+    free = tuple(k for k, name in enumerate(robot.torques) if name in log.up_to_constant)
+    return replace(masked, free=free)
 
 
 def condition_every_sample(log: Log, robot: Robot) -> Conditioned:

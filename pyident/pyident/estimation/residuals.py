@@ -43,7 +43,7 @@ def joint_residuals(robot: Robot, logs: Sequence[Log]) -> list[JointResidual]:
     length = min(_SEGMENT, *(len(log.frame) for log in logs))
     for log in logs:
         part = condition(log, robot)
-        both = np.stack([part.target[:, :n] * part.use[:, :n], residual_of(robot, part, p)[:, :n]])
+        both = np.stack([part.all_used(part.target)[:, :n], residual_of(robot, part, p)[:, :n]])
         frequency, power = welch(both, 1 / log.period, nperseg=min(length, both.shape[1]), axis=1)
         powers.append(power)
     torque, residual = np.mean(powers, axis=0)

@@ -38,5 +38,5 @@ def split(logs: Sequence[Log], heldout: Sequence[Log], rules: Rules = RULES) -> 
     number = int(rules.extension.fitted * len(log))
     if number < 2:
         raise LogError(f"{log.source}: {len(log)} samples are too few to hold some of them out")
-    first = Log(log.frame.iloc[:number].reset_index(drop=True), log.source)
+    first = replace(log, frame=log.frame.iloc[:number].reset_index(drop=True))
     return Split([first], [log], (number * log.period,))

@@ -2,7 +2,7 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,10 +15,12 @@ from pyident.logs.units import FACTORS, KINDS, known_unit
 
 NAME = "its name"
 ORDER = "the order of names without numbers"
+RANK = "the order of the numbers in the names"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
 _STEADY = 0.15  # of its mean: within it a voltage is a supply
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
+_NO_JOINT = ("time", "other", "unknown")
 _KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
          "torque": ("effort",), "feedforward": ("effort",), "current": ("electric", "none"),
          "voltage": ("electric", "none"), "time": ("time",)}  # fmt: skip
@@ -33,6 +35,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     said = {name: meaning(name, joints) for name in recording.columns}
     clock = _time_column(recording, said)
     numbers, ordered = _numbers(said, robot)
+    numbers, ranked = _ranked(numbers, said, ordered, len(robot.joints) if robot else None)
     times = set(recording.clocks.values()) | ({clock} if clock else set())
     found = []
     for name, values in recording.columns.items():
@@ -49,6 +52,8 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
             why.append(f"the unit {unit} that the file gives")
         if name in ordered:
             why.append(ORDER)
+        if name in ranked:
+            why.append(RANK)
         side, doubt = m.side, ""
         if side == "motor" and robot is not None and robot.transmission is None:
             side, doubt = "joint", f"{name}{MOTOR_SIDE}"
@@ -154,7 +159,7 @@ def _numbers(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, i
     places = _places(merged, said)
     for (signal, _, stem), names in merged.items():
         whole = [j for j in (said[n].joint for n in names) if isinstance(j, int) and stem != "word"]
-        if signal in ("time", "other", "unknown") and not whole:
+        if signal in _NO_JOINT and not whole:
             continue
         shift = 1 if whole and min(whole) == 0 and len(whole) == len(names) else 0
         if stem == "word":
@@ -169,6 +174,23 @@ def _numbers(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, i
     return out, ordered
 
 
+def _ranked(
+    numbers: dict[str, int], said: dict[str, Meaning], ordered: set[str], joints: int | None
+) -> tuple[dict[str, int], set[str]]:
+    """Numbers that cannot be those of joints from 1 on (a bus's 11, 12, 21) as places in their order.
+
+    joints   of the robot, where it is known. Also the columns of which only that order tells the joint.
+    """
+    own = {n: j for n, j in numbers.items() if n not in ordered and said[n].signal not in _NO_JOINT}
+    placed = {j for n, j in own.items() if said[n].signal == "position"} or set(own.values())
+    place = {j: i for i, j in enumerate(sorted(placed), start=1)}
+    counted = all(i == j for j, i in place.items()) if joints is None else max(placed, default=0) <= joints
+    if counted or len(place) > (joints or len(place)):
+        return numbers, set()
+    others = {n: j for n, j in numbers.items() if n not in own}
+    return others | {n: place[j] for n, j in own.items() if j in place}, set(own)
+
+
 def _merged(
     groups: dict[tuple[str, str, str], list[str]], said: dict[str, Meaning], robot: Robot | None
 ) -> dict[tuple[str, str, str], list[str]]:
@@ -177,7 +199,7 @@ def _merged(
     for key, names in groups.items():
         words = [n for n in groups.get((key[0], key[1], "word"), []) if said[n].joint]
         own = len(words) < 2 or (robot is not None and len(names) >= len(robot.joints))
-        if key[2] == "word" or own or key[0] in ("time", "other", "unknown"):
+        if key[2] == "word" or own or key[0] in _NO_JOINT:
             continue
         if {_field(n) for n in names} & {_field(n) for n in words}:
             del out[key]
@@ -188,10 +210,22 @@ def _merged(
 
 def _places(groups: dict[tuple[str, str, str], list[str]], said: dict[str, Meaning]) -> dict[str, int]:
     """Place of every joint without a number: the same for all its signals, by the order of the positions."""
-    of = [key for key in groups if key[2] == "word" and key[0] not in ("time", "other", "unknown")]
+    of = [key for key in groups if key[2] == "word" and key[0] not in _NO_JOINT]
     first = max(of, key=lambda key: (key[0] == "position", len(groups[key])), default=None)
     words = [_word(n, said) for n in groups[first] if said[n].joint not in (None, "")] if first else []
-    return {word: place for place, word in enumerate(dict.fromkeys(words), start=1)}
+    return {word: place for place, word in enumerate(_naturally(dict.fromkeys(words)), start=1)}
+
+
+def _naturally(words: Iterable[str]) -> list[str]:
+    """In their order, but those that differ in numbers alone by these: wrist_2 before wrist_10."""
+    stems: dict[str, list[str]] = defaultdict(list)
+    for word in words:
+        stems[re.sub(r"\d+", "#", word)].append(word)
+    return [
+        w
+        for own in stems.values()
+        for w in sorted(own, key=lambda w: [int(n) for n in re.findall(r"\d+", w)])
+    ]
 
 
 def _word(name: str, said: dict[str, Meaning]) -> str:

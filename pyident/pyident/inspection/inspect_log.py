@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
-from pyident.inspection.guesses import NAME, ORDER, first_guesses
+from pyident.inspection.guesses import NAME, ORDER, RANK, first_guesses
 from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
@@ -43,8 +43,9 @@ def inspect_log(
     if robot is not None and (time is not None or rate):
         channels, further = with_physics(channels, recording.columns, robot, rate)
         notes += further
-    channels = [_placed(c) for c in channels] if not _explained(channels) else channels
+    explained = _explained(channels)
     channels = [_asked(c) if c.name is not None else _unnamed(c) for c in channels]
+    channels = channels if explained else [_placed(c) for c in channels]
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
     return Proposal(
@@ -128,11 +129,13 @@ def _explained(channels: list[Channel]) -> bool:
 
 def _placed(c: Channel) -> Channel:
     """With a question where only a column's place says what it is, or of which joint."""
-    guess = (PLACE in c.why and DERIVATIVE not in c.why) or ORDER in c.why
-    if not guess or c.name is None or c.doubt:
+    guess = (PLACE in c.why and DERIVATIVE not in c.why) or ORDER in c.why or RANK in c.why
+    if not guess or c.name is None:
         return c
-    witness = PLACE if PLACE in c.why else ORDER
-    return replace(c, sure=False, doubt=f"is {c.column} really {c.name}? only {witness} says so")
+    witness = next(why for why in (PLACE, ORDER, RANK) if why in c.why)
+    asked = f"is {c.column} really {c.name}? only {witness} says so"
+    further = c.doubt and not c.doubt.startswith(f"is {c.column} really")
+    return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if further else asked)
 
 
 def _asked(c: Channel) -> Channel:

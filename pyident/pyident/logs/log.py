@@ -46,11 +46,13 @@ class Log:
     frame   column `time` [s] and one column per signal (SI units), a row per sample
     source  what messages call it
     notes   what was done to it, a sentence each
+    up_to_constant   torques that are known but for a constant of this log, which no equation may read
     """
 
     frame: pd.DataFrame
     source: str = "the log"
     notes: tuple[str, ...] = ()
+    up_to_constant: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check(self.frame, self.source)

@@ -1,35 +1,39 @@
 """Torques that nobody logged: what the known loop makes of references and positions.
 
 A digital PID answers the positions that it measured, and the log holds these: τ = PID(r − e) + tau_ff + c.
-The constant c is what the integral held at the log's first sample. As elsewhere it is taken to carry the arm
-there, c = Φ₀ p, so that (Φ − Φ₀) p = PID(r − e) + tau_ff gives p and c without any value of the robot file.
-A servo without integral has no such constant. What the drive loses between command and torque is not
-in such a torque: it then looks like something of the mechanics.
+The constant c is what the integral held at the log's first sample: weight, friction, the end of a motion
+that was not logged. Nothing in the log tells it, so it is free, in every log and at every joint
+(`up_to_constant`): equations then read differences from their mean alone. Into the column of the torque goes
+the c under which their residual is zero on average, for laws of the torque and for figures. A servo without
+integral has no such constant. What the drive loses between command and torque is not in such a torque: it
+then looks like something of the mechanics.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, switch_of, torque_of
+from flexmodels.effects import signals
 from flexmodels.robot import Robot
+from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.least_squares import solve_weighted
+from pyident.estimation.estimator import weighted
 from pyident.logs.log import Log, LogError
-from pyident.regression.equations import Block
-from pyident.regression.reduced import reduce
-from pyident.regression.regressor import regressor_blocks
-from pyident.simulation.feedforward import carrying_rows, controller_torque, recoverable
-from pyident.simulation.recorded import start_speed
+from pyident.regression.equations import Problem
+from pyident.regression.regressor import generalised_forces
+from pyident.simulation.feedforward import controller_torque, recoverable
 
+_ROUNDS = 3  # a law of the torque needs its constant, and the constant the law's values
 UNSEEN = (  # with either kind of loop
     "it has no torque, which is taken from the robot's own loop: a drive that delays, clips or scales its "
-    "torque (torque_delay, torque_saturation) cannot be told from something of the mechanics"
+    "torque (torque_delay, torque_saturation), or has other gains than the robot file, cannot be told from "
+    "something of the mechanics"
 )
 _START = (
-    "; what the controller's integral held at the start is taken to carry the arm, so that what it held "
-    "against friction or anything else looks like a constant torque (offset, asymmetric_coulomb)"
+    "; what the controller's integral held at the start nobody knows: a constant is free in every log, so "
+    "that a constant torque (offset, the Coulomb part of asymmetric_coulomb) cannot be seen"
 )
 
 
@@ -44,7 +48,7 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
         return tuple(logs), ()
     made = [_servo_torque(robot, log) if robot.servo else _answer(robot, log) for log in bare]
     if robot.servo is None:
-        made = _carried(robot, made)
+        made = _centred(robot, made)
     filled = {id(old): new for old, new in zip(bare, made, strict=True)}
     notes = tuple(f"{log.source}: {UNSEEN}{'' if robot.servo else _START}" for log in bare)
     return tuple(filled.get(id(log), log) for log in logs), notes
@@ -87,28 +91,34 @@ def _answer(robot: Robot, log: Log) -> Log:
     return _filled(log, robot, controller_torque(robot.controller, reference, e) + added)
 
 
-def _carried(robot: Robot, logs: Sequence[Log]) -> list[Log]:
-    """With what the integrals held at the start, from all logs at once."""
-    rows = [carrying_rows(robot, log, _speed(robot, log)) for log in logs]
-    reduced = reduce(_blocks(robot, logs, rows), robot.coordinates, tuple(robot.linear_parameters))
-    p = solve_weighted(reduced).p
-    return [
-        _filled(log, robot, log.signals(robot.torques) + Phi_0 @ p)
-        for log, Phi_0 in zip(logs, rows, strict=True)
-    ]
+def _centred(robot: Robot, logs: Sequence[Log]) -> list[Log]:
+    """With the constants that all equations of the logs ask for together, which stay free.
+
+    In rounds, as a law of the robot may read the torque.
+    """
+    logs = [replace(log, up_to_constant=robot.torques) for log in logs]
+    for _ in range(_ROUNDS):
+        parts = [condition(log, robot) for log in logs]
+        p = weighted(Problem(robot, tuple(parts))).solution.p
+        missing = [_constants(robot, part, p) for part in parts]
+        logs = [
+            _filled(log, robot, log.signals(robot.torques) + c) for log, c in zip(logs, missing, strict=True)
+        ]
+        if not _reads_torque(robot):
+            break
+    return logs
 
 
-def _blocks(robot: Robot, logs: Sequence[Log], rows: Sequence[np.ndarray]) -> Iterator[Block]:
-    for log, Phi_0 in zip(logs, rows, strict=True):
-        part = condition(log, robot)
-        for at, Phi in regressor_blocks(robot, part.motion):
-            Phi[:, : len(Phi_0)] -= Phi_0
-            use = part.use[at]
-            yield Phi * use[:, :, None], part.target[at] * use
+def _reads_torque(robot: Robot) -> bool:
+    laws = [law for joint in robot.joints for law in joint.effects]
+    return any(not law.symbols.isdisjoint((signals.tau, signals.load)) for law in laws)
 
 
-def _speed(robot: Robot, log: Log) -> np.ndarray:
-    return start_speed(log, log.signals([reference_of(k) for k, _ in robot.numbered]))
+def _constants(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
+    """(joints,) mean of what the equations in use need beyond the torques, under p (P,)."""
+    left = (generalised_forces(robot, part.motion, p) - part.target) * part.use
+    joints = slice(0, len(robot.joints))
+    return left.sum(axis=0)[joints] / np.maximum(part.use.sum(axis=0)[joints], 1.0)
 
 
 def _filled(log: Log, robot: Robot, torque: np.ndarray) -> Log:

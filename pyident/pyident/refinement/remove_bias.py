@@ -10,11 +10,13 @@ At the fixed point the replica looks to the regression exactly as the log does. 
 What sensor noise itself biases stays; `output_error` removes it.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodels.robot import Robot
+from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import Identified, identified
@@ -39,7 +41,7 @@ def correct_by_replicas(
     replays = [replay_of(best.robot, log) for log in logs]
     for number in range(_ROUNDS):
         put_in = best.robot.linear_parameters
-        problem = _replica(robot, replays, [part.use for part in parts], put_in, simulate)
+        problem = _replica(robot, replays, parts, put_in, simulate)
         step = seen(in_log, in_log.p - weighted(problem, in_log).solution.p)
         values = np.array(list(put_in.values())) + step
         change = np.abs(seen(in_log, values - best.solution.p))[~in_log.open]
@@ -54,16 +56,16 @@ def correct_by_replicas(
 def _replica(
     robot: Robot,
     replays: list[Replay],
-    uses: list[np.ndarray],
+    parts: Sequence[Conditioned],
     parameters: dict[str, float],
     simulate: Simulate,
 ) -> Problem:
     """The problem that the logs would have posed had the robot had these parameters; same equations used."""
-    parts = []
-    for replay, use in zip(replays, uses, strict=True):
+    made = []
+    for replay, part in zip(replays, parts, strict=True):
         frame = next(iter(replay.run(simulate, [parameters])))
-        parts.append(replace(condition(Log(frame, "replica"), robot), use=use))
-    return Problem(robot, tuple(parts))
+        made.append(replace(condition(Log(frame, "replica"), robot), use=part.use, free=part.free))
+    return Problem(robot, tuple(made))
 
 
 def seen(solution: Solution, change: np.ndarray) -> np.ndarray:

@@ -51,8 +51,11 @@ class Repeated:
 
 
 def in_memory(robot: Robot, part: Conditioned) -> Data:
-    """All equations of a log at once; in memory the samples of an entry are neighbours."""
-    problem = Problem(robot, (replace(part, use=np.ones_like(part.use)),))
+    """All equations of a log at once, without a free constant of those in use.
+
+    In memory the samples of an entry are neighbours.
+    """
+    problem = Problem(robot, (replace(part, use=np.ones_like(part.use), free=()),))
     use = part.use[:: part.thinning]
     N, n = use.shape
     A, y = np.empty((n, len(problem.columns), N)).transpose(2, 0, 1), np.empty((N, n))
@@ -60,12 +63,16 @@ def in_memory(robot: Robot, part: Conditioned) -> Data:
     for block, target in problem.blocks():
         A[at : at + len(target)], y[at : at + len(target)] = block, target
         at += len(target)
+    for row in part.free:
+        share = use[:, row] / max(float(use[:, row].sum()), 1.0)
+        A[:, row] -= share @ A[:, row]
+        y[:, row] -= share @ y[:, row]
     return Data(part, A, y, use)
 
 
 def left_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
     """(N, n) what the equations of a log leave under p (P,), everything in use."""
-    return Problem(robot, (replace(part, use=np.ones_like(part.use)),)).residuals(p)[0]
+    return Problem(robot, (replace(part, use=np.ones_like(part.use), free=()),)).residuals(p)[0]
 
 
 def simulations(
@@ -97,7 +104,8 @@ def _side_by_side(
 
 def rows_of(robot: Robot, data: Data, frame: pd.DataFrame, p: np.ndarray) -> Rows:
     """Instruments from a simulation, the log's torques without what its equations leave under p (P,)."""
-    made = in_memory(robot, condition(Log(frame, "simulation"), robot))
+    part = replace(condition(Log(frame, "simulation"), robot), free=data.part.free)
+    made = in_memory(robot, part)
     share = faded(robot, data.use * made.use)
     left = made.y - predicted(made.A, p) if driven(robot) else 0.0
     return Rows(data.A, made.A, data.y - left, share)

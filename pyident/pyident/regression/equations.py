@@ -1,6 +1,6 @@
 """The regression of all logs, eq. (12), as blocks of equations that can be gone through again."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
-from pyident.conditioning.samples import Piece
+from pyident.conditioning.samples import Conditioned, Piece
 from pyident.regression.reduced import Reduced, reduce
 from pyident.regression.regressor import predicted, regressor_blocks
 
@@ -69,8 +69,12 @@ class Problem:
 
 def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:
     part = piece.conditioned.cut(piece.own)
+    means = _means(
+        part, ((Phi, part.target[at], part.use[at]) for at, Phi in regressor_blocks(robot, part.motion))
+    )
     for at, Phi in regressor_blocks(robot, part.motion):
         y = part.target[at].copy()
+        _centre(Phi, y, means)
         _weigh(Phi, y, part.use[at])
         yield Phi, y
 
@@ -85,8 +89,35 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
         for row in range(A.shape[1]):
             columns = np.flatnonzero(Phi[:, row].any(axis=0))
             A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
-    _weigh(A, y, part.use[::factor][kept])
+    use = part.use[::factor][kept]
+    _centre(A, y, _means(part, [(A, y, use)]))
+    _weigh(A, y, use)
     yield A, y
+
+
+def _means(
+    part: Conditioned, blocks: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]
+) -> dict[int, tuple[np.ndarray, float]]:
+    """Free equation -> means (P,) of its A and of its y over the samples in use; blocks: A, y, use."""
+    if not part.free:
+        return {}
+    size, free = len(part.target[0]), list(part.free)
+    of_A: dict[int, np.ndarray] = {}
+    of_y, count = np.zeros(size), np.zeros(size)
+    for A, y, use in blocks:
+        for row in free:
+            of_A[row] = of_A.get(row, 0.0) + use[:, row] @ A[:, row]
+        of_y += (use * y).sum(axis=0)
+        count += use.sum(axis=0)
+    count = np.maximum(count, 1.0)
+    return {row: (of_A[row] / count[row], float(of_y[row] / count[row])) for row in free}
+
+
+def _centre(A: np.ndarray, y: np.ndarray, means: Mapping[int, tuple[np.ndarray, float]]) -> None:
+    """Take means of free equations away, in place."""
+    for row, (of_A, of_y) in means.items():
+        A[:, row] -= of_A
+        y[:, row] -= of_y
 
 
 def _weigh(A: np.ndarray, y: np.ndarray, weights: np.ndarray) -> None:

@@ -58,7 +58,7 @@ def predicted(A: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 def residual_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
     """(N, n) torque less Φ p of a conditioned log, not thinned, 0 where an equation is not used; p (P,)."""
-    return (part.target - generalised_forces(robot, part.motion, p)) * part.use
+    return part.all_used(part.target - generalised_forces(robot, part.motion, p))
 
 
 def regressor_blocks(robot: Robot, motion: Motion, block: int = BLOCK) -> Iterator[tuple[slice, np.ndarray]]:

@@ -111,5 +111,5 @@ def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:
     A = np.zeros((n, 2 * band.bins, P))
     for c in range(n):
         used = np.flatnonzero(Phi[c].any(axis=1))
-        A[c][:, used] = band.transform((Phi[c, used] * part.use[:, c]).T)
-    return Equations(part, band, A, band.transform(part.target * part.use).T)
+        A[c][:, used] = band.transform(part.used(c, Phi[c, used]).T)
+    return Equations(part, band, A, band.transform(part.all_used(part.target)).T)

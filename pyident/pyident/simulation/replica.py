@@ -71,7 +71,7 @@ class Repeat:
         return {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
 
     def _made(self, frame: pd.DataFrame) -> Log:
-        return Log(self.cut(frame), f"replica of {self.log.source}")
+        return replace(self.log, frame=self.cut(frame), source=f"replica of {self.log.source}")
 
 
 def side_by_side(

@@ -150,8 +150,8 @@ def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:
     if mapping is not None and not set(mapping.signals) <= set(frame):
         return map_frame(frame, mapping, source, robot)
     read = Log.from_frame(renamed(frame, robot.settings.columns, source), source)
-    notes = () if isinstance(log, pd.DataFrame) else log.notes
-    return replace(read, frame=at_joints(read.frame, robot, source), notes=notes)
+    read = replace(read, frame=at_joints(read.frame, robot, source))
+    return read if isinstance(log, pd.DataFrame) else replace(log, frame=read.frame)
 
 
 def _on_disk(log: Data, robot: Robot, mapping: Mapping | None) -> Log | LogFile:

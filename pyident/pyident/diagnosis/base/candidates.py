@@ -227,7 +227,7 @@ def _transformed(
 ) -> dict[int, np.ndarray]:
     """Row -> (E, K)."""
     raw = _raw(robot, candidate, part)
-    return {row: band.transform((X * (factor * part.use[:, row])).T) for row, X in raw.items()}
+    return {row: band.transform(part.used(row, X * factor).T) for row, X in raw.items()}
 
 
 def _raw(robot: Robot, candidate: Candidate, part: Conditioned) -> dict[int, np.ndarray]:
@@ -247,7 +247,7 @@ def _transformed_together(
         out: list[dict[int, np.ndarray]] = [{} for _ in group]
         for row in sorted({row for by_row in group for row in by_row}):
             acting = [i for i, by_row in enumerate(group) if row in by_row]
-            X = np.concatenate([group[i][row] for i in acting]) * log.part.use[:, row]
+            X = log.part.used(row, np.concatenate([group[i][row] for i in acting]))
             ends = np.cumsum([len(group[i][row]) for i in acting])[:-1]
             parts = np.split(log.band.transform(X.T), ends, axis=1)
             for i, part in zip(acting, parts, strict=True):

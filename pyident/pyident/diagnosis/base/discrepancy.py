@@ -9,6 +9,8 @@ low that all this reads as something missing. So every replica gets errors of it
   friction of another law. A width drawn below it would show an eighth of that on average.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
@@ -33,7 +35,7 @@ def inexact(robot: Robot, log: Log, share: float, seed: int) -> Log:
         frame[name] = frame[name] + _error(frame[name].to_numpy(float), share, rng)
     for name, change in _rounded(robot, log).items():
         frame[name] = frame[name] + change
-    return Log(frame, log.source)
+    return replace(log, frame=frame)
 
 
 def _error(x: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray:

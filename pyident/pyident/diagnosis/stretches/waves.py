@@ -99,7 +99,7 @@ def waves(
     sets = {c: [base.p, *(law.imitation for law in laws if c in law.rows)] for c in rows}
     forces = [_forces(fitted, e.part, sets) for e in data]
     refitted = {
-        (name, row): ((e.part.target[:, c] - force[c][:, 0]) * e.part.use[:, c]).astype(np.float32)
+        (name, row): e.part.used(c, e.part.target[:, c] - force[c][:, 0]).astype(np.float32)
         for name, e, force in zip(names, data, forces, strict=True)
         for c, row in enumerate(fitted.coordinates)
     }
@@ -110,7 +110,7 @@ def waves(
             for place, i in enumerate(acting, start=1):
                 if laws[i].candidate.log not in (None, number):
                     continue  # a body that is carried in another log
-                wave = (_force(fitted, laws[i], e, c) - force[c][:, place]) * e.part.use[:, c]
+                wave = e.part.used(c, _force(fitted, laws[i], e, c) - force[c][:, place])
                 taken[i][name, fitted.coordinates[c]] = wave.astype(np.float32)
     progress(1.0)
     return Waves(tuple(_named(fitted, law, own) for law, own in zip(laws, taken, strict=True)), refitted)

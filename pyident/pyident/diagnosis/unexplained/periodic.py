@@ -154,8 +154,9 @@ def misread_columns(
                 for side in (1, -1)
             ]
             missed.append((ends[0] - ends[1]) / (2 * _STEP))
-        raw = np.stack(missed, axis=2) * part.use[:, :, None]
-        out.append({c: log.band.transform(raw[:, c]) / level[c][:, None] for c in range(raw.shape[1])})
+        raw = np.stack(missed, axis=2)
+        rows = range(raw.shape[1])
+        out.append({c: log.band.transform(part.used(c, raw[:, c].T).T) / level[c][:, None] for c in rows})
     return out
 
 

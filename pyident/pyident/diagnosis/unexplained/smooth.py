@@ -102,7 +102,7 @@ def whitened_columns(
 ) -> Columns:
     """Columns (N, K) per log on one equation, as `evidence.gain` takes them."""
     return [
-        {row: log.band.transform(X * log.part.use[:, row, None]) / level[row][:, None]}
+        {row: log.band.transform(log.part.used(row, X.T).T) / level[row][:, None]}
         for X, log, level in zip(raw, logs, levels, strict=True)
     ]
 

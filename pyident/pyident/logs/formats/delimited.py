@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pyident.logs.formats.joint_states import message_names
 from pyident.logs.formats.recording import Recording, with_whole_stamps
 from pyident.logs.log import LogError
 from pyident.logs.units import known_unit
@@ -19,7 +20,8 @@ _SEPARATORS = (",", ";", "\t", "|", " ")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*|\s*(nan|inf|-inf)\s*", re.IGNORECASE)
 _COMMA = re.compile(r"\s*[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?\s*")
 _DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d.*")
-_LIST = re.compile(r"\s*[\[(].*[\])]\s*")
+_LIST = re.compile(r"\s*(?:array\(\s*(?:'\w'\s*,\s*)?)?([\[(].*[\])])\s*", re.DOTALL)  # array('d', [1.0])
+_TYPE = re.compile(r",\s*dtype=\w+")
 _IN_NAME = re.compile(r"^(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 
 
@@ -41,7 +43,8 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     frame = pd.read_csv(path, sep=separator, decimal=layout.decimal, skiprows=layout.first, header=None,
                         skip_blank_lines=False, comment=None, encoding_errors="replace")  # fmt: skip
     frame = frame.dropna(axis=1, how="all").dropna(axis=0, how="all")
-    names = layout.names if header and layout.names else tuple(str(i + 1) for i in range(frame.shape[1]))
+    found = (layout.names or message_names(frame)) if header else None
+    names = found or tuple(str(i + 1) for i in range(frame.shape[1]))
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
     joints = _joint_names(frame)
@@ -54,19 +57,30 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     columns = with_whole_stamps(columns)
     if not columns:
         raise LogError(f"{path} holds no column of numbers")
-    return Recording(columns, units, header=bool(header and layout.names))
+    return Recording(columns, units, header=found is not None)
 
 
 def layout_of(path: Path) -> Layout:
     """How the file is written, from its first lines. Raises LogError."""
     with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = [line for _, line in zip(range(_LOOK), file, strict=False)]
+        lines = _joined([line for _, line in zip(range(_LOOK), file, strict=False)])
     best = max((_tried(lines, s) for s in _SEPARATORS), key=lambda found: found[0], default=None)
     if best is None or best[0][0] == 0:
         raise LogError(
             f"{path} has no rows of numbers; give a table of numbers with or without a line of names"
         )
     return best[1]
+
+
+def _joined(lines: list[str]) -> list[str]:
+    """Lines put together again that a quoted cell goes on over, as a long array of NumPy's does."""
+    out: list[str] = []
+    for line in lines:
+        if out and out[-1].count('"') % 2:
+            out[-1] = out[-1].rstrip("\r\n") + " " + line
+        else:
+            out.append(line)
+    return out if not out or out[-1].count('"') % 2 == 0 else out[:-1] or lines
 
 
 def _tried(lines: list[str], separator: str) -> tuple[tuple[float, int], Layout]:
@@ -147,7 +161,9 @@ def _joint_names(frame: pd.DataFrame) -> list[str]:
 
 def _parts(cell: str) -> list[str]:
     """The members of a list as Python, JSON, NumPy and spreadsheets write it."""
-    return [part.strip("'\"") for part in re.split(r"[\s,;\[\]()]+", cell) if part.strip("'\"")]
+    found = _LIST.fullmatch(cell)
+    inside = _TYPE.sub("", found[1] if found else cell)
+    return [part.strip("'\"") for part in re.split(r"[\s,;\[\]()]+", inside) if part.strip("'\"")]
 
 
 def _cells(name: str, column: pd.Series, joints: list[str]) -> list[tuple[str, np.ndarray]]:
