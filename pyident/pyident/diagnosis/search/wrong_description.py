@@ -2,9 +2,9 @@
 
 They are ranked among themselves once the laws are chosen. One that explains what a law was named for joins
 its tie, or takes its place if it explains more. Then the best one beside what stands is named if it takes as
-much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance: a
-gain of a torque takes what no replica shows of almost any log. Where nothing stands out and no law explains
-as much, an error is named that both measure (see `measured`).
+much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance and
+at its size: a gain of a torque takes what no replica shows of almost any log. Where nothing stands out and no
+law explains as much, an error is named that both measure (see `measured`).
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
@@ -112,8 +112,11 @@ def _exceeds(view: Search, entry: Admission) -> bool:
 
 
 def _no_chance(view: Search, entry: Admission) -> bool:
-    """Whether held-out logs show an error far beyond chance."""
-    return entry.unseen is not None and entry.unseen.share > view.rules.chance * entry.unseen.std
+    """Whether held-out logs show an error far beyond chance, and of about the same size."""
+    unseen, rules = entry.unseen, view.rules
+    if unseen is None:
+        return False
+    return unseen.share > rules.chance * unseen.std and abs(unseen.kept - 1) <= rules.unseen
 
 
 def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
