@@ -9,6 +9,7 @@ from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
+from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
@@ -108,11 +109,13 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in search.rows(c)}
+    above = bands_standing_out(search.examination, beside.base)
+    doubted = bands_in_doubt(search.examination, beside.base)
     for row, coordinate in enumerate(robot.q):
         refusal = next((r for r in selection.refusals if row in r.rows), None)
-        bands = beside.bands_standing_out[row]
+        bands = above[row]
         if refusal is not None and refusal.certain:
-            bands = bands | beside.bands_in_doubt[row]
+            bands = bands | doubted[row]
         left = bool(beside.standing_out[row] or bands.any())
         state = "unexplained" if left else "explained" if row in acting else "in_order"
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
@@ -178,7 +181,7 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
 def _in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
     """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
     ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
-    doubted = np.where(beside.bands_in_doubt, np.sqrt(ratio), 0.0)
+    doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
     ends = (*EDGES, float(ex.floor.frequencies[-1]))
     doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
     for row in np.flatnonzero(doubted.any(axis=1)):

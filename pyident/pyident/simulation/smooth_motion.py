@@ -35,7 +35,10 @@ def smooth(x: np.ndarray, noise: float) -> np.ndarray:
 
 
 def blurred(x: np.ndarray, noise: float) -> int:
-    """Samples on either side over which `smooth` spreads what happens in one: a reversal of friction."""
+    """Samples of x, (N,), on either side over which `smooth` spreads what happens in one of them.
+
+    A reversal of friction is such a thing. noise: deviation of x.
+    """
     return int(np.ceil(2 * _RINGS / _reached(x, noise)))
 
 

@@ -10,6 +10,7 @@ from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
 from pyident.diagnosis.search.power import energy_put_in, is_friction
 from pyident.rules.search import SearchRules
@@ -232,8 +233,7 @@ class Search:
     @property
     def over_floor(self) -> np.ndarray:
         """(n,) energy that the present base leaves on each equation over that of replicas."""
-        left = sum(np.square(r).sum(axis=1) for r in self.base.residual)
-        return np.asarray(left) / np.maximum(self.examination.floor_energies, 1e-300)
+        return over_floor(self.examination, self.base)
 
     def excess_on(self, rows: Sequence[int]) -> float:
         """`excess` on some equations only."""
@@ -255,29 +255,8 @@ class Search:
 
     @property
     def standing_out(self) -> np.ndarray:
-        """(n,) by equation: by far more than replicas on average, and more than any; in all or in a band."""
-        ex, rules = self.examination, self.rules
-        rises = np.where(ex.may_rise > 1, 1 + rules.band_stands_out * ex.may_rise, 1 + rules.stands_out)
-        shares = ex.replica_energy.mean(axis=0) * ex.count
-        least = (rises * shares).sum(axis=1) / np.maximum(shares.sum(axis=1), 1e-300)
-        in_all = self.over_floor > np.maximum(least, ex.most_over_floor)
-        return in_all | self.bands_standing_out.any(axis=1)
-
-    @property
-    def bands_standing_out(self) -> np.ndarray:
-        """(n, bands) by equation and band: the same there. Noise of all others must not dilute it."""
-        ex = self.examination
-        least = np.maximum(1 + self.rules.band_stands_out * ex.may_rise, ex.most_in_bands)
-        return ex.over_floor_in_bands(self.base) > least
-
-    @property
-    def bands_in_doubt(self) -> np.ndarray:
-        """(n, bands) where a residual would stand out but for what slow noise may do."""
-        ex = self.examination
-        above = ex.over_floor_in_bands(self.base) > np.maximum(
-            1 + self.rules.band_stands_out, ex.most_in_bands
-        )
-        return above & ~self.bands_standing_out
+        """(n,) on which equations it does."""
+        return standing_out(self.examination, self.base)
 
     def needed(self, family: int) -> float:
         """Gain a family (by number) would need to be named."""

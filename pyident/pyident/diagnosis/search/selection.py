@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.search.breadth import rests_on
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.further_orders import with_further_orders
@@ -112,7 +113,7 @@ def _group(
 
 def _notable(view: Search, rows: Sequence[int]) -> bool:
     """Whether equations leave so much that more than one effect may be missing there."""
-    exceeds = view.standing_out | view.bands_in_doubt.any(axis=1)
+    exceeds = view.standing_out | bands_in_doubt(view.examination, view.base).any(axis=1)
     return bool(exceeds[list(rows)].any())
 
 
