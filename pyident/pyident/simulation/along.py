@@ -112,7 +112,7 @@ def _torque_noise(
     """
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
-    out, ends = {}, ends_of(len(left))
+    out, ends = {}, ends_of(len(left), blurs)
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))

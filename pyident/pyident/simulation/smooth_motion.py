@@ -1,4 +1,4 @@
-"""A coordinate without its sensor's noise: a low pass that begins where its spectrum meets the noise.
+"""A coordinate without its sensor's noise: a low pass that begins where its spectrum nears the noise.
 
 That is read from the spectrum under a window. Without one, a motion that does not end as it began leaks
 into all frequencies, seems to exceed the noise there, and keeps noise that differences raise to accelerations
@@ -6,30 +6,31 @@ many times too rough. For the same reason the low pass works on what is left bes
 value, the second and the fourth derivative of the motion at both ends: its odd continuation is smooth.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-_OVER_NOISE = 10.0  # times the noise's power: what of a coordinate's spectrum is motion
+_OVER_NOISE = 100.0  # times the noise's power: there it bends a parameter by a hundredth
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
 _RINGS = 1 / (_NOTHING - 1)  # periods of the highest frequency of the motion, until a step has settled
-_MOMENT = 128  # samples
-_AROUND = 8  # frequencies of a moment's spectrum that are averaged
-_ENDS = 0.01  # of the samples, at either end, where a motion goes on that nobody knows
+_ENDS = (0.01, 0.05)  # of the samples, at either end, where a motion goes on that nobody knows: between
+_SETTLED = 3  # times what the low pass blurs: beside an end of a motion just below its corner
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 
 
 def smooth(x: np.ndarray, noise: float) -> np.ndarray:
-    """(N,) without what lies above the frequencies at which the motion x (N,) exceeds its white noise.
+    """(N,) without what lies above the frequencies at which the motion x (N,) is far above its white noise.
 
     noise   its standard deviation
     """
-    reached = _reached(x, noise)
-    course = _course(x, int(np.clip(1 / reached, _FEWEST, max(_FEWEST, len(x) // 3))))
+    corner = reached(x, noise)
+    course = _course(x, int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3))))
     left = x - course
     S = np.fft.rfft(np.concatenate([left, -left[-2:0:-1]]))
-    beyond = (np.linspace(0, 1, len(S)) / reached - 1) / (_NOTHING - 1)
+    beyond = (np.linspace(0, 1, len(S)) / corner - 1) / (_NOTHING - 1)
     gain = np.cos(np.pi / 2 * np.clip(beyond, 0, 1)) ** 2
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
 
@@ -39,16 +40,24 @@ def blurred(x: np.ndarray, noise: float) -> int:
 
     A reversal of friction is such a thing. noise: deviation of x.
     """
-    return int(np.ceil(2 * _RINGS / _reached(x, noise)))
+    return int(np.ceil(2 * _RINGS / reached(x, noise)))
 
 
-def ends_of(count: int) -> int:
-    """How many of so many samples, at either end, are not to be relied on after a low pass."""
-    return int(np.ceil(_ENDS * count))
+def ends_of(count: int, blurs: Sequence[int]) -> int:
+    """How many of so many samples, at either end, are not to be relied on after a low pass.
+
+    blurs   as of `blurred`, by coordinate
+    """
+    least, most = (int(np.ceil(share * count)) for share in _ENDS)
+    return min(max(least, _SETTLED * max(blurs)), most)
 
 
-def _reached(x: np.ndarray, noise: float) -> float:
-    """The highest frequency of the motion, over the Nyquist frequency: of all of it, or of a moment."""
+def reached(x: np.ndarray, noise: float) -> float:
+    """The highest frequency of a motion x (N,), over the Nyquist frequency, that noise does not blur.
+
+    Not every frequency at which it shows: what a controller makes of its encoder's noise shows as well, up to
+    ten times that noise in a poor loop, and belongs to the torque by the controller's law, not the robot's.
+    """
     window = np.hanning(len(x))
     moved = x - np.linspace(x[0], x[-1], len(x))
     S = np.fft.rfft((moved - moved.mean()) * window)
@@ -56,26 +65,7 @@ def _reached(x: np.ndarray, noise: float) -> float:
     bins = max(3, len(S) // 200)
     mean = np.convolve(power, np.ones(bins) / bins, mode="same")
     above = np.flatnonzero(mean > _OVER_NOISE * noise**2)
-    whole = (above[-1] if len(above) else 0) / len(S)
-    return float(np.clip(max(whole, _in_a_moment(x, noise)), _LOWEST, _HIGHEST))
-
-
-def _in_a_moment(x: np.ndarray, noise: float) -> float:
-    """The highest frequency of a motion of a moment, over the Nyquist frequency; 0: there is none.
-
-    Where friction turns round a robot shakes for a few samples, which hardly shows in the spectrum of all.
-    Accelerations do not leak as positions would.
-    """
-    if len(x) < 2 * _MOMENT:
-        return 0.0
-    window = np.hanning(_MOMENT)
-    pieces = np.lib.stride_tricks.sliding_window_view(np.diff(x, 2), _MOMENT)[:: _MOMENT // 2]
-    power = np.abs(np.fft.rfft(pieces * window, axis=1)) ** 2 / np.sum(window**2)
-    own = noise**2 * (2 - 2 * np.cos(np.linspace(0, np.pi, power.shape[1]))) ** 2
-    mean = np.lib.stride_tricks.sliding_window_view(power / np.maximum(own, 1e-300), _AROUND, axis=1).mean(-1)
-    above = np.flatnonzero((mean > _OVER_NOISE).any(axis=0))
-    last = above[-1] if len(above) else 0
-    return (last + _AROUND / 2) / power.shape[1] if last > _AROUND else 0.0
+    return float(np.clip((above[-1] if len(above) else 0) / len(S), _LOWEST, _HIGHEST))
 
 
 def _course(x: np.ndarray, count: int) -> np.ndarray:

@@ -3,8 +3,9 @@
 Late by d they miss the torques by d times the rate of these, at every joint, so that laws with a memory are
 found at several joints, and what is missing besides drowns. The column is what moving the positions changes
 in the equations, the time the one that leaves least of them. It has to take most of what exceeds the floor of
-two joints, and more than of any replica, to be believed. Positions and torques of a robot whose loop is known
-belong together by its controller, and one joint alone cannot be told from a law.
+two joints, and more than of any replica, to be believed. It is judged at the frequencies of the motion: a
+controller answers its encoder's noise later than a robot would. Positions and torques of a robot whose loop
+is known belong together by its controller, and one joint alone cannot be told from a law.
 """
 
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.denoised import corners
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -42,17 +44,27 @@ def lateness(ex: Examination) -> float:
     if setting.simulates or len(joints) < _JOINTS:
         return 0.0
     period = max(log.period for log in setting.logs)
-    X = _columns(ex, _STEP * period)
+    moving = _in_motion(ex)
+    X = _columns(ex, _STEP * period, moving)
     found = gain(ex.base, X)
     if found.energy <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)):
         return 0.0
     furthest = float(np.sign(found.coefficients[0])) * _SAMPLES * period
     bounds, exact = sorted((0.0, furthest)), {"xatol": _EXACT * period}
-    late = float(minimize_scalar(lambda t: _energy(ex, t), bounds=bounds, options=exact).x)  # pyright: ignore
+    late = float(minimize_scalar(lambda t: _energy(ex, t, moving), bounds=bounds, options=exact).x)  # pyright: ignore
     data = _moved(ex, late)
     base = solve_base(data)
-    told = [k for k in joints if _tells(ex, base, data, k)]
+    told = [k for k in joints if _tells(ex, base, data, k, moving)]
     return late if len(told) >= _JOINTS else 0.0
+
+
+def _in_motion(ex: Examination) -> list[np.ndarray]:
+    """Per log (n, E): where an equation's coordinate moves and is not noise alone."""
+    robot = ex.setting.robot
+    return [
+        np.tile(e.band.frequencies, 2) <= corners(robot, log)[:, None]
+        for e, log in zip(ex.logs, ex.setting.logs, strict=True)
+    ]
 
 
 def _moved(ex: Examination, late: float) -> list[Equations]:
@@ -60,29 +72,35 @@ def _moved(ex: Examination, late: float) -> list[Equations]:
     return whitened(robot, all_earlier(robot, ex.setting.logs, late), ex.floor)
 
 
-def _energy(ex: Examination, late: float) -> float:
+def _energy(ex: Examination, late: float, moving: Sequence[np.ndarray]) -> float:
     """What is left of an equation on average, over its floor."""
-    residuals = residuals_of(_moved(ex, late))
+    residuals = [r[clear] for r, clear in zip(residuals_of(_moved(ex, late)), moving, strict=True)]
     return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
 
 
-def _columns(ex: Examination, step: float) -> Columns:
+def _columns(ex: Examination, step: float, moving: Sequence[np.ndarray]) -> Columns:
     """Per log what the equations of all joints miss per second that the positions come late."""
     found, p = [], ex.base.p
-    for there, here in zip(_moved(ex, step), ex.logs, strict=True):
-        change = (there.y - there.A @ p) - (here.y - here.A @ p)
+    for there, here, clear in zip(_moved(ex, step), ex.logs, moving, strict=True):
+        change = ((there.y - there.A @ p) - (here.y - here.A @ p)) * clear
         found.append({k: -change[k][:, None] / step for k in range(len(ex.setting.robot.joints))})
     return found
 
 
-def _tells(ex: Examination, base: Base, data: Sequence[Equations], k: int) -> bool:
+def _tells(
+    ex: Examination, base: Base, data: Sequence[Equations], k: int, moving: Sequence[np.ndarray]
+) -> bool:
     """Whether joint k (from 0) lacks far less once the positions are where they belong."""
-    rules, count = ex.setting.rules.search, sum(e.y.shape[1] for e in ex.logs)
-    before, after = ex.beyond_floor(ex.base, [k]), ex.excess(base.residual, bands_of(data), [k])[0]
+    rules, count = ex.setting.rules.search, sum(int(clear[k].sum()) for clear in moving)
+    before, floor = ex.excess(ex.base.residual, _bands(ex.logs, k, moving), [k])
+    after, _ = ex.excess(base.residual, _bands(data, k, moving), [k])
     chance = rules.chance * np.sqrt(2 * count)  # of the energy of noise, by its own floor
-    return (
-        before - after > chance * ex.floor_energies[k] / count and after < (1 - rules.explained[0]) * before
-    )
+    return before - after > chance * floor / count and after < (1 - rules.explained[0]) * before
+
+
+def _bands(logs: Sequence[Equations], k: int, moving: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """As `bands_of`, of what row k has in motion."""
+    return [inside * clear[k][:, None] for inside, clear in zip(bands_of(logs), moving, strict=True)]
 
 
 def earlier(robot: Robot, log: Log, late: float) -> Log:
