@@ -158,6 +158,20 @@ viscous_drift = Effect(
     experiment="the same motion after a cold and after a warm start",
 )
 
+_rate = Parameter("rate", "N.m/s")
+
+coulomb_drift = Effect(
+    name="coulomb_drift",
+    title="Coulomb friction that changes in the course of the log, as when a seal runs in",
+    forces={e: _rate.symbol * time * sign(de)},
+    parameters=(_rate,),
+    citation="Bittencourt and Gunnarsson 2012",
+    needs="a motion that repeats from the beginning to the end of the log",
+    coverage=Coverage(Abs(de) > 0.01, 0.5),
+    confounders=("coulomb", "viscous_drift"),
+    experiment="the same motion, at two speeds, after a cold and after a warm start",
+)
+
 directional_drift = Effect(
     name="directional_drift",
     title="Direction-dependent viscous friction that changes in the course of the log",
