@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-_OVER_NOISE = 1000.0  # times the noise's power: there it bends a parameter by a thousandth
+_OVER_NOISE = 100.0  # times the noise's power: there it bends a parameter by a hundredth
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
 _NOTHING = 2.5  # times the frequency that the motion reaches: from there on nothing passes
 _RINGS = 1 / (_NOTHING - 1)  # periods of the highest frequency of the motion, until a step has settled
