@@ -179,7 +179,10 @@ def check(frame: pd.DataFrame, source: str) -> None:
 def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
     """Time is there and everything is a finite number; `first` rows came before. Raises LogError."""
     if "time" not in frame:
-        raise LogError(f"{source}: column time is missing; add it in seconds")
+        raise LogError(
+            f"{source}: column time is missing; add it in seconds, or map columns of other names: "
+            "`pyident log inspect` writes a mapping, --mapping takes it"
+        )
     for name in frame:
         if not pd.api.types.is_numeric_dtype(frame[name]):
             raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
