@@ -99,4 +99,5 @@ def clause(d: Dependence, first: bool) -> str:
     size = "" if d.amplitude is None else f", {d.amplitude:.3g} {unit}"
     as_well = f", as well as {' or '.join(d.rivals[:2])}" if d.rivals else ""
     what = f"friction that depends on {d.words}" if d.form == "friction" else d.words
-    return f"{what} ({'explains ' if first else ''}{d.share_percent:.0f} % of the excess{size}{as_well})"
+    share = "all" if d.share_percent >= 99.5 else f"{d.share_percent:.0f} %"  # of what stands over a floor
+    return f"{what} ({'explains ' if first else ''}{share} of the excess{size}{as_well})"
