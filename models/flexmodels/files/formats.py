@@ -7,16 +7,24 @@ from flexmodels.robot import Robot, RobotError
 
 
 def imported(
-    path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = ()
+    path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = (), fixed: Iterable[str] = ()
 ) -> tuple[Robot, tuple[str, ...]]:
-    """The robot of a URDF or MJCF file, and what of the file it does not hold. Raises RobotError."""
+    """The robot of a URDF or MJCF file, and what of the file it does not hold.
+
+    flexible, twist   joints (from 1) that twist and bend, or only twist
+    fixed             names of a URDF's joints that stand still
+    Raises RobotError.
+    """
     from flexmodels.files.mjcf.importer import import_mjcf
     from flexmodels.files.urdf.importer import import_urdf
 
+    still = list(fixed)
     if is_mjcf(path):
+        if still:
+            raise RobotError(f"{path}: no joint of an MJCF is fixed here; take {still[0]} out of the file")
         read = import_mjcf(path, flexible, twist)
         return read.robot, read.notes
-    return import_urdf(path, flexible, twist), ()
+    return import_urdf(path, flexible, twist, still), ()
 
 
 def is_mjcf(path: str | Path) -> bool:

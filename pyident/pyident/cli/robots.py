@@ -50,14 +50,23 @@ def _list(json_file: str | None) -> None:
 @output_option(ROBOT)
 @click.option("--flexible", default="", metavar="K,...", help="Joints that twist and bend.")
 @click.option("--twist", default="", metavar="K,...", help="Joints that only twist.")
+@click.option(
+    "--fixed",
+    default="",
+    metavar="NAME,...",
+    help="Joints of a URDF that stand still at zero, such as a gripper's fingers.",
+)
 @json_option
 @reported
-def import_command(file: str, output: str, flexible: str, twist: str, json_file: str | None) -> None:
+def import_command(
+    file: str, output: str, flexible: str, twist: str, fixed: str, json_file: str | None
+) -> None:
     """Write the robot of a URDF or of an MJCF (.xml) as a robot file.
 
     Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
-    robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"))
+    still = [name.strip() for name in fixed.split(",") if name.strip()]
+    robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"), still)
     check_readable(robot)
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)

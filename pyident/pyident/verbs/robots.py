@@ -14,14 +14,20 @@ _FILES = (".fmu", ".ssp")
 
 
 def import_robot(
-    file: str | Path, output: str | Path, *, flexible: Iterable[int] = (), twist: Iterable[int] = ()
+    file: str | Path,
+    output: str | Path,
+    *,
+    flexible: Iterable[int] = (),
+    twist: Iterable[int] = (),
+    fixed: Iterable[str] = (),
 ) -> tuple[str, ...]:
     """Write the robot of a URDF or MJCF as a robot file; what of the file it does not hold, a sentence each.
 
     flexible, twist   joints (from 1) that twist and bend, or only twist
+    fixed             names of a URDF's joints that stand still, such as a gripper's
     Raises RobotError.
     """
-    robot, notes = imported(file, flexible, twist)
+    robot, notes = imported(file, flexible, twist, fixed)
     check_readable(robot)
     save_robot(robot, output)
     return notes

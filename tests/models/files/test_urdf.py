@@ -27,21 +27,27 @@ PUBLIC = {  # a chain of revolute joints; one with a slider and wheels; legs on 
 }
 
 
-@pytest.fixture(params=PUBLIC)
-def urdf(request):
+def public(file: str) -> Path:
     import cmeel  # pyright: ignore[reportMissingImports]
 
     folder = Path(cmeel.__file__).parents[1] / "cmeel.prefix/share/example-robot-data/robots"
     if not folder.is_dir():
         pytest.skip("the URDF files of the package example-robot-data are not installed")
-    return folder / PUBLIC[request.param]
+    return folder / file
+
+
+@pytest.fixture(params=PUBLIC)
+def urdf(request):
+    return public(PUBLIC[request.param])
 
 
 class Reference:
     """The file in Pinocchio, spoken to in our order of joints."""
 
-    def __init__(self, file: Path, robot: Robot):
-        self.model = pin.buildModelFromUrdf(str(file))
+    def __init__(self, file: Path, robot: Robot, fixed: tuple[str, ...] = ()):
+        whole = pin.buildModelFromUrdf(str(file))
+        still = [whole.getJointId(name) for name in fixed]
+        self.model = pin.buildReducedModel(whole, still, pin.neutral(whole)) if fixed else whole
         self.data = self.model.createData()
         self.ids = [self.model.getJointId(joint.name) for joint in robot.joints]
         self.order = [self.model.joints[i].idx_v for i in self.ids]
@@ -121,6 +127,25 @@ def test_the_regressor_is_pinocchios(urdf):
     Phi = regressor(robot, Motion(*motion(robot))).matrix[:, :, : 10 * len(robot.links)]
     for ours, state in zip(Phi, zip(*motion(robot), strict=True), strict=True):
         assert _apart(ours, reference.regressor(*state)) < 1e-9
+
+
+def test_a_grippers_fingers_can_stand_still():
+    """One is named, the other mimics it; masses of both belong to the last link, as Pinocchio has them."""
+    file, fingers = (
+        public("panda_description/urdf/panda.urdf"),
+        ("panda_finger_joint1", "panda_finger_joint2"),
+    )
+    with pytest.raises(RobotError, match=r"fix both \(--fixed panda_finger_joint1\)"):
+        import_urdf(file)
+    with pytest.raises(RobotError, match="there is no joint finger to be fixed; the file has panda_joint1, "):
+        import_urdf(file, fixed=["finger"])
+    robot = import_urdf(file, fixed=fingers[:1])
+    assert len(robot.joints) == 7
+    reference = Reference(file, robot, fingers)
+    p = np.concatenate([list(link.values.values()) for link in robot.links])
+    Phi = regressor(robot, Motion(*motion(robot))).matrix[:, :, : len(p)]
+    for ours, state in zip(Phi, zip(*motion(robot), strict=True), strict=True):
+        assert _apart(ours @ p, reference.forces(*state)) < 1e-9
 
 
 def test_import_export_import(urdf, tmp_path):

@@ -42,15 +42,19 @@ class _Tree:
     ends: list[_Frame] = field(default_factory=list)
 
 
-def import_urdf(path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = ()) -> Robot:
+def import_urdf(
+    path: str | Path, flexible: Iterable[int] = (), twist: Iterable[int] = (), fixed: Iterable[str] = ()
+) -> Robot:
     """The robot of a URDF file, its driven joints in the order of the file's tree, depth first.
 
     flexible  joints (from 1) that get a hinge which twists and bends
     twist     joints that get a hinge which only twists
+    fixed     names of joints that stand still at zero, such as a gripper's; those that mimic them do too
     The tip is the last frame on the last link. Stiffness and damping of the hinges are placeholders
     (10 Hz, 2 % of critical) until they are identified. Raises RobotError.
     """
     model = _parse(Path(path))
+    _fix(model, set(fixed))
     tree = _Tree()
     _walk(model, tree)
     require_few(len(tree.joints))
@@ -89,6 +93,15 @@ def _parse(path: Path) -> Any:
         first = (what or "it has no single root link").splitlines()
         raise RobotError(f"{path} cannot be read as URDF ({' '.join(first)}); correct the file") from None
     return model
+
+
+def _fix(model: Any, names: set[str]) -> None:
+    """Make joints, and those that mimic them, fixed ones."""
+    for name in sorted(names - model.joint_map.keys()):
+        raise RobotError(f"there is no joint {name} to be fixed; the file has {', '.join(model.joint_map)}")
+    for joint in model.joints:
+        if joint.name in names or (joint.mimic is not None and joint.mimic.joint in names):
+            joint.type, joint.mimic = "fixed", None
 
 
 def _walk(model: Any, tree: _Tree) -> None:
@@ -138,7 +151,8 @@ def _joint(joint: Any, origin: np.ndarray, axes: np.ndarray, parent: int) -> Joi
         )
     if joint.mimic is not None:
         raise RobotError(
-            f"joint {joint.name} mimics {joint.mimic.joint}; make it fixed, or driven by a motor of its own"
+            f"joint {joint.name} mimics {joint.mimic.joint}; fix both (--fixed {joint.mimic.joint}), "
+            "or let a motor of its own drive it"
         )
     direction = (1, 0, 0) if joint.axis is None else joint.axis
     triad = axes @ triad_along(np.array(direction, float), joint.name)
