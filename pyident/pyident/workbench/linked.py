@@ -7,11 +7,14 @@ from nicegui import ui
 
 from pyident.verbs.figures.pictures import MovingArm, arm_script
 
+# The framework's bar of requests has no name for screen readers; jobs have named ones of their own.
+_STYLE = "<style>.q-loading-bar { display: none }</style>"
+
 
 def scripts() -> str:
     """What a page's head holds."""
     linked = files("pyident.workbench").joinpath("linked.js").read_text(encoding="utf-8")
-    return f"<script>{arm_script()}\n{linked}</script>"
+    return f"{_STYLE}<script>{arm_script()}\n{linked}</script>"
 
 
 def show_arm(arm: MovingArm, height: int = 340) -> ui.element:
