@@ -30,10 +30,13 @@ def test_a_smooth_motion_loses_its_noise_and_nothing_else():
     time = np.arange(0, 20, 0.01)
     motion = np.sin(2 * np.pi * 0.7 * time) + 0.3 * np.cos(2 * np.pi * 2.1 * time)
     noise = 1e-4 * np.random.default_rng(0).standard_normal(len(time))
-    left = smooth(motion + noise, 1e-4) - motion
-    ends = ends_of(len(time), [blurred(motion + noise, 1e-4)])
+    corner = reached(motion + noise, 1e-4)
+    left = smooth(motion + noise, corner) - motion
+    ends = ends_of(len(time), [blurred(corner)])
     assert np.std(left[ends:-ends]) < 0.75 * np.std(noise)
-    assert np.abs(smooth(motion, 0.0) - motion)[30:-30].max() < 1e-6  # ends: a continued curvature
+    assert (
+        np.abs(smooth(motion, reached(motion, 0.0)) - motion)[30:-30].max() < 1e-6
+    )  # ends: a continued curvature
 
 
 def test_what_a_loop_makes_of_its_encoders_noise_is_not_taken_for_motion():

@@ -20,7 +20,7 @@ from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
-from pyident.simulation.smooth_motion import blurred, ends_of, smooth
+from pyident.simulation.smooth_motion import blurred, ends_of, reached, smooth
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,8 @@ def along(
     noise = np.array([channel_noise(x) for x in measured.T])
     if known is not None:
         noise = np.array([known[name] for name in robot.coordinates])
-    q = np.column_stack([smooth(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)])
+    corners = [reached(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)]
+    q = np.column_stack([smooth(x, corner) for x, corner in zip(measured.T, corners, strict=True)])
     q, dq, ddq = central_differences(_extended(q), log.period)
     names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
@@ -92,7 +93,7 @@ def along(
         return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
-    blurs = [blurred(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)]
+    blurs = [blurred(corner) for corner in corners]
     spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), blurs)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
@@ -124,11 +125,6 @@ def _torque_noise(
             found = repeated_spectrum(known, repeats, log.period)
         out[name] = found or NoiseSpectrum.white(channel_noise(known), log.period)
     return out
-
-
-def smooth_motion(robot: Robot, log: Log) -> np.ndarray:
-    """(N, n) coordinates of a log without their sensors' noise."""
-    return np.column_stack([smooth(x, channel_noise(x)) for x in log.signals(robot.coordinates).T])
 
 
 def resolution(x: np.ndarray) -> float:

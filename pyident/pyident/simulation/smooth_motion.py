@@ -21,12 +21,8 @@ _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 
 
-def smooth(x: np.ndarray, noise: float) -> np.ndarray:
-    """(N,) without what lies above the frequencies at which the motion x (N,) is far above its white noise.
-
-    noise   its standard deviation
-    """
-    corner = reached(x, noise)
+def smooth(x: np.ndarray, corner: float) -> np.ndarray:
+    """(N,) what a motion x (N,) is below a corner, over the Nyquist frequency, as of `reached`."""
     course = _course(x, int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3))))
     left = x - course
     S = np.fft.rfft(np.concatenate([left, -left[-2:0:-1]]))
@@ -35,12 +31,9 @@ def smooth(x: np.ndarray, noise: float) -> np.ndarray:
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
 
 
-def blurred(x: np.ndarray, noise: float) -> int:
-    """Samples of x, (N,), on either side over which `smooth` spreads what happens in one of them.
-
-    A reversal of friction is such a thing. noise: deviation of x.
-    """
-    return int(np.ceil(2 * _RINGS / reached(x, noise)))
+def blurred(corner: float) -> int:
+    """Samples on either side over which `smooth` spreads what happens in one: a reversal of friction."""
+    return int(np.ceil(2 * _RINGS / corner))
 
 
 def ends_of(count: int, blurs: Sequence[int]) -> int:
@@ -55,6 +48,7 @@ def ends_of(count: int, blurs: Sequence[int]) -> int:
 def reached(x: np.ndarray, noise: float) -> float:
     """The highest frequency of a motion x (N,), over the Nyquist frequency, that noise does not blur.
 
+    noise: the standard deviation of the white noise in x.
     Not every frequency at which it shows: what a controller makes of its encoder's noise shows as well, up to
     ten times that noise in a poor loop, and belongs to the torque by the controller's law, not the robot's.
     """

@@ -7,6 +7,7 @@ file names no cutoff, the motion is therefore taken as a low pass leaves it whos
 nears the noise. The torques keep all their frequencies.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,27 +17,25 @@ from pyident.conditioning.rest import without_steps
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
-from pyident.simulation.along import smooth_motion
 from pyident.simulation.sensor_noise import channel_noise
-from pyident.simulation.smooth_motion import blurred, ends_of, reached
+from pyident.simulation.smooth_motion import blurred, ends_of, reached, smooth
 
 
 def denoised(robot: Robot, log: Log) -> Conditioned:
     """As `condition`, of the motion without its noise. Raises LogError."""
-    return _relied_on(robot, log, condition(_smooth(robot, log), robot))
+    return _without_noise(robot, log, condition)
 
 
 def denoised_every_sample(robot: Robot, log: Log) -> Conditioned:
     """As `condition_every_sample`. Raises LogError."""
-    return _relied_on(robot, log, condition_every_sample(_smooth(robot, log), robot))
+    return _without_noise(robot, log, condition_every_sample)
 
 
 def corners(robot: Robot, log: Log) -> np.ndarray:
     """(n,) frequency [Hz] up to which each coordinate's motion stands clear of noise; infinite: not asked."""
     if not denoises(robot):
         return np.full(len(robot.coordinates), np.inf)
-    nyquist = 0.5 / log.period
-    return np.array([nyquist * reached(x, channel_noise(x)) for x in log.signals(robot.coordinates).T])
+    return 0.5 / log.period * np.array(_reached(robot, log))
 
 
 def denoises(robot: Robot) -> bool:
@@ -45,22 +44,22 @@ def denoises(robot: Robot) -> bool:
     return rigid and robot.controller is None and robot.settings.processing.cutoff is None
 
 
-def _smooth(robot: Robot, log: Log) -> Log:
+def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
+    """Nor its ends, nor where a low pass blurs the step of an acceleration as friction turns round."""
     if not denoises(robot):
-        return log
-    frame = log.frame.copy()
-    frame[list(robot.coordinates)] = smooth_motion(robot, log)
-    return replace(log, frame=frame)
-
-
-def _relied_on(robot: Robot, log: Log, part: Conditioned) -> Conditioned:
-    """Without the ends, and where a low pass blurs the step of an acceleration when friction turns round."""
-    if not denoises(robot):
-        return part
-    use = part.use.copy()
-    blurs = [blurred(x, channel_noise(x)) for x in log.signals(robot.coordinates).T]
+        return conditioned(log, robot)
+    reach, frame = _reached(robot, log), log.frame.copy()
+    motion = [smooth(x, corner) for x, corner in zip(log.signals(robot.coordinates).T, reach, strict=True)]
+    frame[list(robot.coordinates)] = np.column_stack(motion)
+    part = conditioned(replace(log, frame=frame), robot)
+    use, blurs = part.use.copy(), [blurred(corner) for corner in reach]
     for k, blur in enumerate(blurs):
         use[:, k] *= without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
     ends = ends_of(len(use), blurs)
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
+
+
+def _reached(robot: Robot, log: Log) -> list[float]:
+    """By coordinate, over the Nyquist frequency."""
+    return [reached(x, channel_noise(x)) for x in log.signals(robot.coordinates).T]
