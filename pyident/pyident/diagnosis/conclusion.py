@@ -109,14 +109,14 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in search.rows(c)}
-    above = bands_standing_out(search.examination, beside.base)
+    out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
     doubted = bands_in_doubt(search.examination, beside.base)
     for row, coordinate in enumerate(robot.q):
         refusal = next((r for r in selection.refusals if row in r.rows), None)
         bands = above[row]
         if refusal is not None and refusal.certain:
             bands = bands | doubted[row]
-        left = bool(beside.standing_out[row] or bands.any())
+        left = bool(out[row] or bands.any())
         state = "unexplained" if left else "explained" if row in acting else "in_order"
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""

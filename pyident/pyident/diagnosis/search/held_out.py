@@ -43,6 +43,10 @@ class Unseen:
         """Standard deviations from zero of the size that these logs by themselves give the effects."""
         return self.share * (1 + 1 / self.kept) / self.std if self.kept > 0 else 0.0
 
+    def of_one_size(self, rules: SearchRules) -> bool:
+        """Whether what is missing there has about the size of what the effects take."""
+        return abs(self.kept - 1) <= rules.unseen
+
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
 

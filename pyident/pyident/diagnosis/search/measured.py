@@ -21,7 +21,7 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     rules = search.rules
     if unseen is None or not candidate.describes or search.stands_out:
         return False
-    again = unseen.deviations >= rules.again and abs(unseen.kept - 1) <= rules.unseen
+    again = unseen.deviations >= rules.again and unseen.of_one_size(rules)
     return again and _deviations(search, candidate) >= rules.chance
 
 

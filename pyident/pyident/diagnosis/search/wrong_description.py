@@ -116,7 +116,7 @@ def _no_chance(view: Search, entry: Admission) -> bool:
     unseen, rules = entry.unseen, view.rules
     if unseen is None:
         return False
-    return unseen.share > rules.chance * unseen.std and abs(unseen.kept - 1) <= rules.unseen
+    return unseen.share > rules.chance * unseen.std and unseen.of_one_size(rules)
 
 
 def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
