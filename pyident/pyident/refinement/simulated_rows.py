@@ -15,7 +15,7 @@ from pyident.estimation.instrumental_variables import Logs, Rows, acting, fading
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.stand_in import driven
-from pyident.regression.equations import Problem
+from pyident.regression.equations import Problem, centre, free_means
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat
@@ -63,10 +63,7 @@ def in_memory(robot: Robot, part: Conditioned) -> Data:
     for block, target in problem.blocks():
         A[at : at + len(target)], y[at : at + len(target)] = block, target
         at += len(target)
-    for row in part.free:
-        share = use[:, row] / max(float(use[:, row].sum()), 1.0)
-        A[:, row] -= share @ A[:, row]
-        y[:, row] -= share @ y[:, row]
+    centre(A, y, free_means(part, [(A, y, use)]))
     return Data(part, A, y, use)
 
 

@@ -69,12 +69,12 @@ class Problem:
 
 def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:
     part = piece.conditioned.cut(piece.own)
-    means = _means(
+    means = free_means(
         part, ((Phi, part.target[at], part.use[at]) for at, Phi in regressor_blocks(robot, part.motion))
     )
     for at, Phi in regressor_blocks(robot, part.motion):
         y = part.target[at].copy()
-        _centre(Phi, y, means)
+        centre(Phi, y, means)
         _weigh(Phi, y, part.use[at])
         yield Phi, y
 
@@ -90,12 +90,12 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
             columns = np.flatnonzero(Phi[:, row].any(axis=0))
             A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
     use = part.use[::factor][kept]
-    _centre(A, y, _means(part, [(A, y, use)]))
+    centre(A, y, free_means(part, [(A, y, use)]))
     _weigh(A, y, use)
     yield A, y
 
 
-def _means(
+def free_means(
     part: Conditioned, blocks: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]
 ) -> dict[int, tuple[np.ndarray, float]]:
     """Free equation -> means (P,) of its A and of its y over the samples in use; blocks: A, y, use."""
@@ -113,8 +113,8 @@ def _means(
     return {row: (of_A[row] / count[row], float(of_y[row] / count[row])) for row in free}
 
 
-def _centre(A: np.ndarray, y: np.ndarray, means: Mapping[int, tuple[np.ndarray, float]]) -> None:
-    """Take means of free equations away, in place."""
+def centre(A: np.ndarray, y: np.ndarray, means: Mapping[int, tuple[np.ndarray, float]]) -> None:
+    """Take means of free equations, as of `free_means`, away from A (N, n, P) and y (N, n), in place."""
     for row, (of_A, of_y) in means.items():
         A[:, row] -= of_A
         y[:, row] -= of_y
