@@ -40,14 +40,17 @@ def test_the_controllers_answer_is_the_torque_in_the_fmu(four_link, recorded):
     assert log.up_to_constant == four_link.torques
 
 
-def test_identification_finds_the_same_without_torque(four_link, recorded):
+def _finds_the_same_without_torque(robot, log):
     with_torque, without = (
-        pi.identify(four_link, log, estimator="wls").robot.parameters
-        for log in (recorded, _bare(recorded, four_link))
+        pi.identify(robot, one, estimator="wls").robot.parameters for one in (log, _bare(log, robot))
     )
     for k in range(1, 5):
         for name in (f"joint{k}.coulomb", f"joint{k}.viscous", f"joint{k}.k[1]"):
             assert without[name] == pytest.approx(with_torque[name], rel=0.01), name
+
+
+def test_identification_finds_the_same_without_torque(four_link, recorded):
+    _finds_the_same_without_torque(four_link, recorded)
 
 
 def test_a_log_may_begin_in_the_midst_of_a_motion(four_link, recorded):
@@ -58,13 +61,7 @@ def test_a_log_may_begin_in_the_midst_of_a_motion(four_link, recorded):
         off = (log.frame[name] - late.frame[name])[1:]  # what the first sample answers to came before the log
         assert off.std() < 1e-6 * late.frame[name].std(), name
         assert np.abs(off.mean()) < 0.02 * late.frame[name].std(), name
-    with_torque, without = (
-        pi.identify(four_link, log, estimator="wls").robot.parameters
-        for log in (late, _bare(late, four_link))
-    )
-    for k in range(1, 5):
-        for name in (f"joint{k}.coulomb", f"joint{k}.viscous", f"joint{k}.k[1]"):
-            assert without[name] == pytest.approx(with_torque[name], rel=0.01), name
+    _finds_the_same_without_torque(four_link, late)
 
 
 @pytest.mark.parametrize("estimator", ["wls", "iv"])
