@@ -65,8 +65,8 @@ def import_command(
 
     Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
-    still = [name.strip() for name in fixed.split(",") if name.strip()]
-    robot, notes = imported(file, _numbers(flexible, "--flexible"), _numbers(twist, "--twist"), still)
+    bent, twisted = _numbers(flexible, "--flexible"), _numbers(twist, "--twist")
+    robot, notes = imported(file, bent, twisted, _words(fixed))
     check_readable(robot)
     save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
@@ -133,8 +133,12 @@ def export_command(
     write_json(json_file, {"file": output, "notes": notes, "relative_error": shares})
 
 
+def _words(text: str) -> list[str]:
+    return [word.strip() for word in text.split(",") if word.strip()]
+
+
 def _numbers(text: str, option: str) -> list[int]:
     try:
-        return [int(word) for word in text.split(",") if word.strip()]
+        return [int(word) for word in _words(text)]
     except ValueError:
         raise RobotError(f"{option} must be joint numbers such as 1,2, not {text!r}") from None
