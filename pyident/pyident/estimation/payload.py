@@ -98,8 +98,7 @@ def _nearest(p: np.ndarray, covariance: np.ndarray, absent: np.ndarray) -> tuple
     whitened = (vectors[:, telling] / np.sqrt(values[telling])).T / size
     x = cp.Variable(len(p))
     cost = cp.norm(whitened @ (x - p)) + 1e-3 * cp.norm(vectors[:, ~telling].T @ cp.multiply(x - p, 1 / size))
-    body = pseudo_inertia([x[i] for i in range(len(p))])
-    problem = cp.Problem(cp.Minimize(cost), [body >> _SMALLEST * np.eye(4)])
+    problem = cp.Problem(cp.Minimize(cost), [pseudo_inertia(x) >> _SMALLEST * np.eye(4)])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
         problem.solve(solver=cp.CLARABEL)

@@ -8,7 +8,7 @@ Wensing and Park 2020), what belongs to a joint in shares of its prior value.
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,7 +77,8 @@ def _nearest(
     limits: list[cp.Constraint] = [
         _body(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
     ]
-    limits += [z[names.index(name)] >= bound * scale[names.index(name)] for name, bound in bounds.items()]
+    at = [names.index(name) for name in bounds]
+    limits += [z[at] >= np.array(list(bounds.values())) * scale[at]] if at else []
     if prior is None:
         cost = cp.norm(u) + _OPEN * cp.norm(t)
     else:
@@ -103,11 +104,12 @@ def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Express
         body = L @ _body(p, names, k) @ L.T
         terms.append(cp.trace(body) - cp.log_det(body) - 4)
     positive = {name for name, bound in lower_bounds(prior).items() if bound == 0}
-    for i, name in enumerate(names):
-        if name.startswith("link") or not known.get(name):
-            continue
-        ratio = p[i] / known[name]
-        terms.append(ratio - cp.log(ratio) - 1 if name in positive else cp.square(ratio - 1) / 2)
+    of_joints = [i for i, name in enumerate(names) if not name.startswith("link") and known.get(name)]
+    for bounded in (True, False):
+        at = [i for i in of_joints if (names[i] in positive) == bounded]
+        if at:
+            ratio = cp.multiply(p[at], 1 / np.array([known[names[i]] for i in at]))
+            terms.append(cp.sum(ratio - cp.log(ratio) - 1) if bounded else cp.sum_squares(ratio - 1) / 2)
     return sum(terms, cp.Constant(0.0))
 
 
@@ -160,15 +162,21 @@ def lower_bounds(robot: Robot) -> dict[str, float]:
 
 
 def _body(p: "cp.Expression", names: list[str], link: int) -> "cp.Expression":
-    return pseudo_inertia([p[names.index(f"link{link}.{name}")] for name in LINK_PARAMETERS])
+    return pseudo_inertia(p[[names.index(f"link{link}.{name}") for name in LINK_PARAMETERS]])
 
 
-def pseudo_inertia(body: Sequence["cp.Expression"]) -> "cp.Expression":
-    """(4, 4) of ten expressions in the order of LINK_PARAMETERS; positive definite for what can be a body."""
+def pseudo_inertia(body: "cp.Expression") -> "cp.Expression":
+    """(4, 4) of ten values in the order of LINK_PARAMETERS; positive definite for what can be a body."""
     import cvxpy as cp
 
+    each = [_pseudo_inertia(np.eye(10)[i]).ravel() for i in range(10)]
+    return cp.reshape(np.column_stack(each) @ body, (4, 4), order="C")
+
+
+def _pseudo_inertia(body: np.ndarray) -> np.ndarray:
+    """(4, 4) of ten numbers."""
     m, x, y, z, xx, xy, xz, yy, yz, zz = body
     half = (xx + yy + zz) / 2
-    return cp.bmat(
+    return np.array(
         [[half - xx, -xy, -xz, x], [-xy, half - yy, -yz, y], [-xz, -yz, half - zz, z], [x, y, z, m]]
     )
