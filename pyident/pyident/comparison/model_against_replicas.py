@@ -111,7 +111,7 @@ def run_trial(
     data = judged_logs(trial, workers)
     trial = _with_tip_noise(trial, data)
     told = _Told(progress, 2 * replicas + 1, 1)
-    groups = [range(first, min(first + _TOGETHER, replicas)) for first in range(0, replicas, _TOGETHER)]
+    groups = [own.tolist() for own in np.array_split(range(replicas), -(-replicas // _TOGETHER))]
     refits = told.all_of([workers.submit(_refits, trial, seeds) for seeds in groups])
     middle = np.mean([f.solution.p for f in refits], axis=0)
     widen = np.sqrt(replicas / (replicas - 1))  # the middle is one of their own
