@@ -21,7 +21,8 @@ from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import Progress, Trial
 from pyident.extension.ask import Asked, ask
-from pyident.extension.extended_robot import Correction, extended_robot, require_new
+from pyident.extension.beside import begun
+from pyident.extension.extended_robot import Correction, extended_robot, known_beforehand, require_new
 from pyident.extension.fit import Fit, fit_to
 from pyident.extension.split import split
 from pyident.extension.waterfall import Step
@@ -97,16 +98,21 @@ def add_effect(
     """
     require_new(robot, joint, effect)
     parts = split(logs, heldout, rules)
+    rest, replicas = _share(progress, 0.6, 1.0), rules.replicas.trial
+
+    def judged(model: Robot, told: Progress) -> Fit:
+        return fit_to(model, parts, open_pool, rules, told, replicas)
+
+    known = known_beforehand(robot, joint, effect)
+    ahead = None if known is None else begun(judged, known, lambda _: None)
     base = fit_to(robot, parts, open_pool, rules, progress)
     progress(0.2)
-    asked = ask(base.setting, joint, effect, parts.unseen, open_pool, _share(progress, 0.2, 0.5))
+    asked = ask(base.asked, joint, effect, parts.unseen, open_pool, _share(progress, 0.2, 0.5))
     wider, correction = extended_robot(robot, asked)
-    rest, replicas = _share(progress, 0.6, 1.0), rules.replicas.trial
     try:
-        new = fit_to(wider, parts, open_pool, rules, rest, replicas)
+        new = judged(wider, rest) if ahead is None else ahead.result()
     except SimulationError as error:
-        base = fit_to(robot, parts, open_pool, rules, rest, replicas)
-        return _not_simulated(base, wider, asked, correction, error)
+        return _not_simulated(judged(robot, rest), wider, asked, correction, error)
     return _judged(base.beside(new.replicas), new, asked, correction)
 
 

@@ -8,7 +8,7 @@ from flexmodels.robot import RobotError
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.residual_over_floor import examine
-from pyident.diagnosis.base.setting import Setting, set_up, workers_of
+from pyident.diagnosis.base.setting import Setting, workers_of
 from pyident.diagnosis.search.gate import Admission, admission
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Found, Search, search_of
@@ -50,9 +50,10 @@ def ask(
     open_pool: OpenPool,
     progress: Callable[[float], None],
 ) -> Asked:
-    """setting: of the model without the effect, its bias removed. Raises LogError, RobotError."""
-    along = set_up(setting.robot, setting.logs, setting.rules)
-    setting = setting if along.simulates else along
+    """setting: of the model without the effect, as a diagnosis looks at its logs.
+
+    Raises LogError, RobotError.
+    """
     with workers_of(setting, open_pool) as workers:
         search = search_of(examine(setting, workers, progress, _listed(setting, joint, effect)))
     found = search.best(effect, joint)

@@ -49,6 +49,14 @@ def require_new(robot: Robot, joint: int, effect: str) -> None:
         raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
 
 
+def known_beforehand(robot: Robot, joint: int, effect: str) -> Robot | None:
+    """The robot with a law whose parameters are all linear; None where a search must find values first."""
+    if describes(effect):
+        return None
+    wider = robot.with_effect(joint, effect)
+    return None if wider.joints[joint - 1].law(effect).nonlinear else wider
+
+
 def extended_robot(robot: Robot, asked: Asked) -> tuple[Robot, Correction | None]:
     """The robot with the law, its nonlinear values those of the search; or corrected, and by what."""
     c = asked.candidate

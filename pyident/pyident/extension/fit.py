@@ -12,14 +12,18 @@ from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbi
 from pyident.extension.split import Split
 from pyident.rules.rules import Rules
 from pyident.simulation.replica import Repeat, repeat_like
-from pyident.simulation.simulator import OpenPool, Workers
+from pyident.simulation.simulator import OpenPool
 
 
 @dataclass(frozen=True)
 class Fit:
-    """data, replicas: parts of the fitted logs, so many as `fitted`, then of those held out."""
+    """data, replicas: parts of the fitted logs, so many as `fitted`, then of those held out.
+
+    setting, asked   in closed loop and free of bias; and as a diagnosis looks at the fitted logs
+    """
 
     setting: Setting
+    asked: Setting
     trial: Trial
     fitted: int
     data: list[Part]
@@ -52,21 +56,22 @@ def fit_to(
 
     Raises LogError and what the simulation raises.
     """
-    setting = in_closed_loop(set_up(robot, parts.fitted, rules), parts.fitted)
+    start = set_up(robot, parts.fitted, rules)
+    setting = in_closed_loop(start, parts.fitted)
     with open_pool(setting.simulated) as workers:
-        fit = _simulated(setting, parts, workers)
+        setting = unbiased(setting, workers)
+        asked = setting if start.simulates else start
+        fit = Fit(setting, asked, _on_trial(setting, parts), len(parts.fitted), [])
         if not replicas:
             return replace(fit, data=judged_logs(fit.trial, workers))
         data, made = run_trial(fit.trial, workers, progress, replicas)
         return replace(fit, data=data, replicas=made)
 
 
-def _simulated(setting: Setting, parts: Split, workers: Workers) -> Fit:
-    """Free of the regression's bias, and on trial."""
-    setting = unbiased(setting, workers)
+def _on_trial(setting: Setting, parts: Split) -> Trial:
     judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
     fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
-    trial = Trial(
+    return Trial(
         setting.robot,
         setting.simulated,
         fitted,
@@ -75,4 +80,3 @@ def _simulated(setting: Setting, parts: Split, workers: Workers) -> Fit:
         setting.noise,
         setting.estimator,
     )
-    return Fit(setting, trial, len(fitted), [])

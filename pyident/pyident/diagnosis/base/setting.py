@@ -112,6 +112,8 @@ def _along_model(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
 
 def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
+    if setting.simulates:
+        return setting
     return _repeated(
         replace(setting, robot=identified(setting.robot, setting.reduced, setting.solution).robot), logs
     )
