@@ -55,3 +55,30 @@ def test_cancelled_work_ends(tmp_path):
     last = path.read_text()
     time.sleep(0.2)
     assert path.read_text() == last
+
+
+def number(progress):
+    return os.getpid()
+
+
+def test_work_goes_to_the_process_that_waits():
+    first, second = Job("who", number), Job("who else", number)
+    first.wait(60)
+    second.wait(60)
+    assert first.result != second.result  # both at once
+    third = Job("who now", number)
+    third.wait(60)
+    assert third.result in (first.result, second.result)
+
+
+def test_work_that_is_cancelled_takes_its_process_along(tmp_path):
+    before = Job("who", number)
+    before.wait(60)
+    path = tmp_path / "alive"
+    job = Job("endless", endless, path)
+    while not path.exists() and job.running:
+        time.sleep(0.01)
+    job.cancel()
+    after = Job("who now", number)
+    after.wait(60)
+    assert (after.state, after.result != before.result) == ("done", True)

@@ -1,14 +1,13 @@
 """Long work in a process of its own: it reports progress, can be cancelled, and never blocks the page."""
 
-import os
-import signal
 import sys
 import threading
 import traceback
 from collections.abc import Callable
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any, Literal
+
+from pyident.simulation.processes.warm_process import given_back, taken
 
 State = Literal["running", "done", "failed", "cancelled"]
 
@@ -26,12 +25,9 @@ class Job:
         self.state: State = "running"
         self.result: Any = None
         self.error = ""
-        context = get_context("spawn")
-        self._receiver, sender = context.Pipe(duplex=False)
-        self._process = context.Process(target=_run, args=(sender, work, arguments))
-        self._process.start()
-        sender.close()
-        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._ends = threading.Lock()
+        self._process = taken(_every_job)
+        self._listener = threading.Thread(target=self._listen, args=(work, arguments), daemon=True)
         self._listener.start()
 
     @property
@@ -40,58 +36,61 @@ class Job:
 
     def cancel(self) -> None:
         """Stop it and the processes that it started; what it wrote is whole files or nothing."""
-        if self.running:
-            self.state = "cancelled"
-            _stop(self._process.pid)
+        with self._ends:
+            if self.running:
+                self.state = "cancelled"
+                self._process.stop()
 
     def wait(self, seconds: float | None = None) -> None:
         """Return when it has ended, or after so many seconds."""
         self._listener.join(seconds)
 
-    def _listen(self) -> None:
+    def _listen(self, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
         try:
-            while self.running:
-                kind, value = self._receiver.recv()
-                if kind == "progress":
-                    self.progress = float(value)
-                elif kind == "result":
-                    self.result, self.state, self.progress = value, "done", 1.0
-                else:
-                    self.error, self.state = str(value), "failed"
+            self._process.link.send((work, arguments))
+            kind, value = self._process.link.recv()
+            while kind == "progress":
+                self.progress = float(value)
+                kind, value = self._process.link.recv()
         except (EOFError, OSError):
-            if self.running:
-                self.error, self.state = "the process ended without a word", "failed"
-        self._process.join()
+            kind, value = "end", "the process ended without a word"
+        with self._ends:
+            if not self.running:  # it was cancelled
+                return
+            if kind == "end":
+                self._process.stop()
+            else:
+                given_back(self._process)  # before anybody sees that it is free
+            if kind == "result":
+                self.result, self.progress, self.state = value, 1.0, "done"
+            else:
+                self.error, self.state = str(value), "failed"
 
 
-def _run(sender: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
-    if hasattr(os, "setsid"):
-        os.setsid()  # so that cancelling reaches the processes that this one starts
+def _every_job(link: Connection) -> None:
+    """One job after the other, in their process."""
+    while True:
+        try:
+            work, arguments = link.recv()
+        except (EOFError, OSError):
+            return
+        _do(link, work, arguments)
+
+
+def _do(link: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     last = 0.0
 
     def progress(fraction: float) -> None:
         nonlocal last
         if fraction - last >= 0.005 or fraction >= 1.0:
             last = fraction
-            sender.send(("progress", fraction))
+            link.send(("progress", fraction))
 
     try:
-        sender.send(("result", work(*arguments, progress=progress)))
+        link.send(("result", work(*arguments, progress=progress)))
     except (ValueError, RuntimeError, OSError, ImportError) as error:
         traceback.print_exc(file=sys.stderr)
-        sender.send(("error", str(error) or type(error).__name__))
+        link.send(("error", str(error) or type(error).__name__))
     except Exception as error:
         traceback.print_exc(file=sys.stderr)
-        sender.send(("error", f"fault in pyident itself, please report it ({type(error).__name__}: {error})"))
-
-
-def _stop(pid: int | None) -> None:
-    if pid is None:
-        return
-    try:
-        if hasattr(os, "killpg"):
-            os.killpg(pid, signal.SIGTERM)
-        else:
-            os.kill(pid, signal.SIGTERM)
-    except ProcessLookupError:
-        pass  # it has ended meanwhile
+        link.send(("error", f"fault in pyident itself, please report it ({type(error).__name__}: {error})"))

@@ -74,7 +74,10 @@ def processes_kept(module: str | None = None) -> Iterator[None]:
 
     module   where the work is long: they start at once, and import this one, while this process goes on
     """
-    if _kept.get() is not None:
+    kept = _kept.get()
+    if kept is not None:
+        if module is not None:
+            kept.prepare(module)
         yield
         return
     with _new_pool() as pool:
