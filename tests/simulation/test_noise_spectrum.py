@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import bessel, butter, sosfilt, sosfreqz
 
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
@@ -107,6 +108,23 @@ def test_coloured_noise_stays_coloured(count, allowed):
     scaled = np.array([*SLOW, 3.0]) * 0.004 / PERIOD  # `true` is of another period
     levels = mean_of(found, np.array([*SLOW, 3.0])) / (true(scaled, 1.0, 0.0) * 0.004 / PERIOD)
     assert levels == pytest.approx(np.ones(3), abs=allowed)
+
+
+@pytest.mark.parametrize(
+    ("sections", "factor"), [(butter(2, 0.04, output="sos"), 2.5), (bessel(4, 0.04, output="sos"), 5)]
+)
+def test_noise_behind_steeper_filters_is_about_told_where_it_was_not_seen(sections, factor):
+    """A corner of 5 Hz; four poles are none of the shapes that are tried. One alone: 25 times less."""
+    period, count = 0.004, 5000
+    f, white = np.array([0.5, 1.0, 2.0, 4.0]), 0.05
+    found = []
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        slow = np.asarray(sosfilt(sections, rng.standard_normal(count + 500)))[500:]
+        found.append(between(slow + white * rng.standard_normal(count), seed, period))
+    gain = np.square(np.abs(sosfreqz(sections, f, fs=1 / period)[1]))
+    ratio = mean_of(found, f) / (2 * period * (gain + white**2))
+    assert (np.abs(np.log(ratio)) < np.log(factor)).all()
 
 
 def test_noise_of_differences_does_not_raise_what_is_slow():

@@ -6,7 +6,8 @@ part alone is too low where the physics is, and all that exceeds it reads as som
 What the fitted model leaves of a torque, along the motion without its sensors' noise, holds noise and what
 the model lacks. Where the motion repeats, noise is what does not (see `repetition`). Else it is what is left
 between reversals in stretches so short that a law is a cubic there; below the frequencies that these resolve,
-the spectrum is that of white and of low-passed noise which fit it best above.
+the spectrum is that of white noise and of noise behind a low pass of one or two poles, as drives filter their
+currents, which fit it best above.
 
 In a loop an encoder's noise becomes torque by differences, and the arm hardly follows it: such a spectrum
 rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what
@@ -32,7 +33,8 @@ _FIRST = 4  # bin from which on nothing of it is left
 _WIDER = 1.25  # each band's width in which a spectrum is averaged, over the one's before
 _BINS = 8  # in a band at least
 _FINE = 200  # frequencies of a spectrum
-_CORNERS = 15  # of low passes that are tried
+_ORDERS = (1, 2)  # poles of low passes that are tried
+_CORNERS = 15  # of each
 _ROUNDS = 4  # after which their sizes change by less than a per cent
 _LEAST = 1e-6  # of the mean density
 _BRIDGED = 17  # samples whose mean a line over others begins at
@@ -141,14 +143,14 @@ def _before_a_rise(seen: np.ndarray) -> int:
 def _by_shapes(f: np.ndarray, typical: np.ndarray, fine: np.ndarray, pieces: int) -> np.ndarray:
     """Density at the frequencies `fine` of the white and low-passed noise that fits (F,) at f best."""
     white = float(typical.mean())
-    corners = np.geomspace(f[0] / 2, fine[-1] / 3, _CORNERS)
-    fits = [_low_passed(f, typical, corner) for corner in corners]
-    misses = [_miss(typical, _shapes(f, c) @ size) for c, size in zip(corners, fits, strict=True)]
+    corners = [(c, order) for c in np.geomspace(f[0] / 2, fine[-1] / 3, _CORNERS) for order in _ORDERS]
+    fits = [_low_passed(f, typical, *corner) for corner in corners]
+    misses = [_miss(typical, _shapes(f, *c) @ size) for c, size in zip(corners, fits, strict=True)]
     best = int(np.argmin(misses))
     told = _TOLD * pieces  # times each bin is seen
     gain = told * (_miss(typical, np.full(len(f), white)) - misses[best])
     odds = np.exp(min(gain - _FURTHER / 2 * np.log(told * len(f)), _CERTAIN))
-    return (white + odds * _shapes(fine, corners[best]) @ fits[best]) / (1 + odds)
+    return (white + odds * _shapes(fine, *corners[best]) @ fits[best]) / (1 + odds)
 
 
 def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -162,17 +164,17 @@ def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]
     return f[_FIRST:-1], np.median(S, axis=0)[_FIRST:-1] / np.log(2)
 
 
-def _low_passed(f: np.ndarray, typical: np.ndarray, corner: float) -> np.ndarray:
-    """(2,) sizes of white noise and of noise below a corner [Hz] beside it."""
-    shapes, model, size = _shapes(f, corner), np.full(len(f), typical.mean()), np.zeros(2)
+def _low_passed(f: np.ndarray, typical: np.ndarray, corner: float, order: int) -> np.ndarray:
+    """(2,) sizes of white noise and of noise behind a low pass of a corner [Hz] beside it."""
+    shapes, model, size = _shapes(f, corner, order), np.full(len(f), typical.mean()), np.zeros(2)
     for _ in range(_ROUNDS):  # over the typical values themselves it would lean on the lowest
         size = nnls(shapes / model[:, None], typical / model)[0]
         model = np.maximum(shapes @ size, _LEAST * typical.mean())
     return size
 
 
-def _shapes(f: np.ndarray, corner: float) -> np.ndarray:
-    return np.column_stack([np.ones_like(f), 1 / (1 + (f / corner) ** 2)])
+def _shapes(f: np.ndarray, corner: float, order: int) -> np.ndarray:
+    return np.column_stack([np.ones_like(f), 1 / (1 + (f / corner) ** (2 * order))])
 
 
 def _miss(typical: np.ndarray, model: np.ndarray) -> float:

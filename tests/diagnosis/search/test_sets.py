@@ -52,7 +52,7 @@ def test_a_set_grows_by_what_takes_more_beside_the_others():
     sizes, left = [], []
     for steps, _ in sets_for(search, step, step.best, held):
         sizes.append(len(steps))
-        left.append(search.with_further([s.best.candidate for s in steps]).remaining)
+        left.append(search.with_further([s.best.candidate for s in steps]).base.energy)
     assert sizes == list(range(1, len(sizes) + 1))
     assert len(sizes) > 1
     assert np.all(np.diff(left) < 0)
