@@ -127,6 +127,20 @@ def test_noise_behind_steeper_filters_is_about_told_where_it_was_not_seen(sectio
     assert (np.abs(np.log(ratio)) < np.log(factor)).all()
 
 
+def test_there_is_no_more_noise_than_what_is_left():
+    """A ripple of 4.5 Hz looks like noise with a corner there, which would be as strong below it."""
+    period, count, f = 0.004, 5000, np.array([0.5, 1.0, 2.0])
+    turns = 2 * np.pi * 0.05 * np.arange(count) * period
+    moving = np.abs(np.sin(turns)) > 0.05
+    levels = []
+    for seed in range(10):
+        white = np.random.default_rng(seed).standard_normal(count)
+        found = between_reversals(white + 3 * np.sin(90 * turns), moving, period)
+        assert found is not None
+        levels.append(np.interp(f, found.frequencies, found.density))
+    assert (np.mean(levels, axis=0) < 2 * (2 * period)).all()
+
+
 def test_noise_of_differences_does_not_raise_what_is_slow():
     """As a loop makes of its encoders': sampled differences of white noise, 4 sin²(pi f T) of its density."""
     period, count = 0.004, 8000

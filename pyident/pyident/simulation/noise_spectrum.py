@@ -7,7 +7,7 @@ What the fitted model leaves of a torque, along the motion without its sensors' 
 the model lacks. Where the motion repeats, noise is what does not (see `repetition`). Else it is what is left
 between reversals in stretches so short that a law is a cubic there; below the frequencies that these resolve,
 the spectrum is that of white noise and of noise behind a low pass of one or two poles, as drives filter their
-currents, which fit it best above.
+currents, which fit it best above; but there is no more noise than all that the model leaves.
 
 In a loop an encoder's noise becomes torque by differences, and the arm hardly follows it: such a spectrum
 rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what
@@ -23,6 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import nnls
+from scipy.stats import chi2
 
 from pyident.simulation.repetition import unrepeated
 
@@ -41,6 +42,9 @@ _BRIDGED = 17  # samples whose mean a line over others begins at
 _RISES = 4.0  # times the least density at lower frequencies: there noise of another kind begins
 _AVERAGED = 3  # bins
 _CERTAIN = 50.0  # logarithm of odds: more is not needed
+_OCTAVE = 24  # bins of a spectrum that are told from what a fit leaves
+_NEWS = 1.5  # bins of Hann's window for one that is news
+_SURE = 0.05  # that noise is stronger than what is left says
 _FURTHER = 2  # parameters of low-passed noise beside white: its corner and its size
 _TOLD = (
     0.95 * 0.51 * 0.48
@@ -119,8 +123,28 @@ def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> No
         starts = range(0, len(left) - length + 1, length // 2)
         pieces = np.array([left[a : a + length] for a in starts if moving[a : a + length].all()])
         if len(pieces) >= _ENOUGH:
-            return _fitted(pieces, period)
+            return _no_more_than(left, _fitted(pieces, period))
     return None
+
+
+def _no_more_than(left: np.ndarray, found: NoiseSpectrum) -> NoiseSpectrum:
+    """A spectrum that was continued, with no more noise than all that is left (N,), octave by octave.
+
+    The fit of the model has taken some of the noise, in the lowest octaves most: they count as one.
+    """
+    window = np.hanning(len(left))
+    S = np.abs(np.fft.rfft((left - left.mean()) * window)) ** 2 / np.sum(window**2) * 2 * found.period
+    edges = [int(found.continued * len(left) * found.period)]
+    while edges[-1] >= 2 * _OCTAVE:
+        edges.append(edges[-1] // 2)
+    density, f = found.density, found.frequencies * len(left) * found.period
+    for low, high in pairwise([0, *reversed(edges)]):
+        if high - low < _OCTAVE:
+            continue
+        times = (high - low) / _NEWS  # that the band's density is seen
+        most = 2 * times / chi2.ppf(_SURE, 2 * times) * S[low:high].mean()
+        density = np.where((low <= f) & (f < high), np.minimum(density, most), density)
+    return replace(found, density=density)
 
 
 def _fitted(pieces: np.ndarray, period: float) -> NoiseSpectrum:
