@@ -55,12 +55,13 @@ class Job:
         except (EOFError, OSError):
             kind, value = "end", "the process ended without a word"
         with self._ends:
-            if not self.running:  # it was cancelled
-                return
-            if kind == "end":
+            if kind == "end" or not self.running:
                 self._process.stop()
+                self._process.dismiss()
             else:
                 given_back(self._process)  # before anybody sees that it is free
+            if not self.running:  # it was cancelled
+                return
             if kind == "result":
                 self.result, self.progress, self.state = value, 1.0, "done"
             else:

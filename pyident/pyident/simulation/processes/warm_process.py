@@ -8,7 +8,6 @@ import os
 import signal
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -27,17 +26,15 @@ class WarmProcess:
     link: Connection
 
     def stop(self) -> None:
-        """End it and the processes that it started."""
-        if self.process.pid is not None:
-            with suppress(ProcessLookupError):  # it has ended meanwhile
-                if hasattr(os, "killpg"):
-                    os.killpg(self.process.pid, signal.SIGTERM)
-                else:
-                    os.kill(self.process.pid, signal.SIGTERM)
-        self.dismiss()
+        """End it and the processes that it started; who reads its link finds the end of it."""
+        assert self.process.pid is not None  # it was started
+        try:
+            os.killpg(self.process.pid, signal.SIGTERM)
+        except (AttributeError, ProcessLookupError):  # Windows; or it has no group yet, or has ended
+            self.process.terminate()
 
     def dismiss(self) -> None:
-        """Let it end when it is asked for more."""
+        """Let it end, for it waits for work."""
         self.link.close()
 
 
