@@ -125,6 +125,7 @@ def measured(tab, url: str, pid: int) -> Iterator[tuple[str, tuple[float, float]
         "every law asked",
         seconds(lambda: None, lambda: by("job-ask").wait_for(state="detached", timeout=_PATIENCE)),
     )
+    tab.wait_for_timeout(1000)  # the end of a job draws the place anew, and nobody clicks in that moment
     yield "click on a bump", seconds(by("bump-1").click, there("whole"))
     by("to-why").click()
     there("law-1")()

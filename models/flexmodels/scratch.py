@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,6 +17,7 @@ from pathlib import Path
 
 _JANITOR = 'while read -r line; do :; done; rm -rf -- "$1"'
 _roots: dict[int, Path] = {}  # by process, for those that fork
+_one_at_a_time = threading.Lock()  # of its threads
 _janitors: dict[int, subprocess.Popen[bytes]] = {}
 
 
@@ -32,11 +34,12 @@ def scratch_folder() -> Iterator[Path]:
 
 def _root() -> Path:
     process = os.getpid()
-    if process not in _roots or not _roots[process].is_dir():
-        _roots[process] = Path(tempfile.gettempdir()) / f"flexident-{uuid.uuid4().hex}"
-        atexit.register(_clean, process)  # known before it is there: Ctrl-C may come at any time
-        _watch(process)
-        _roots[process].mkdir(mode=0o700)
+    with _one_at_a_time:
+        if process not in _roots or not _roots[process].is_dir():
+            _roots[process] = Path(tempfile.gettempdir()) / f"flexident-{uuid.uuid4().hex}"
+            atexit.register(_clean, process)  # known before it is there: Ctrl-C may come at any time
+            _watch(process)
+            _roots[process].mkdir(mode=0o700)
     return _roots[process]
 
 

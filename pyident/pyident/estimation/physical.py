@@ -7,6 +7,7 @@ in the Bregman distance of the log-determinant, which is that of mass distributi
 Wensing and Park 2020), what belongs to a joint in shares of its prior value.
 """
 
+import threading
 import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -29,6 +30,7 @@ _EXTENT = 0.01  # m: least radius of gyration of a prior's body
 _EXACT = 1e-9  # of the parameters' length: the least standard deviation
 _NONE = "no physically consistent parameters were found"
 _CURE = "`pyident check` shows channels whose sign or unit is wrong"
+_warnings_held = threading.Lock()  # filters of warnings are those of all threads
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
 
@@ -84,7 +86,7 @@ def _nearest(
     else:
         cost = cp.sum_squares(u) / 2 + _distance(p, names, prior) / _TRUSTED**2
     problem = cp.Problem(cp.Minimize(cost), limits)
-    with warnings.catch_warnings():
+    with _warnings_held, warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
         problem.solve(solver=cp.CLARABEL)
     if z.value is None:

@@ -5,6 +5,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
+from threading import Lock
 from types import TracebackType
 from typing import Concatenate, ParamSpec, TypeVar
 
@@ -24,6 +25,7 @@ from pyident.simulation.simulator import runs_at_once
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_building = Lock()  # expressions of CasADi are no matter of several threads
 _LANES = 64  # runs of one task, of short experiments
 OpenProcesses = Callable[[Make[LoadedFmu]], AbstractContextManager[Processes[LoadedFmu]]]
 
@@ -55,7 +57,7 @@ class FmuRuns:
         self._robot, self._open = robot, open_processes
 
     def __enter__(self) -> "FmuRuns":
-        with scratch_folder() as folder:
+        with scratch_folder() as folder, _building:
             path = export_fmu(equations(self._robot), folder / "plant.fmu", light=True)
             content = path.read_bytes()
         self._stack = ExitStack()
