@@ -99,7 +99,8 @@ def with_drives(equations: Equations) -> Equations:
 def _push(equations: Equations) -> dict[str, float]:
     """Constant inputs that move every joint: 1.5 times its dry friction at rest and a little more."""
     x, u = [0.0] * len(states(equations)), [0.0] * equations.joints
-    upper, _ = equations.breakaway(x, u, list(equations.parameters.values()))
+    p, stuck = list(equations.parameters.values()), [0.0] * equations.joints
+    upper, _ = equations.breakaway(x, u, p, stuck)
     signal = "tau_ff" if equations.controller or equations.servo else "tau"
     levels = upper.full().ravel()
     return {of_joint(k, signal): 1.0 + 1.5 * float(f) for k, f in enumerate(levels, start=1)}

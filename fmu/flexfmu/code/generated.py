@@ -31,7 +31,7 @@ def inner(eq: Equations) -> list[Generated]:
     """What every step of the solver needs; also compiled for many runs at once."""
     return [
         Generated("rates", eq.rates, ("x", "u", "p", "mode"), ("dx", "imbalance", "friction")),
-        Generated("breakaway", eq.breakaway, ("x", "u", "p"), ("upper", "lower")),
+        Generated("breakaway", eq.breakaway, ("x", "u", "p", "mode"), ("upper", "lower")),
     ]
 
 
@@ -82,7 +82,7 @@ def everything(eq: Equations) -> ca.Function:
     """(x, u, p, mode) -> rates, imbalance, friction, upper, lower, laws, tip, shown: one after the other."""
     x, u, p, mode = eq.rates.sx_in()
     dx, imbalance, friction = eq.rates(x, u, p, mode)
-    upper, lower = eq.breakaway(x, u, p)
+    upper, lower = eq.breakaway(x, u, p, mode)
     laws = eq.laws(x, u, p, mode, dx)
     y = ca.vertcat(dx, imbalance, friction, upper, lower, laws, eq.tip(x), eq.shown(x))
     return ca.Function("everything", [x, u, p, mode], [y])

@@ -38,7 +38,7 @@ static real least_margin(const Group *g, const real *x, const real *imbalance) {
     int j, l, stuck = 0;
     for (j = 0; j < N_JOINTS; ++j)
         for (l = 0; l < LANES; ++l) stuck |= g->mode[j][l] == 0;
-    if (stuck) NAME(breakaway)(x, g->u, g->p, upper, lower);
+    if (stuck) NAME(breakaway)(x, g->u, g->p, g->mode, upper, lower);
     for (j = 0; j < N_JOINTS; ++j) {
         real margin = g->mode[j] * x[N_COORDINATES + j];
         if (!model_sticking[j]) continue;

@@ -24,7 +24,7 @@ void plant_margins(const Plant *s, const double *x, const double *imbalance, dou
     double upper[N_JOINTS], lower[N_JOINTS];
     int j, stuck = 0;
     for (j = 0; j < N_JOINTS; ++j) stuck |= s->mode[j] == 0;
-    if (stuck) model_breakaway(x, s->value + AT_TORQUE, s->value + AT_PARAMETER, upper, lower);
+    if (stuck) model_breakaway(x, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode, upper, lower);
     for (j = 0; j < N_JOINTS; ++j) {
         if (!model_sticking[j]) margin[j] = HUGE_VAL;
         else if (s->mode[j] != 0) margin[j] = s->mode[j] * x[N_COORDINATES + j];

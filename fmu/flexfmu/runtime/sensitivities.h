@@ -31,7 +31,7 @@ static inline Plant answered(const Plant *s, Answer answer) {
 /* Which bound a stuck hinge is closer to: +1 the upper one. */
 static inline int closer_bound(const Plant *s, int j) {
     double upper[N_JOINTS], lower[N_JOINTS];
-    model_breakaway(s->value + AT_STATE, s->value + AT_TORQUE, s->value + AT_PARAMETER, upper, lower);
+    model_breakaway(s->value + AT_STATE, s->value + AT_TORQUE, s->value + AT_PARAMETER, s->mode, upper, lower);
     return upper[j] - s->imbalance[j] < s->imbalance[j] - lower[j] ? 1 : -1;
 }
 

@@ -1,6 +1,6 @@
 """A law as it acts at a joint: deformations that it has not are zero, and what vanishes is left out.
 
-A hinge that only twists keeps k[1] of the stiffness, and no more; a rigid joint carries its motor's torque.
+A hinge that only twists keeps k[1] of the stiffness, and no more.
 """
 
 from dataclasses import replace
@@ -16,8 +16,6 @@ def restricted(effect: Effect, deformations: tuple[int, ...]) -> Effect:
     """The law at a joint with these of the deformations 1, 2, 3, without the parameters it no longer uses."""
     absent = [i for i in signals.eps if i not in deformations]
     gone: dict[Any, Any] = {s[i]: 0 for s in (signals.eps, signals.deps) for i in absent}
-    if 1 in absent:
-        gone[signals.load] = signals.tau
     if not absent or effect.symbols.isdisjoint(gone):
         return effect
     left = {q: law.subs(gone) for q, law in effect.forces.items() if q not in gone}

@@ -3,8 +3,8 @@
 e, de, dde   motor hinge angle [rad] or slider position [m] and its derivatives
 eps, deps    the three deformations of the flexible hinge [rad] and their rates; index 1, 2, 3
 tau          motor torque [N m or N]
-load         torque that the transmission carries: k[1] eps[1] of the joint's stiffness law [N m],
-             tau where the joint is rigid
+load         torque that the transmission carries [N m or N]: k[1] eps[1] of the joint's stiffness law;
+             where the joint is rigid what the links ask of it, M(q) q̈ + h(q, q̇) without the motor's inertia
 time         [s] since the start
 beyond       e, de, dde of the next joint
 tip          x, y, z of the robot's tip in its link [m], for what a law adds to that link's body

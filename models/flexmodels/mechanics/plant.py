@@ -6,12 +6,14 @@ constant speed (zero) and its friction is the reaction, found exactly for any nu
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import casadi as ca
 
 from flexmodels.joint import parameter_name
 from flexmodels.link import LINK_PARAMETERS
-from flexmodels.mechanics import articulated, dynamics, projected
+from flexmodels.mechanics import articulated, dynamics, loads, projected
+from flexmodels.mechanics.dynamics import SX
 from flexmodels.mechanics.payload import PAYLOAD, carried
 from flexmodels.mechanics.plant_laws import Memory, PlantLaws
 from flexmodels.robot import Robot
@@ -25,7 +27,7 @@ class Equations:
 
     rates(x, u, p, mode) -> dx, imbalance, friction
                      imbalance: torque a brake must take at a stuck hinge; friction: sum of the laws at e
-    breakaway(x, u, p) -> upper, lower        dry friction at zero speed, either direction
+    breakaway(x, u, p, mode) -> upper, lower  dry friction at zero speed, either direction
     laws(x, u, p, mode, dx) -> force          what the laws take at each coordinate, inertia included
     balance(x, p) -> force                    generalised forces at rest that the motors must supply
     start(x, u, p) -> z                       the laws' states at rest
@@ -71,30 +73,16 @@ def equations(robot: Robot) -> Equations:
     laws = PlantLaws(robot, m, p[: -len(PAYLOAD)], u)
     bodies = ca.reshape(p[: m.bodies.numel()], *m.bodies.shape) + laws.bodies
     bodies[:, robot.last_link - 1] += carried(p[-len(PAYLOAD) :], m.tip)
-    x, rest = ca.vertcat(m.q, m.v, laws.z), ca.SX.zeros(n)
-
-    free = ca.SX.ones(n)
-    for k in range(joints):
-        free[k] = ca.fabs(mode[k]) if laws.sticking[k] else 1
-    resisting = laws.forces(mode)
-    applied = ca.vertcat(u, ca.SX.zeros(n - joints)) - resisting
-    if robot.passive or laws.coupled:
-        a, imbalance = projected.forward_dynamics(m, applied, laws.armature, free)
-        pivots = projected.pivots(m, laws.armature)
-    else:
-        a, imbalance = articulated.forward_dynamics(m, applied, ca.diag(laws.armature), free)
-        pivots = articulated.pivots(m, ca.diag(laws.armature))
-    a, imbalance, pivots = ca.substitute([a, imbalance[:joints], pivots], [m.bodies], [bodies])
-    dx, dx_in = ca.vertcat(m.v, a, laws.rates(mode)), ca.SX.sym("dx", x.numel())
-
-    at_rest = {s: ca.substitute(laws.forces(ca.SX.ones(joints) * s), m.v, rest) for s in (1, 0, -1)}
-    upper, lower = (at_rest[s][:joints] - at_rest[0][:joints] for s in (1, -1))
-
-    weight = dynamics.inverse_dynamics(m, rest)
-    weight = ca.substitute([weight], [m.bodies, m.v], [bodies, rest])[0]
-    start = laws.start()
-    force = ca.substitute(weight + ca.substitute(at_rest[0], laws.z, start), u, ca.SX.zeros(joints))
-
+    x = ca.vertcat(m.q, m.v, laws.z)
+    dx_in = ca.SX.sym("dx", x.numel())
+    results = [
+        *_in_motion(robot, m, laws, u, mode),
+        _taken(m, laws, mode, dx_in[n : 2 * n]),
+        *_at_rest(m, laws, u),
+    ]
+    dx, imbalance, friction, upper, lower, pivots, taken, force, start = ca.substitute(
+        results, [m.bodies], [bodies]
+    )
     return Equations(
         name=robot.name,
         description=robot.description,
@@ -110,11 +98,9 @@ def equations(robot: Robot) -> Equations:
         servo=robot.servo,
         descriptions=_descriptions(robot),
         listed=tuple((k, law.title, law.latex) for k, joint in robot.numbered for law in joint.effects),
-        rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, resisting[:joints]])),
-        breakaway=ca.Function("breakaway", [x, u, p], ca.cse([upper, lower])),
-        laws=ca.Function(
-            "laws", [x, u, p, mode, dx_in], [ca.cse(resisting + laws.armature @ dx_in[n : 2 * n])]
-        ),
+        rates=ca.Function("rates", [x, u, p, mode], ca.cse([dx, imbalance, friction])),
+        breakaway=ca.Function("breakaway", [x, u, p, mode], ca.cse([upper, lower])),
+        laws=ca.Function("laws", [x, u, p, mode, dx_in], [ca.cse(taken)]),
         start=ca.Function("start", [x, u, p], [ca.cse(start)]),
         pivots=ca.Function("pivots", [x, p], [ca.cse(pivots)]),
         balance=ca.Function("balance", [x, p], [ca.cse(force)]),
@@ -124,7 +110,53 @@ def equations(robot: Robot) -> Equations:
     )
 
 
-def _links(robot: Robot, m: dynamics.Mechanism) -> tuple[dynamics.SX, dynamics.SX]:
+def _in_motion(robot: Robot, m: dynamics.Mechanism, laws: PlantLaws, u: SX, mode: SX) -> list[SX]:
+    """Rates, imbalance, friction at the motors, dry friction at zero speed either way, pivots."""
+    n, joints = m.q.numel(), len(robot.joints)
+    free = ca.SX.ones(n)
+    for k in range(joints):
+        free[k] = ca.fabs(mode[k]) if laws.sticking[k] else 1
+    if robot.passive or laws.coupled:
+        armature, pivots = laws.armature, projected.pivots(m, laws.armature)
+        forward = partial(projected.forward_dynamics, m, armature=armature, free=free)
+    else:
+        diagonal = ca.diag(laws.armature)
+        armature, pivots = ca.diag(diagonal), articulated.pivots(m, diagonal)
+        forward = partial(articulated.forward_dynamics, m, armature=diagonal, free=free)
+    resisting = laws.forces(mode)
+    applied = ca.vertcat(u, ca.SX.zeros(n - joints)) - resisting
+    a, imbalance = forward(applied)
+    still, forth, back = (_standing(m, laws, sign)[:joints] for sign in (0, 1, -1))
+    dx = ca.vertcat(m.v, a, laws.rates(mode))
+    found = [dx, imbalance[:joints], resisting[:joints], forth - still, back - still]
+    if laws.loaded:
+        load = laws.loads[laws.loaded]
+        carried = loads.settled(load, laws.loaded, applied, free, armature, forward)
+        found = ca.substitute(found, [load], [carried])
+    return [*found, pivots]
+
+
+def _standing(m: dynamics.Mechanism, laws: PlantLaws, sign: int) -> SX:
+    """The laws' forces without speed, friction in one direction (1, -1) or neither (0)."""
+    return ca.substitute(laws.forces(ca.SX.ones(laws.joints) * sign), m.v, ca.SX.zeros(m.v.numel()))
+
+
+def _taken(m: dynamics.Mechanism, laws: PlantLaws, mode: SX, a: SX) -> SX:
+    """What the laws take at each coordinate under accelerations, inertia included."""
+    taken = laws.forces(mode) + laws.armature @ a
+    return ca.substitute(taken, laws.loads, dynamics.inverse_dynamics(m, a)[: laws.joints])
+
+
+def _at_rest(m: dynamics.Mechanism, laws: PlantLaws, u: SX) -> list[SX]:
+    """The forces that the motors must supply, and the laws' states."""
+    rest, start = ca.SX.zeros(m.q.numel()), laws.start()
+    weight = ca.substitute(dynamics.inverse_dynamics(m, rest), m.v, rest)
+    force = weight + ca.substitute(_standing(m, laws, 0), laws.z, start)
+    force = ca.substitute(force, u, ca.SX.zeros(laws.joints))
+    return ca.substitute([force, start], [laws.loads], [weight[: laws.joints]])
+
+
+def _links(robot: Robot, m: dynamics.Mechanism) -> tuple[SX, SX]:
     """Positions and velocities behind the flexible hinges: the motor's and the twist together."""
     names = robot.coordinates
     along = ca.DM(len(robot.joints), len(names))

@@ -48,6 +48,7 @@ class PlantLaws:
     """The laws of a robot in the symbols of its mechanism.
 
     z           their states, and the time if a law reads it;  memories   what these are
+    loads       (joints,), what links ask of the motors that turn them directly
     armature    (n, n), the laws' inertia
     bodies      10 x links, what they add to the links
     """
@@ -58,6 +59,7 @@ class PlantLaws:
         self.parameters = dict(zip(robot.parameters, ca.vertsplit(p), strict=True))
         self.memories = tuple(self._memories())
         self.z = ca.SX.sym("z", len(self.memories))
+        self.loads = ca.SX.sym("load", self.joints)
         self.places = [self._places(k) for k in range(self.joints)]
         self.signals = [self._signals(k, u) for k in range(self.joints)]
         self.armature, self.bodies = self._armature(), self._bodies()
@@ -66,6 +68,12 @@ class PlantLaws:
     def coupled(self) -> bool:
         """Whether an acceleration takes force at another coordinate."""
         return self.armature.sparsity().nnz() > ca.diag(ca.diag(self.armature)).sparsity().nnz()
+
+    @property
+    def loaded(self) -> list[int]:
+        """Places of the rigid joints at which a law reads what the links ask of the motor."""
+        reading = {k for k, effect in self.acting if signals.load in effect.symbols}
+        return sorted(k for k in reading if not self.robot.joints[k].flexible)
 
     @property
     def sticking(self) -> tuple[bool, ...]:
@@ -133,6 +141,8 @@ class PlantLaws:
         known |= {_rate_name(name): self.m.v[i] for name, i in self.places[k].items()}
         if self.robot.joints[k].flexible:
             known["load"] = self.parameters[parameter_name(k + 1, "stiffness", "k[1]")] * known["eps1"]
+        else:
+            known["load"] = self.loads[k]
         return known | {"tau": u[k]} | ({"time": self.z[-1]} if self._has_clock else {})
 
     def _armature(self) -> SX:

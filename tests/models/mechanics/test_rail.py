@@ -140,7 +140,7 @@ def test_a_thousand_lives_leak_nothing(rail, tmp_path):
         f'-DTOKEN="{token}"',
         "-I.",
     ]
-    files = [str(Path(__file__).parents[1] / "fmu" / "host.c"), *map(str, sorted(folder.glob("*.c")))]
+    files = [str(Path(__file__).parents[2] / "fmu" / "host.c"), *map(str, sorted(folder.glob("*.c")))]
     built = subprocess.run(
         ["gcc", *flags, *files, "-lm", "-o", str(program)], cwd=folder, capture_output=True, text=True
     )

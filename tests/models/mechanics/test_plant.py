@@ -30,7 +30,7 @@ class EventExact:
         return np.array(dx).ravel(), np.array(imbalance).ravel()
 
     def margins(self, x, u, mode):
-        upper, lower = (np.array(v).ravel() for v in self.eq.breakaway(x, u, self.p))
+        upper, lower = (np.array(v).ravel() for v in self.eq.breakaway(x, u, self.p, mode))
         _, r = self.rates(x, u, mode)
         v = x[self.n : self.n + self.eq.joints]
         return np.where(mode == 0, np.minimum(upper - r, r - lower), mode * v)
