@@ -82,7 +82,7 @@ class Trial:
 def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     """A model with its own parameters against logs. Raises LogError."""
     found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))
-    noise = sensor_noise(robot, logs, found.solution.p)
+    noise = sensor_noise(found.problem.robot, logs, found.solution.p)
     simulated, made_again = repeats(robot, logs)
     return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
 

@@ -17,9 +17,10 @@ def parts_without_simulation(trial: Trial) -> list[Part]:
     """What the model leaves of the judged logs; of a simulation nothing."""
     robot, logs = trial.robot, [r.log for r in trial.judged]
     conditioned = [condition(log, robot) for log in logs]
-    p = weighted(Problem(robot, tuple(conditioned))).solution.p
+    best = weighted(Problem(robot, tuple(conditioned)))
+    refitted, p = best.problem.robot, best.solution.p
     return [
-        Part(part, log.period, residual(robot, part), residual_of(robot, part, p), np.zeros(0), {})
+        Part(part, log.period, residual(robot, part), residual_of(refitted, part, p), np.zeros(0), {})
         for part, log in zip(conditioned, logs, strict=True)
     ]
 

@@ -6,6 +6,7 @@ that simulate (`refinement.identifications`) start from one of these.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import wraps
 from typing import Protocol
 
 import numpy as np
@@ -14,11 +15,14 @@ from pyident.conditioning.weak_form import REACH
 from pyident.estimation.least_squares import Solution, solve, solve_weighted
 from pyident.estimation.newey_west import LongRun
 from pyident.estimation.total_least_squares import total_least_squares
+from pyident.regression.bodies import reads_load
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import predicted
 
 _ROBUST_ROUNDS = 5
+_LOAD_ROUNDS = 30
+_LOADS_SETTLED = 1e-7  # of the largest term: change at which the rounds end
 
 
 @dataclass(frozen=True)
@@ -61,18 +65,49 @@ class Estimator(Protocol):
     def __call__(self, problem: Problem, like: Solution | None = None) -> Estimate: ...
 
 
+def _under_its_own_loads(solve_once: Estimator) -> Estimator:
+    """An estimator whose laws of the load read that of the values which it finds, whatever the robot has.
+
+    A load is linear in the stiffness or the bodies, and times a coefficient it is not: rounds of linear
+    estimates settle it, the first of them without any load. The estimate's problem holds the values.
+    """
+
+    @wraps(solve_once)
+    def estimated(problem: Problem, like: Solution | None = None) -> Estimate:
+        if not reads_load(problem.robot):
+            return solve_once(problem, like)
+        found = solve_once(_under(problem, np.zeros(len(problem.columns))), like)
+        for _ in range(_LOAD_ROUNDS):
+            before = found.solution.p
+            found = solve_once(_under(problem, before), like)
+            terms = found.solution.scale * found.solution.p
+            if np.abs(terms - found.solution.scale * before).max() <= _LOADS_SETTLED * np.abs(terms).max():
+                break
+        return replace(found, problem=_under(problem, found.solution.p))
+
+    return estimated
+
+
+def _under(problem: Problem, p: np.ndarray) -> Problem:
+    values = dict(zip(problem.columns, p.tolist(), strict=True))
+    return replace(problem, robot=problem.robot.with_parameters(values))
+
+
+@_under_its_own_loads
 def ordinary(problem: Problem, like: Solution | None = None) -> Estimate:
     """Least squares, every equation alike."""
     reduced = problem.reduced()
     return Estimate(problem, reduced, solve(reduced))
 
 
+@_under_its_own_loads
 def weighted(problem: Problem, like: Solution | None = None) -> Estimate:
     """Least squares, each coordinate's equations weighted by what they leave."""
     reduced = problem.reduced()
     return Estimate(problem, reduced, _solved(reduced, like))
 
 
+@_under_its_own_loads
 def reweighted(problem: Problem, like: Solution | None = None) -> Estimate:
     """Weighted least squares in which single equations that stick out count less (Huber)."""
     found = weighted(problem, like)
@@ -83,6 +118,7 @@ def reweighted(problem: Problem, like: Solution | None = None) -> Estimate:
     return found
 
 
+@_under_its_own_loads
 def total(problem: Problem, like: Solution | None = None) -> Estimate:
     """Total least squares; its values have no covariance."""
     found = weighted(problem, like)

@@ -49,12 +49,14 @@ from pyident.refinement.simulated_rows import (
     Data,
     Repeated,
     every,
+    in_memory,
     rows_of,
     simulable,
     simulations,
 )
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.refinement.starts import Begun, begun, missed, nearest
+from pyident.regression.bodies import reads_load
 from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
@@ -168,11 +170,10 @@ def _rounds(
 ) -> _Settled:
     """Where the rounds from the best start end. Raises SimulationError, NotFollowedError."""
     robot, data, reduced = start.robot, start.data, start.plain.reduced
-    logs = Repeated(robot, data, again, reduced)
     solution, rows, put_in, equations = best.solution, [], {}, None
     values, std = np.array(list(best.robot.linear_parameters.values())), best.solution.std
     fixed = {n: v for n, v in best.robot.parameters.items() if n not in best.robot.linear_parameters}
-    held, quiet, slope, newton = np.zeros(len(values), bool), values, None, None
+    held, quiet, slope, newton, logs = np.zeros(len(values), bool), values, None, None, None
     for number in range(_ROUNDS):
         hinges = {} if prior is None else soft_hinges(reduced.columns, replace(solution, p=values), prior)
         quiet = simulable(robot, reduced.columns, values, hinges)
@@ -189,6 +190,10 @@ def _rounds(
                     raise
                 break  # nothing of a simulation but its instruments is in the estimate: the last ones do
         held = quiet != values
+        if reads_load(robot):
+            robot = robot.with_parameters(dict(zip(reduced.columns, values.tolist(), strict=True)))
+            data = gathered(partial(in_memory, robot), [d.part for d in data])
+        logs = Repeated(robot, data, again, reduced)
         share = max(missed(r, frame) for r, frame in zip(again, frames, strict=True))
         if not share < _FOLLOWS:
             raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
@@ -211,6 +216,7 @@ def _rounds(
         if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
             break
     assert equations is not None
+    assert logs is not None
     return _Settled(logs, rows, equations, solution, put_in, quiet, held, slope)
 
 

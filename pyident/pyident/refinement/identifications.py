@@ -60,7 +60,8 @@ class ByEquations:
         estimate = self.estimator(Problem(robot, parts))
         solution = estimate.solution
         if prior is not None:
-            solution = coloured(robot, [in_memory(robot, part) for part in parts], estimate)
+            settled = estimate.problem.robot
+            solution = coloured(settled, [in_memory(settled, part) for part in parts], estimate)
         found = identified(robot, estimate.reduced, solution)
         found = found if prior is None else near(found, prior)
         return replace(without_intervals(found), estimator=self.name, notes=(_BIASED, *found.notes))

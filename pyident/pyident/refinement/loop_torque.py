@@ -99,8 +99,8 @@ def _centred(robot: Robot, logs: Sequence[Log]) -> list[Log]:
     logs = [replace(log, up_to_constant=robot.torques) for log in logs]
     for _ in range(_ROUNDS):
         parts = [condition(log, robot) for log in logs]
-        p = weighted(Problem(robot, tuple(parts))).solution.p
-        missing = [_constants(robot, part, p) for part in parts]
+        best = weighted(Problem(robot, tuple(parts)))
+        missing = [_constants(best.problem.robot, part, best.solution.p) for part in parts]
         logs = [
             _filled(log, robot, log.signals(robot.torques) + c) for log, c in zip(logs, missing, strict=True)
         ]
@@ -111,7 +111,7 @@ def _centred(robot: Robot, logs: Sequence[Log]) -> list[Log]:
 
 def _reads_torque(robot: Robot) -> bool:
     laws = [law for joint in robot.joints for law in joint.effects]
-    return any(not law.symbols.isdisjoint((signals.tau, signals.load)) for law in laws)
+    return any(signals.tau in law.symbols for law in laws)
 
 
 def _constants(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:

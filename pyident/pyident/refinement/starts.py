@@ -35,7 +35,10 @@ _LOW = (0.15, 0.04)  # of the Nyquist frequency: pass the first instruments; the
 
 @dataclass(frozen=True)
 class Begun:
-    """Logs of a robot in memory, a regression of them, and starts, of which the best is to be found."""
+    """Logs of a robot in memory, a regression of them, and starts, of which the best is to be found.
+
+    robot   as the regression has it, where laws read what the transmissions carry
+    """
 
     robot: Robot
     data: list[Data]
@@ -50,6 +53,7 @@ def begun(robot: Robot, logs: Sequence[Log], prior: Robot | None = None) -> Begu
     """
     parts = [condition(log, robot) for log in logs]
     plain = weighted(Problem(robot, tuple(parts)))
+    robot = plain.problem.robot
     data = gathered(lambda part: in_memory(robot, part), parts)
     lows = _LOW if carries(robot) else ()
     solutions = gathered(lambda low: _started(robot, data, plain, low), lows)

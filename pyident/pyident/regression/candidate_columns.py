@@ -10,7 +10,8 @@ from flexmodels.effects.effect import Effect
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.laws import Signals, body_columns, compiled, law_columns
+from pyident.regression.bodies import body_columns
+from pyident.regression.laws import Signals, compiled, law_columns
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import regressor_blocks
 
@@ -25,7 +26,7 @@ def effect_columns(
 
     joint    from 1; the robot need not have the effect
     values   of the nonlinear parameters; those left out are the robot's own or else the start values
-    `load` is taken with the robot's own k[1], so a fitted robot should be given.
+    `load` is that of the robot's own stiffness and bodies, so a fitted robot should be given.
     Raises RobotError where the law cannot act, ValueError where a signal is missing.
     """
     law, fixed = _acting(robot, joint, effect_name, values or {})
@@ -57,9 +58,10 @@ def nonlinear_grid(
         size = 1.0
         if p.scale is not None:
             name = signal_of(joint, str(p.scale))
-            if name not in known[0].after:
+            values = [x for signals in known if (x := signals.of(name)) is not None]
+            if len(values) < len(known):
                 raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
-            size = float(np.sqrt(np.mean(np.concatenate([signals.after[name] for signals in known]) ** 2)))
+            size = float(np.sqrt(np.mean(np.concatenate(values) ** 2)))
         grids.append([(p.name, min(max(value * size, p.lower), p.upper)) for value in p.grid])
     return [dict(values) for values in product(*grids)]
 
@@ -73,7 +75,7 @@ def coverage(
         return None
     names, holds = compiled(law.coverage.condition)
     known = _signals(robot, motion)
-    given = [fixed[n] if n in fixed else known.after[signal_of(joint, n)] for n in names]
+    given = [fixed[n] if n in fixed else known.of(signal_of(joint, n)) for n in names]
     return float(np.mean(holds(*given)) / law.coverage.share)
 
 

@@ -19,7 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
-from pyident.regression.laws import body_columns
+from pyident.regression.bodies import body_columns
 from pyident.regression.regressor import generalised_forces
 
 _STEP = 1e-4  # m, rad

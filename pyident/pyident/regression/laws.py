@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, reduce
-from typing import Any
+from functools import cache, cached_property, reduce
 
 import numpy as np
 import sympy
@@ -11,10 +10,10 @@ import sympy
 from flexmodels.coordinate import of_joint, signal_of, torque_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, State
-from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression import law_memory as law_states
+from pyident.regression.bodies import link_torques
 from pyident.regression.rounded_signs import blurred
 
 _NUMPY = {
@@ -40,25 +39,16 @@ def law_columns(
     return list(_Law(robot, known, k, effect, values).columns())
 
 
-def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:
-    """Parameter name -> (10,), its column as a sum of those of the last link's parameters."""
-    at_tip: dict[Any, Any] = dict(zip(signals.tip, robot.tip, strict=True))
-    return {
-        parameter: np.array([float(sympy.sympify(slopes.get(p, 0)).subs(at_tip)) for p in LINK_PARAMETERS])
-        for parameter, slopes in effect.body_columns.items()
-        if slopes
-    }
-
-
 class Signals:
     """Every signal that a law may use, by its name behind `joint{k}.`; and `time`.
 
     Where the torque is held, `before` holds what a law sees until the sample and `after` from it on.
-    `load` of a flexible joint is the robot's own k[1] times eps[1].
+    `load` is that of the robot's own values: k[1] times eps[1], or what its links ask of a rigid joint.
     """
 
     def __init__(self, robot: Robot, motion: Motion):
         motion.check(robot)
+        self.robot, self.motion = robot, motion
         self.rows = [coordinate.signal for coordinate in robot.q]
         self.size, self.held = len(motion.q), motion.tau_before is not None
         self.after = {} if motion.time is None else {"time": np.asarray(motion.time)}
@@ -76,6 +66,18 @@ class Signals:
         }
         self.before = self.after | named["before"]
         self.after = self.after | named["after"]
+
+    def of(self, place: str, before: bool = False) -> np.ndarray | None:
+        """(N,) a signal, such as `joint2.de`; None where the motion does not have it."""
+        known = self.before if before else self.after
+        return known[place] if place in known else self._carried.get(place)
+
+    @cached_property
+    def _carried(self) -> dict[str, np.ndarray]:
+        """The loads of the rigid joints: as many operations as Φ takes, and seldom asked for."""
+        rigid = [k for k, joint in self.robot.numbered if not joint.flexible]
+        torques = link_torques(self.robot, self.motion) if rigid else None
+        return {} if torques is None else {of_joint(k, "load"): torques[:, k - 1] for k in rigid}
 
 
 class _Law:
@@ -100,37 +102,38 @@ class _Law:
 
     def _piecewise(self, law: sympy.Expr) -> Callable[[slice], np.ndarray]:
         """The law at some samples, the mean of both held torques' where it depends on them."""
-        after = self._function(law, self.known.after)
+        after = self._function(law)
         if not (self.known.held and self._has_torque(law)):
             return after
-        before = self._function(law, self.known.before)
+        before = self._function(law, before=True)
         return lambda part: (after(part) + before(part)) / 2
 
-    def _function(self, law: sympy.Expr, known: Mapping[str, np.ndarray]) -> Callable[[slice], np.ndarray]:
+    def _function(self, law: sympy.Expr, before: bool = False) -> Callable[[slice], np.ndarray]:
         names, value = compiled(blurred(law, self.robot.settings.processing.dead_zone))
-        given = [self._signal(name, known) for name in names]
+        given = [self._signal(name, before) for name in names]
         return lambda part: value(*(x[part] if isinstance(x, np.ndarray) else x for x in given))
 
-    def _signal(self, name: str, known: Mapping[str, np.ndarray]) -> float | np.ndarray:
+    def _signal(self, name: str, before: bool = False) -> float | np.ndarray:
         if name in self.own:
             return self.own[name]
         place = signal_of(self.k, name)
-        if place not in known:
+        values = self.known.of(place, before)
+        if values is None:
             raise ValueError(
                 f"effect {self.effect.name} at joint {self.k} needs the signal {place}, which the motion of "
                 f"robot {self.robot.name} does not have; add the signal or remove the effect"
             )
-        return known[place]
+        return values
 
     def _filtered(self, state: State) -> np.ndarray:
         """The state at the samples; under their hats where the torque is held."""
-        h = np.diff(self._signal("time", self.known.after))
+        h = np.diff(self._signal("time"))
         means = []
         for law in state.coefficients:
-            left = self._function(law, self.known.after)(_WHOLE) + np.zeros(self.known.size)
+            left = self._function(law)(_WHOLE) + np.zeros(self.known.size)
             right = left
             if self.known.held and self._has_torque(law):
-                right = self._function(law, self.known.before)(_WHOLE) + np.zeros(self.known.size)
+                right = self._function(law, before=True)(_WHOLE) + np.zeros(self.known.size)
             means.append(((left[:-1] + right[1:]) / 2, left[0]))
         (a, a0), (b, b0) = means
         start = law_states.equilibrium(a0, b0) if state.start is None else state.start

@@ -10,7 +10,8 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.regression.laws import LawColumn, Signals, body_columns, law_columns
+from pyident.regression.bodies import body_columns
+from pyident.regression.laws import LawColumn, Signals, law_columns
 from pyident.regression.links import LinkColumns
 from pyident.regression.machine.threads import spread
 
@@ -30,7 +31,7 @@ class Regressor:
 def regressor(robot: Robot, motion: Motion) -> Regressor:
     """Φ of the whole motion in memory. Raises ValueError for a motion that is wrong or lacks a signal.
 
-    Parameters that enter a law nonlinearly are taken as the robot has them, and so is the stiffness k[1]
+    Parameters that enter a law nonlinearly are taken as the robot has them, and so are stiffness and bodies
     behind the signal `load`.
     """
     rows, columns = robot.coordinates, tuple(robot.linear_parameters)

@@ -6,7 +6,8 @@ from six_axis_logs import arm, made
 
 from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, law_of, motion_for, units_of
+from pyident.diagnosis.base.candidates import Candidate, law_of, motion_for, slopes, units_of
+from pyident.regression.regressor import generalised_forces
 
 
 def test_a_description_is_a_law_with_one_parameter():
@@ -23,6 +24,18 @@ def test_the_load_of_a_rigid_joint_is_what_the_links_need():
     motion = condition(made(robot, 0, duration=5.0), robot).motion
     oracle = PinocchioRobot(robot)
     links = np.array([oracle.inverse_dynamics(*x) for x in zip(motion.q, motion.dq, motion.ddq, strict=True)])
-    given = motion_for(robot, Candidate("load_dependent_friction", 2), motion)
+    (column,) = slopes(robot, Candidate("load_dependent_friction", 2), motion).values()
+    sliding = np.abs(motion.dq[:, 1]) > 0.05
+    expected = np.abs(links[:, 1]) * np.sign(motion.dq[:, 1])
+    np.testing.assert_allclose(column[1][sliding], expected[sliding], atol=1e-6 * np.abs(links).max())
+
+
+def test_a_law_of_the_torque_gets_the_models():
+    """The measured one has the noise that the law would explain."""
+    robot = arm()
+    motion = condition(made(robot, 0, duration=5.0), robot).motion
+    given = motion_for(robot, Candidate("torque_saturation", 2), motion)
     assert given.tau is not None
-    np.testing.assert_allclose(given.tau, links, atol=1e-6 * np.abs(links).max())
+    p = np.array(list(robot.linear_parameters.values()))
+    np.testing.assert_allclose(given.tau, generalised_forces(robot, motion, p))
+    assert motion_for(robot, Candidate("stribeck", 2), motion) is motion

@@ -174,30 +174,23 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
     """The log's motion as a law is evaluated along it.
 
     A measured torque holds the friction that a law would explain, and noise that would explain itself. So a
-    law of the load of a rigid joint gets the torque that the links need, and a law of the motor's torque that
-    of the whole model where no controller says which torque was commanded.
+    law of the motor's torque gets that of the model where no controller says which torque was commanded.
     """
-    if candidate.describes:
+    if candidate.describes or robot.controller is not None:
         return motion
-    own = robot.catalogue[candidate.effect]  # as it acts, a rigid joint's load is its torque
-    read = own.symbols
-    rigid = not robot.joints[candidate.joint - 1].flexible
-    if signals.load in read and rigid:
-        return with_model_torque(robot, motion, "link")
-    if signals.tau in read and robot.controller is None:
-        return with_model_torque(robot, motion, "")
-    return motion
+    reads_torque = signals.tau in robot.catalogue[candidate.effect].symbols
+    return with_model_torque(robot, motion) if reads_torque else motion
 
 
-def with_model_torque(robot: Robot, motion: Motion, part: str) -> Motion:
-    """The motion with torques of the model's parameters whose names begin with `part`."""
+def with_model_torque(robot: Robot, motion: Motion) -> Motion:
+    """The motion with the torques that the robot's own parameters need."""
 
     def made() -> Motion:
-        p = np.array([v if name.startswith(part) else 0.0 for name, v in robot.linear_parameters.items()])
+        p = np.array(list(robot.linear_parameters.values()))
         tau = generalised_forces(robot, motion, p)[:, : len(robot.joints)]
         return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
 
-    return _with_torques.of((robot, motion), made, part)
+    return _with_torques.of((robot, motion), made)
 
 
 def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:

@@ -18,6 +18,7 @@ from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Columns, extended, gain, joined
 from pyident.diagnosis.search.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
+from pyident.regression.bodies import link_torques
 
 _POWERS = {"{}": 1, "the square of the {}": 2}
 
@@ -53,7 +54,7 @@ def _left_of_rivals(view: Search, candidate: Candidate, rows: Sequence[int]) -> 
 
 
 def _sizes(view: Search, joint: int) -> Iterator[tuple[str, list[np.ndarray]]]:
-    """Signal -> per log (N,) its size. joint: from 1; the load of a rigid one is its torque."""
+    """Signal -> per log (N,) its size. joint: from 1."""
     logs = view.examination.logs
     for signal in ("speed", "torque"):
         yield signal, [QUANTITIES[signal](log, joint - 1) for log in logs]
@@ -61,6 +62,9 @@ def _sizes(view: Search, joint: int) -> Iterator[tuple[str, list[np.ndarray]]]:
     if twist in view.robot.coordinates:
         column = view.robot.coordinates.index(twist)
         yield "load", [np.abs(log.part.motion.q[:, column]) for log in logs]
+    else:
+        carried = (link_torques(view.robot, log.part.motion) for log in logs)
+        yield "load", [np.abs(torques[:, joint - 1]) for torques in carried]
 
 
 def _best_under(view: Search, candidate: Candidate, factors: Sequence[np.ndarray]) -> Columns:

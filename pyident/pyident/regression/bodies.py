@@ -1,0 +1,57 @@
+"""What a robot's own links ask of its joints along a motion, and the laws that read it."""
+
+from typing import Any
+
+import numpy as np
+import sympy
+
+from flexmodels.effects import signals
+from flexmodels.effects.effect import Effect
+from flexmodels.link import LINK_PARAMETERS
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression.links import LinkColumns
+
+_BLOCK = 1000  # samples at a time
+
+
+def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
+    """(N, joints) [N m, N]: M(q) q̈ + h(q, q̇) of the robot's own bodies at its motors, without their inertias.
+
+    What laws add to the last body is of it. Raises ValueError as `regressor` does.
+    """
+    p, joints = _bodies(robot), len(robot.joints)
+    columns = LinkColumns(robot, [len(LINK_PARAMETERS) * k for k in range(len(robot.links))])
+    rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
+    torques = np.empty((len(motion.q), joints))
+    Phi = np.zeros((min(_BLOCK, len(motion.q)), len(robot.coordinates), len(p)))
+    for start in range(0, len(motion.q), _BLOCK):
+        q, dq, ddq = (rate[start : start + _BLOCK] for rate in rates)
+        columns.fill(Phi[: len(q)], (q, dq, ddq))
+        torques[start : start + len(q)] = Phi[: len(q), :joints] @ p
+    return torques
+
+
+def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:
+    """Parameter name -> (10,), its column as a sum of those of the last link's parameters."""
+    at_tip: dict[Any, Any] = dict(zip(signals.tip, robot.tip, strict=True))
+    return {
+        parameter: np.array([float(sympy.sympify(slopes.get(p, 0)).subs(at_tip)) for p in LINK_PARAMETERS])
+        for parameter, slopes in effect.body_columns.items()
+        if slopes
+    }
+
+
+def reads_load(robot: Robot) -> bool:
+    """Whether a law of the robot depends on what a transmission carries, and so on the robot's own values."""
+    return any(signals.load in law.symbols for joint in robot.joints for law in joint.effects)
+
+
+def _bodies(robot: Robot) -> np.ndarray:
+    """(10 links,) the links' parameters."""
+    own = np.array([[link.values[name] for name in LINK_PARAMETERS] for link in robot.links], float)
+    for joint in robot.joints:
+        for effect in joint.effects:
+            for parameter, weights in body_columns(robot, effect).items():
+                own[robot.last_link - 1] += joint.values[effect.name][parameter] * weights
+    return own.ravel()
