@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexmodels.coordinate import of_joint, reference_of, start_of, switch_of, torque_of
+from flexmodels.coordinate import of_joint, reference_of, start_of, start_speed_of, switch_of, torque_of
 from flexmodels.inputs import Experiment
 
 
@@ -30,11 +30,13 @@ def input_values(references: Mapping[str, int], experiment: Experiment) -> np.nd
 
 
 def start_values(references: Mapping[str, int], experiment: Experiment) -> dict[str, float]:
-    """Positions from which servos set out."""
+    """Speeds of the joints that do not set out from rest, and positions from which servos do."""
+    speeds = () if experiment.speed is None else experiment.speed
+    values = {start_speed_of(k): float(v) for k, v in enumerate(speeds, start=1)}
     if not _has_servos(references):
-        return {}
+        return values
     start = experiment.reference[0] if experiment.start is None else experiment.start
-    return {start_of(k): float(e) for k, e in enumerate(start, start=1)}
+    return values | {start_of(k): float(e) for k, e in enumerate(start, start=1)}
 
 
 def _has_servos(references: Mapping[str, int]) -> bool:

@@ -12,6 +12,7 @@ from flexmodels.coordinate import (
     motor_of,
     of_joint,
     reference_of,
+    start_speed_of,
     switch_of,
     torque_of,
 )
@@ -134,7 +135,7 @@ def _start_positions(eq: Equations) -> Iterator[Variable]:
 def _start_speeds(eq: Equations) -> Iterator[Variable]:
     for k in range(eq.joints):
         text = f"Speed of motor hinge {k + 1} at the start"
-        name = of_joint(k + 1, "de_0")
+        name = start_speed_of(k + 1)
         yield Variable(name, "parameter", "fixed", f"{_motion_unit(eq, k)}/s", text, 0.0)
 
 

@@ -143,6 +143,11 @@ def switch_of(joint: int) -> str:
     return of_joint(joint, "on")
 
 
+def start_speed_of(joint: int) -> str:
+    """Parameter of an FMU: the motor's speed at the start [rad/s or m/s]."""
+    return of_joint(joint, "de_0")
+
+
 def start_of(joint: int) -> str:
     """Parameter of an FMU: the motor's position at the start [rad or m]."""
     return of_joint(joint, "e_0")

@@ -19,6 +19,7 @@ class Experiment:
     on                 (N, joints) 1 where a servo drives, 0 where it is switched off; None: always on
     start              (joints,) where servo-driven joints set out; None: at the first reference
     began              [s] time of the first sample in the log that it comes from
+    speed              (joints,) with which the joints set out [rad/s or m/s]; None: at rest
     """
 
     time: np.ndarray
@@ -27,3 +28,4 @@ class Experiment:
     on: np.ndarray | None = None
     start: np.ndarray | None = None
     began: float = 0.0
+    speed: np.ndarray | None = None

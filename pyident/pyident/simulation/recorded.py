@@ -16,7 +16,7 @@ from pyident.logs.log import Log
 from pyident.simulation.feedforward import feedforward, misfits, recoverable
 from pyident.simulation.references import experiment_of
 
-_AT_REST = 0.01  # of a reference's largest speed: slower than this at the start is rest
+AT_REST = 0.01  # of a reference's largest speed: slower than this at the start is rest
 _LEAD = 1.0  # s
 
 
@@ -67,7 +67,7 @@ def start_speed(log: Log, reference: np.ndarray) -> np.ndarray:
     """(joints,) of the references (N, joints) at the first sample; zero where that is rest."""
     speed = (reference[1] - reference[0]) / log.period
     fastest = np.abs(np.diff(reference, axis=0)).max(axis=0) / log.period
-    return np.zeros_like(speed) if (np.abs(speed) <= _AT_REST * fastest).all() else speed
+    return np.zeros_like(speed) if (np.abs(speed) <= AT_REST * fastest).all() else speed
 
 
 def with_lead(log: Log, reference: np.ndarray, torque: np.ndarray) -> Recorded:

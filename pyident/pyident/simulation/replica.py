@@ -21,12 +21,13 @@ from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
 from pyident.simulation.feedforward import carrying_torque
-from pyident.simulation.recorded import Recorded, loop_of, recorded
+from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
 from pyident.simulation.simulator import Simulator
 
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
 _NOISE_BAND = 0.8  # of the Nyquist frequency: above, a log that differs from its simulation differs by noise
+_FIRST, _POINTS = 0.1, 9  # s, samples: the beginning of a motion that a cubic describes
 _BANDWIDTH = 10.0  # Hz of the stand-in controller
 _MEDIAN = np.log(2)  # of a periodogram's ordinate, per its mean
 
@@ -119,7 +120,20 @@ def _along(robot: Robot, log: Log, note: str) -> Repeat:
     measured = log.signals([motor_of(k) for k in joints])
     weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
-    return Repeat(log, Experiment(time - time[0], measured, tau - weight), note=note)
+    plan = Experiment(time - time[0], measured, tau - weight, speed=_first_speed(measured, log.period))
+    return Repeat(log, plan, note=note)
+
+
+def _first_speed(q: np.ndarray, period: float) -> np.ndarray:
+    """(joints,) of a measured motion q (N, joints) at its first sample; zero where a joint is at rest.
+
+    From a motion at rest the simulation would have to catch up at once, with torques that nothing has shown.
+    """
+    window = min(len(q), max(_POINTS, round(_FIRST / period)))
+    time = period * np.arange(window)
+    speed = np.polynomial.polynomial.polyfit(time, q[:window], min(3, window - 1))[1]
+    fastest = np.abs(np.diff(q, axis=0)).max(axis=0) / period
+    return np.where(np.abs(speed) <= AT_REST * fastest, 0.0, speed)
 
 
 def with_noise(
