@@ -6,7 +6,7 @@ import cvxpy as cp
 import numpy as np
 import pytest
 from one_joint import one_joint, swing
-from six_axis_logs import COULOMB, ROTOR, arm, made
+from six_axis_logs import COULOMB, ROTOR, arm, made, plain
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
@@ -130,6 +130,24 @@ def test_masses_and_friction_beside_a_prior_15_percent_off(estimator):
     coulomb = [close.robot.parameters[f"joint{k}.coulomb"] for k in range(1, 7)]
     np.testing.assert_allclose(coulomb, COULOMB, rtol=0.02)
     assert "disagree" not in " ".join(close.notes)
+
+
+def with_a_spring(q, v, load, time):
+    """A law that no body imitates, at joint 2."""
+    out = plain(q, v, load, time)
+    out[:, 1] += 100 * np.sin(q[:, 1]) + 30 * q[:, 1] ** 3
+    return out
+
+
+def test_masses_that_predict_are_kept_where_the_priors_do_not():
+    """And what the prior's would cost is said: a spring of 100 N m is missing."""
+    robot = arm()
+    found = identify(robot, [made(robot, 1, with_a_spring, duration=12)])
+    close, prior = near(found, cad(robot)), cad(robot)
+    assert close.robot.parameters["link2.m"] > 5 * prior.parameters["link2.m"]
+    assert close.model_error is not None
+    assert close.model_error["all"] < 5
+    assert "would leave 21" in " ".join(close.notes)
 
 
 def test_a_prior_of_other_masses_is_said_to_be_one(fitted):

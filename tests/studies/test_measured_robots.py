@@ -65,8 +65,20 @@ def test_the_whole_kuka_beside_a_prior(data):
     assert found.model_error is not None
     assert found.model_error["all"] < 6.5  # [%]; least squares without any bounds leaves 6.1
     ratio = {k: found.robot.parameters[f"link{k}.m"] / robot.parameters[f"link{k}.m"] for k in range(1, 7)}
-    assert [k for k, r in ratio.items() if not 0.5 < r < 2] == [3]
-    assert "from kuka_kr300: link3.m" in " ".join(found.notes)
+    assert all(0.5 < r < 2 for r in ratio.values())
+
+
+@pytest.mark.slow
+def test_masses_of_the_kuka_without_its_spring_are_held_near_the_prior(data):
+    robot = load_robot("kuka_kr300")
+    run_a = import_log([fetch("kuka_kr300", download=False)[0]], read_mapping("kuka_kr300"), robot)
+    log, _ = without_skew(run_a, encoder_skews(robot, run_a))
+    found = pi.identify(robot, log, prior=robot).identified
+    ratio = [found.robot.parameters[f"link{k}.m"] / robot.parameters[f"link{k}.m"] for k in range(1, 7)]
+    assert all(0.5 < r < 2 for r in ratio)
+    assert found.model_error is not None
+    assert found.model_error["all"] < 7.5  # [%]; 6.2 with a link of 3130 kg
+    assert "masses are held within a factor of 2" in " ".join(found.notes)
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.windows import prepared
 from pyident.estimation.base_parameters import BaseParameter, Support, base_parameters, supports
 from pyident.estimation.estimator import Estimator, weighted
+from pyident.estimation.held_masses import ALIKE, held_masses, unlike
 from pyident.estimation.least_squares import Solution, residual_squares
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.disk import LogFile
@@ -21,7 +22,6 @@ from pyident.rules.confidence import CONFIDENCE, LEVEL
 
 _NOTHING = 1e-3  # of what the solution says: so near to a bound a parameter is at it
 _WORST = 3  # disagreements that are named
-_ALIKE = 2.0  # a mass further from its prior's is worth a word
 
 
 @dataclass(frozen=True)
@@ -125,9 +125,14 @@ def of_the_same_arm(prior: Robot, robot: Robot) -> Robot:
 
 def near(found: Identified, prior: Robot) -> Identified:
     """The same solution; what the data leave open of the written model stays near a prior of the same arm."""
-    p = consistent(found.robot, found.reduced, found.solution, prior)
-    robot = found.robot.with_parameters(dict(zip(found.reduced.columns, p, strict=True)))
+    reduced, solution, joints = found.reduced, found.solution, len(found.robot.joints)
+    p = consistent(found.robot, reduced, solution, prior)
+    p, held = held_masses(
+        found.robot, reduced, solution, prior, p, lambda p: relative_error(reduced, p, joints)["all"]
+    )
+    robot = found.robot.with_parameters(dict(zip(reduced.columns, p, strict=True)))
     found, notes = _hinges_of(replace(found, robot=robot), prior)
+    notes += [held] if held else []
     kept = [name for name, text in found.support.items() if text == "no"]
     note = f"what the data leave open stays near {prior.name}"
     note += f"; they say nothing of {', '.join(kept)}" if kept else ""
@@ -182,11 +187,10 @@ def disagreements(found: Identified) -> tuple[str, ...]:
 
 def _unlike(found: Identified, prior: Robot) -> list[str]:
     """A sentence about masses that are not those of the prior."""
-    masses = [(f"link{k}.m", link.m) for k, link in enumerate(prior.links, start=1) if link.m > 0]
     written = found.robot.parameters
-    far = [(n, m) for n, m in masses if not 1 / _ALIKE <= written[n] / m <= _ALIKE]
-    named = ", ".join(f"{n} ({written[n]:.3g} kg, there {m:.3g})" for n, m in far)
-    return [f"more than a factor of {_ALIKE:g} from {prior.name}: {named}"] if far else []
+    far = unlike(written, prior)
+    named = ", ".join(f"{n} ({written[n]:.3g} kg, there {m:.3g})" for n, m in far.items())
+    return [f"more than a factor of {ALIKE:g} from {prior.name}: {named}"] if far else []
 
 
 def without_intervals(found: Identified) -> Identified:

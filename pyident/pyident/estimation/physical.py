@@ -34,18 +34,27 @@ _warnings_held = threading.Lock()  # filters of warnings are those of all thread
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
 
-def consistent(robot: Robot, reduced: Reduced, solution: Solution, prior: Robot | None = None) -> np.ndarray:
+def consistent(
+    robot: Robot,
+    reduced: Reduced,
+    solution: Solution,
+    prior: Robot | None = None,
+    within: float | None = None,
+) -> np.ndarray:
     """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
 
     Directions that the data do not determine are settled by the bounds and by nearness to the prior, or where
-    there is none by small size. Raises LogError when the solver finds no such parameters.
+    there is none by small size.
+
+    within   factor of the prior's masses in which those of the links are held; None: they are free
+    Raises LogError when the solver finds no such parameters.
     """
     import cvxpy as cp
 
-    bounds = lower_bounds(robot)
+    bounds, masses = lower_bounds(robot), {} if within is None or prior is None else _masses(prior, within)
     for scale in (solution.scale, _balanced(solution)):
         try:
-            found = _nearest(robot, reduced, solution, prior, bounds, scale)
+            found = _nearest(robot, reduced, solution, prior, bounds, masses, scale)
         except cp.SolverError:  # numbers too far apart for the solver
             continue
         return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
@@ -65,6 +74,7 @@ def _nearest(
     solution: Solution,
     prior: Robot | None,
     bounds: Mapping[str, float],
+    masses: Mapping[str, tuple[float, float]],
     scale: np.ndarray,
 ) -> np.ndarray:
     """(P,) Raises LogError where there are none, and cvxpy's SolverError; scale: (P,) of the parameters."""
@@ -81,6 +91,9 @@ def _nearest(
     ]
     at = [names.index(name) for name in bounds]
     limits += [z[at] >= np.array(list(bounds.values())) * scale[at]] if at else []
+    for name, (least, most) in masses.items():
+        i = names.index(name)
+        limits += [z[i] >= least * scale[i], z[i] <= most * scale[i]]
     if prior is None:
         cost = cp.norm(u) + _OPEN * cp.norm(t)
     else:
@@ -92,6 +105,18 @@ def _nearest(
     if z.value is None:
         raise LogError(f"{_NONE} ({problem.status}); {_CURE}")
     return np.asarray(z.value) / scale
+
+
+def _masses(prior: Robot, within: float) -> dict[str, tuple[float, float]]:
+    known = {f"link{k}.m": link.m for k, link in enumerate(prior.links, start=1) if link.m > 0}
+    return {name: (m / within, m * within) for name, m in known.items()}
+
+
+def misfit(reduced: Reduced, solution: Solution, p: np.ndarray, prior: Robot) -> float:
+    """Mean square of p's distance from a solution in standard deviations, over what the data determine."""
+    D = _deviations(reduced, solution, prior)
+    u = np.linalg.solve(D, solution.seen.T @ ((p - solution.p) * solution.scale))
+    return float(u @ u / max(solution.rank, 1))
 
 
 def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Expression":
