@@ -49,8 +49,8 @@ def held_masses(
     before, after = error(p), error(held)
     if after > _WORSE * before:
         return p, (
-            f"masses within a factor of {ALIKE:g} of those of {prior.name} would leave {after:.3g} % of error "
-            f"in place of {before:.3g} %: the model lacks an effect, or the prior is of another arm"
+            f"masses within a factor of {ALIKE:g} of those of {prior.name} would leave {after:.3g} % of "
+            f"error in place of {before:.3g} %: the model lacks an effect, or the prior is of another arm"
         )
     named = ", ".join(f"{name} ({free[name]:.3g} kg if free, there {m:.3g})" for name, m in far.items())
     return held, (
