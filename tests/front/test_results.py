@@ -8,7 +8,7 @@ from two_link_logs import two_link
 
 import pyident as pi
 from flexmodels.inputs import Experiment
-from pyident.verbs.text import Text, table
+from pyident.verbs.text import Text
 
 
 @pytest.fixture(scope="module")
@@ -75,15 +75,6 @@ def test_a_hinge_that_no_log_tells_of_is_locked_and_said_so(two_link_robot, log)
     fit = pi.identify(two_link_robot, log.frame.drop(columns=lost))
     assert any("no link-side encoder" in note for note in fit.notes)
     assert not any(joint.flexible for joint in fit.robot.joints)
-
-
-def test_names_in_a_table_are_kept_apart_at_any_width(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "40")
-    names = [f"joint{k}.position_dependent_friction.amplitude[{i}]" for k in (1, 2) for i in (1, 2)]
-    shown = table(
-        ("parameter", "value", "unit"), [(n, "1.2345678", "N.m.s2/rad2") for n in names], numbers=(1,)
-    )
-    assert all(shown.count(name) == 1 for name in names)
 
 
 def test_text_is_escaped_in_a_notebook():

@@ -1,13 +1,11 @@
 """`pyident log` and `pyident data`: other people's recordings."""
 
 import click
-from rich.table import Table
 
 from flexmodels.files.robot_file import load_robot
 from pyident.checks.encoder_delay import encoder_skews, without_skew
 from pyident.cli.common.outputs import LOG
 from pyident.cli.common.shared import (
-    console,
     effects_option,
     json_option,
     output_option,
@@ -20,6 +18,7 @@ from pyident.logs.datasets import DATA_SETS, fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import write_log
 from pyident.logs.mapping import read_mapping
+from pyident.verbs.terminal.table import table
 
 
 @click.group()
@@ -82,10 +81,8 @@ def data() -> None:
 @reported
 def list_command(json_file: str | None) -> None:
     """List the data sets. Example: pyident data list"""
-    table = Table("data set", "what", "licence")
-    for name, found in DATA_SETS.items():
-        table.add_row(name, found.title, found.licence)
-    console.print(table)
+    rows = [(name, found.title, found.licence) for name, found in DATA_SETS.items()]
+    show(table(("data set", "what", "licence"), rows))
     write_json(json_file, {name: found.title for name, found in DATA_SETS.items()})
 
 

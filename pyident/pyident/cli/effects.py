@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from flexmodels.effects import CATALOGUE, effects_of
 from flexmodels.effects.effect import Effect, sheet
 from flexmodels.effects.law_names import EffectError
 from flexmodels.robot import RobotError
-from pyident.cli.common.shared import console, json_option, reported, show, write_json
+from pyident.cli.common.shared import json_option, reported, show, write_json
+from pyident.verbs.terminal.table import table
 
 
 @click.command()
@@ -32,9 +32,9 @@ def effects(name: str | None, file: str | None, json_file: str | None) -> None:
         raise RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(laws))}")
     chosen = {name: laws[name]} if name else laws
     if name is None and file is None:
-        console.print(_listed(chosen))
+        show(_listed(chosen))
     for effect in chosen.values() if name or file else ():
-        console.print(_sheet(effect))
+        show(_sheet(effect))
     if file is not None:
         show(f"{file}: {', '.join(laws)} may be named by a robot file that stands beside it")
     write_json(json_file, {n: {"title": e.title} | sheet(e) for n, e in chosen.items()})
@@ -47,17 +47,10 @@ def _own(file: str) -> Mapping[str, Effect]:
     return effects_of([str(Path(file).resolve())])
 
 
-def _listed(laws: Mapping[str, Effect]) -> Table:
-    table = Table("effect", "law", "parameters", "source")
-    for effect in laws.values():
-        parameters = ", ".join(p.name for p in effect.parameters)
-        table.add_row(effect.name, effect.title, parameters, effect.citation)
-    return table
+def _listed(laws: Mapping[str, Effect]) -> str:
+    rows = [(e.name, e.title, ", ".join(p.name for p in e.parameters), e.citation) for e in laws.values()]
+    return table(("effect", "law", "parameters", "source"), rows)
 
 
-def _sheet(effect: Effect) -> Table:
-    table = Table(effect.name, show_lines=True)
-    table.add_column(effect.title)
-    for key, text in sheet(effect).items():
-        table.add_row(key, text)
-    return table
+def _sheet(effect: Effect) -> str:
+    return table((effect.name, effect.title), list(sheet(effect).items()))

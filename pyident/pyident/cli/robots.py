@@ -1,14 +1,12 @@
 """`pyident robots`: what ships, and robots from and to other people's files."""
 
 import click
-from rich.table import Table
 
 from flexmodels.files.formats import exported, imported
 from flexmodels.files.robot_file import check_readable, load_robot, save_robot, shipped
 from flexmodels.robot import RobotError
 from pyident.cli.common.outputs import JSON, MODEL, ROBOT
 from pyident.cli.common.shared import (
-    console,
     effects_option,
     json_option,
     mapping_option,
@@ -21,6 +19,7 @@ from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.foreign import robot_log
 from pyident.logs.mapping import read_mapping
 from pyident.simulation.fmu_runs import FmuRuns
+from pyident.verbs.terminal.table import table
 
 
 @click.group(invoke_without_command=True)
@@ -38,10 +37,8 @@ def robots(context: click.Context, json_file: str | None) -> None:
 
 def _list(json_file: str | None) -> None:
     listed = {name: load_robot(file) for name, file in shipped().items()}
-    table = Table("robot", "joints", "parameters", "description")
-    for name, robot in listed.items():
-        table.add_row(name, str(len(robot.joints)), str(len(robot.parameters)), robot.description)
-    console.print(table)
+    rows = [(n, str(len(r.joints)), str(len(r.parameters)), r.description) for n, r in listed.items()]
+    show(table(("robot", "joints", "parameters", "description"), rows, numbers=(1, 2)))
     write_json(json_file, {name: robot.description for name, robot in listed.items()})
 
 

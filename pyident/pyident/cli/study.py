@@ -5,14 +5,12 @@ from inspect import signature
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 import pyident as pi
 from flexmodels.robot import RobotError
 from pyident.cli.common.long_study import ask_first
 from pyident.cli.common.outputs import OutputFolder
 from pyident.cli.common.shared import (
-    console,
     effects_option,
     json_option,
     progress_bar,
@@ -25,6 +23,7 @@ from pyident.cli.common.shared import (
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.studies import find_study, study_names
 from pyident.sweep.summary import failures, summary
+from pyident.verbs.terminal.table import table
 from pyident.workbench.project import is_worth_opening
 
 
@@ -49,7 +48,6 @@ def study(
             raise RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
         for option in sorted(set(drawn) - set(signature(run).parameters)):
             raise click.UsageError(f"study {name} takes no --{option}; leave it out")
-    table = Table("study", "what", "value", "goal", "met")
     figures, rows = [], []
     for name, run in chosen:
         assert run is not None
@@ -61,9 +59,8 @@ def study(
         rows += [{"study": name} | row for row in result.rows]
         for note in result.notes:
             show(f"{name}: {note}")
-    for row in rows:
-        table.add_row(*(str(row[key]) for key in ("study", "what", "value", "goal", "met")))
-    console.print(table)
+    heads = ("study", "what", "value", "goal", "met")
+    show(table(heads, [[str(row[head]) for head in heads] for row in rows]))
     for figure in figures:
         show(f"wrote {figure}")
     for folder in (Path(output) / name for name in names):
@@ -103,10 +100,8 @@ def sweep(
     with progress_bar(f"{len(read.design)} runs") as progress:
         found = pi.parameter_study(plan, output, parameters=parameters, workers=workers, progress=progress)
     described = summary(found, read.ranges)
-    table = Table("result", *described.columns)
-    for name, values in described.iterrows():
-        table.add_row(str(name), *(f"{v:.4g}" for v in values))
-    console.print(table)
+    values = [(str(name), *(f"{v:.4g}" for v in row)) for name, row in described.iterrows()]
+    show(table(("result", *described.columns), values, numbers=range(1, len(described.columns) + 1)))
     for sentence in failures(found):
         show(sentence)
     show(f"wrote {output}/results.parquet: {len(found)} runs")

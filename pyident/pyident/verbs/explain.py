@@ -12,7 +12,8 @@ from pyident.regression.machine.linear_algebra import one_thread
 from pyident.verbs.inputs import Columns, Logs, Model, given, robot_of
 from pyident.verbs.judged import Compared
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, table, wrapped
+from pyident.verbs.terminal.table import table
+from pyident.verbs.text import Text, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd

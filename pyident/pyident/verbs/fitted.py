@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, half_interval, table, wrapped
+from pyident.verbs.terminal.table import table
+from pyident.verbs.text import Text, half_interval, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,7 +14,8 @@ from pyident.logs.log import LogError
 from pyident.verbs.fit import identify
 from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result
-from pyident.verbs.text import Text, half_interval, table, wrapped
+from pyident.verbs.terminal.table import table
+from pyident.verbs.text import Text, half_interval, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,8 +1,6 @@
 """Text that reads well in a terminal and in a notebook."""
 
-from collections.abc import Sequence
 from html import escape
-from io import StringIO
 from math import isfinite
 from shutil import get_terminal_size
 from textwrap import fill
@@ -35,31 +33,3 @@ def wrapped(sentence: str, indent: str = "") -> str:
 def half_interval(std: float) -> str:
     """Half of a 95 % interval; where there is none, nothing is claimed."""
     return f"{CONFIDENCE * std:.2g}" if isfinite(std) else "-"
-
-
-def table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], title: str = "", numbers: Sequence[int] = ()
-) -> str:
-    """Lines of a table. Text is wrapped between words, never within one; columns in `numbers` stand right."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    text = [column for column in range(len(heads)) if column not in numbers]
-    longest = [
-        max((len(word) for row in rows for word in row[c].split()), default=1) for c in range(len(heads))
-    ]
-    out = Table(
-        box=box.SIMPLE_HEAD, title=title or None, title_justify="left", pad_edge=False, padding=(0, 1)
-    )
-    for c, head in enumerate(heads):
-        if c in text:
-            out.add_column(head, min_width=longest[c], overflow="fold")
-        else:
-            out.add_column(head, justify="right", no_wrap=True)
-    for row in rows:
-        out.add_row(*row)
-    needed = sum(longest) + 3 * len(heads) + 8
-    stream = StringIO()
-    Console(file=stream, width=max(width(), needed), markup=False, emoji=False, highlight=False).print(out)
-    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines() if line.strip())
