@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
+from two_link_logs import two_link
 
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import condition
@@ -73,3 +74,18 @@ def test_a_motion_without_movement_has_nothing_to_ask():
     still = Motion(*np.zeros((3, 200, 1)), tau=np.zeros((200, 1)), time=np.zeros(200))
     part = SimpleNamespace(motion=still)
     assert variables(robot, [cast(Any, SimpleNamespace(part=part))], 0) == []
+
+
+def test_a_joint_that_stands_still_is_no_variable():
+    """Neither where it stands nor its speed, which is rounding: 1e-17 rad/s beside 1 rad/s of the other."""
+    n, rng = 500, np.random.default_rng(0)
+    swing, rounding = np.sin(np.arange(n) / 20), 1e-17 * rng.standard_normal(n)
+    q = np.column_stack([swing, np.full(n, 0.3), *np.zeros((6, n))])
+    dq = np.column_stack([np.cos(np.arange(n) / 20), rounding, *np.zeros((6, n))])
+    robot = two_link()
+    zero = np.zeros_like(q)
+    motion = Motion(q, dq, zero, np.zeros((n, 2)), np.arange(n) / 250)
+    log = cast(Any, SimpleNamespace(part=SimpleNamespace(motion=motion)))
+    names = {variable.name for variable in variables(robot, [log], 0)}
+    assert "joint1.de" in names
+    assert not names & {"joint2.e", "joint2.de"}

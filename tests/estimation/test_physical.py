@@ -10,6 +10,7 @@ from flexmodels.link import LINK_PARAMETERS
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.least_squares import solve_weighted
 from pyident.estimation.physical import consistent, lower_bounds
+from pyident.logs.log import LogError
 from pyident.regression.equations import Problem
 
 
@@ -70,3 +71,33 @@ def test_a_negative_level_goes_to_its_bound_and_takes_its_neighbours_along(fitte
 def test_bounds_are_those_of_the_laws():
     bounds = lower_bounds(free_joint())
     assert bounds == {"joint1.J_m": 0.0, "joint1.coulomb": 0.0, "joint1.viscous": 0.0}
+
+
+def test_where_the_solver_gives_up_the_user_is_sent_to_the_log(fitted, monkeypatch):
+    import cvxpy as cp
+
+    def gives_up(*_, **__):
+        raise cp.SolverError("numbers too far apart")
+
+    monkeypatch.setattr(cp.Problem, "solve", gives_up)
+    with pytest.raises(LogError, match="gave up; `pyident log inspect` shows"):
+        consistent(*fitted)
+
+
+def test_a_problem_that_fails_in_one_scale_is_solved_in_the_other(fitted, monkeypatch):
+    import cvxpy as cp
+
+    solve, asked = cp.Problem.solve, []
+
+    def infeasible_at_first(problem, **options):
+        asked.append(problem)
+        if len(asked) > 1:
+            solve(problem, **options)
+
+    there = consistent(*fitted)
+    monkeypatch.setattr(cp.Problem, "solve", infeasible_at_first)
+    names = fitted[1].columns
+    again = dict(zip(names, consistent(*fitted), strict=True))
+    assert len(asked) == 2
+    for name in ("joint1.coulomb", "joint1.viscous"):
+        assert again[name] == pytest.approx(there[names.index(name)], rel=1e-3)

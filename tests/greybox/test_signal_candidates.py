@@ -76,3 +76,9 @@ def test_a_log_that_the_model_does_not_know_is_refused(signals, sentence):
     log = Log(pd.DataFrame({"time": TIME, "y": TIME}), "a log")
     with pytest.raises(LogError, match=sentence):
         recording(log, signals)
+
+
+def test_what_stands_still_but_for_rounding_is_no_candidate():
+    """Of an angle at 0.3 rad whose last bit flickers; orders of it would be a thousand constants."""
+    flicker = 0.3 * (1 + 2e-16 * (np.arange(400) % 2))
+    assert {c.kind for c in listed(signals={"q": flicker}, angles=["q"])} == {"delay"}

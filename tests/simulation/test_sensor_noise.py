@@ -1,5 +1,7 @@
 """Noise of sensors from the regression's residual, against the noise that was added."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
@@ -41,3 +43,19 @@ def test_sensors_of_a_kind_whose_patterns_agree_are_none_of_them_read_as_silent(
         power = patterns.sum(axis=1) * rng.chisquare(30, 32) / 30
         least.append(_shared(power, patterns, [["joint1.eps[1]", "joint1.eps[2]"]]).min())
     assert min(least) > 0.5
+
+
+@pytest.mark.parametrize("at", [0.0, 0.3])
+def test_a_log_in_which_all_stands_still_has_no_noise(at):
+    log = analytic_log()
+    frame = log.frame.assign(**{"joint1.e": at, "joint1.tau": 4.5e-5})
+    p = np.array(list(free_joint().linear_parameters.values()))
+    assert sensor_noise(free_joint(), [replace(log, frame=frame)], p) == {"joint1.e": 0.0, "joint1.tau": 0.0}
+
+
+def test_a_sensor_that_no_equation_shows_is_no_division_by_zero():
+    """The first alone makes the power, with a variance of 4; the second has no pattern."""
+    patterns = np.column_stack([np.linspace(1, 2, 16), np.zeros(16)])
+    found = _shared(4 * patterns[:, 0], patterns, [["joint1.e"], ["joint2.e"]])
+    assert found == pytest.approx([4.0, 0.0], abs=1e-6)
+    assert _shared(np.ones(16), np.zeros((16, 2)), [["joint1.e"], ["joint2.e"]]) == pytest.approx([0.0, 0.0])

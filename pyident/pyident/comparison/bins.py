@@ -57,7 +57,7 @@ def breakdown(
     names: Sequence[str],
     refitted: bool,
 ) -> list[Bin]:
-    """Every bin of every equation.
+    """Every bin of every equation that is used at some sample.
 
     data       a Part per log;  replicas: the same of each;  names: of the logs
     refitted   judge under what the regression finds, else under the model's own parameters
@@ -68,6 +68,8 @@ def breakdown(
     spectra = [_spectra(parts, r, level) for parts, r in zip(sets, left, strict=True)]
     found: list[Bin] = []
     for c, coordinate in enumerate(robot.coordinates):
+        if not any(part.part.use[:, c].any() for part in data):
+            continue  # its joint stands still: friction is not known at any sample
         bands = _band_bins(coordinate, data, c, spectra)
         found += bands
         found += _state_bins(robot, c, sets, spectra, bands, names)

@@ -13,6 +13,7 @@ class Error:
     """Root mean squares in `unit`: of what is missed, of the signal itself, of what the method leaves.
 
     floor   nan where the model cannot be simulated, and so is that over it
+    Shares of a signal that is zero all the while, as of an equation that is never in use, are nan.
     """
 
     rmse: float
@@ -22,11 +23,11 @@ class Error:
 
     @property
     def nrmse_percent(self) -> float:
-        return 100 * self.rmse / max(self.signal, 1e-300)
+        return 100 * self.rmse / self.signal if self.signal > 0 else float("nan")
 
     @property
     def floor_percent(self) -> float:
-        return 100 * self.floor / max(self.signal, 1e-300)
+        return 100 * self.floor / self.signal if self.signal > 0 else float("nan")
 
     @property
     def ratio(self) -> float:
@@ -36,7 +37,7 @@ class Error:
         return {
             "rmse": self.rmse,
             "unit": self.unit,
-            "nrmse_percent": self.nrmse_percent,
+            "nrmse_percent": _known(self.nrmse_percent),
             "floor_percent": _known(self.floor_percent),
             "over_floor": _known(self.ratio),
         }

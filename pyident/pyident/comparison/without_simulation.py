@@ -28,11 +28,17 @@ def parts_without_simulation(trial: Trial) -> list[Part]:
 def sentence_without_simulation(reason: str, errors: tuple[LogErrors, ...]) -> str:
     """reason: why there is no simulation."""
     motors = [
-        (error, name, log.log) for log in errors for name, error in log.equations.items() if is_motor(name)
+        (error, name, log.log)
+        for log in errors
+        for name, error in log.equations.items()
+        if is_motor(name) and error.signal > 0
     ]
+    alone = f"The model cannot be simulated: {reason.rstrip('.')}. Its equations of motion are compared alone"
+    if not motors:
+        return f"{alone}, and no joint moves by which they could be judged."
     error, name, log = max(motors, key=lambda found: found[0].nrmse_percent)
     return (
-        f"The model cannot be simulated: {reason.rstrip('.')}. Its equations of motion are compared alone, "
-        f"without replicas and so without a floor: they leave most at {joint_name(joint_number(name))}, "
+        f"{alone}, without replicas and so without a floor: they leave most at "
+        f"{joint_name(joint_number(name))}, "
         f"{error.nrmse_percent:.3g} % of the torque in {Path(log).name}."
     )

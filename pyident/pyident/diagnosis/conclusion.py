@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.coordinate import joint_name
+from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import law_of, units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
@@ -52,7 +53,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         notes=(
             *_of_time(ex.setting),
             *(_orders_of(step) for step in steps if step.orders),
-            *_warnings(search, verdict, places),
+            *_warnings(search, verdict, _in_motion(search, places)),
             *_in_doubt(beside, places),
             *selection.notes,
         ),
@@ -157,6 +158,13 @@ def _floor_percent(search: Search) -> list[float]:
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
         out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
     return out
+
+
+def _in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
+    """Without the motor sides of joints that stand still, where friction may hold any torque."""
+    still = standing_in([log.part.motion for log in search.examination.logs], len(search.robot.joints))
+    parked = {(joint_name(k), "motor") for k in still}
+    return [place for place in places if (place.joint, place.balance) not in parked]
 
 
 def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Robot + logs -> identified robot: conditioning, regression, physical consistency."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,7 +28,8 @@ _WORST = 3  # disagreements that are named
 class Identified:
     """The outcome: the robot with its new parameters and how well the data support them.
 
-    relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]
+    relative_error   100 |y - A p| / |y| of the motor torques, per joint and over all [%]; nan of a joint
+                     whose equation is never in use, as it stands still
     estimator        by which the values were found
     notes            what its user must know, a sentence each
     """
@@ -82,8 +83,8 @@ class Identified:
                 {"expression": b.expression, "value": b.value, "std": _finite(b.std)} for b in self.base
             ],
             "rank": self.solution.rank,
-            "relative_error_percent": self.relative_error,
-            "relative_error_of_model_percent": self.model_error,
+            "relative_error_percent": told_errors(self.relative_error),
+            "relative_error_of_model_percent": self.model_error and told_errors(self.model_error),
         }
 
 
@@ -201,11 +202,20 @@ def without_intervals(found: Identified) -> Identified:
 
 
 def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, float]:
-    """100 |y - A p| / |y| of the first `joints` equations, each and all [%]."""
+    """100 |y - A p| / |y| of the first `joints` equations, each and all [%]; nan without torque in use."""
     squares = residual_squares(reduced, p)[:joints]
     signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
-    each = {joint_name(k + 1): float(100 * np.sqrt(squares[k] / signal[k])) for k in range(joints)}
-    return each | {"all": float(100 * np.sqrt(squares.sum() / signal.sum()))}
+
+    def percent(square: float, of: float) -> float:
+        return float(100 * np.sqrt(square / of)) if of > 0 else float("nan")
+
+    each = {joint_name(k + 1): percent(squares[k], signal[k]) for k in range(joints)}
+    return each | {"all": percent(squares.sum(), signal.sum())}
+
+
+def told_errors(errors: Mapping[str, float]) -> dict[str, float | None]:
+    """`relative_error` for JSON, which knows no nan."""
+    return {joint: _finite(error) for joint, error in errors.items()}
 
 
 def _finite(value: float) -> float | None:

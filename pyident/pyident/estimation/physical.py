@@ -28,8 +28,7 @@ _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per l
 _TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
 _EXTENT = 0.01  # m: least radius of gyration of a prior's body
 _EXACT = 1e-9  # of the parameters' length: the least standard deviation
-_NONE = "no physically consistent parameters were found"
-_CURE = "`pyident check` shows channels whose sign or unit is wrong"
+_CURE = "`pyident log inspect` shows what the log's channels hold: look for a wrong unit or sign"
 _warnings_held = threading.Lock()  # filters of warnings are those of all threads
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
 
@@ -52,13 +51,17 @@ def consistent(
     import cvxpy as cp
 
     bounds, masses = lower_bounds(robot), {} if within is None or prior is None else _masses(prior, within)
+    why = ""
     for scale in (solution.scale, _balanced(solution)):
         try:
             found = _nearest(robot, reduced, solution, prior, bounds, masses, scale)
         except cp.SolverError:  # numbers too far apart for the solver
-            continue
-        return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
-    raise LogError(f"{_NONE}: the solver gave up; {_CURE}")
+            why = why or "the solver gave up"
+        except LogError as error:
+            why = str(error)
+        else:
+            return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
+    raise LogError(f"no physically consistent parameters were found: {why}; {_CURE}")
 
 
 def _balanced(solution: Solution) -> np.ndarray:
@@ -103,7 +106,7 @@ def _nearest(
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
         problem.solve(solver=cp.CLARABEL)
     if z.value is None:
-        raise LogError(f"{_NONE} ({problem.status}); {_CURE}")
+        raise LogError(f"the problem is {problem.status}")
     return np.asarray(z.value) / scale
 
 

@@ -9,7 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from pyident.rules.confidence import CONSTANT, PERIODS
+from pyident.rules.confidence import PERIODS
+from pyident.rules.stillness import stands_still
 
 BINS = 16  # of a signal's quantiles
 _DELAYS = (0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # [samples], either way
@@ -45,9 +46,9 @@ def candidates(
     for name in angles:
         yield from _orders(name, signals[name])
     for name, values in signals.items():
-        x = np.concatenate(values)
-        if np.ptp(x) <= CONSTANT * max(np.abs(x).max(), np.finfo(float).tiny):
+        if stands_still(*values):
             continue
+        x = np.concatenate(values)
         edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)[1:-1]))
         yield Candidate("signal", name, 0.0, tuple(_binned(v, edges) for v in values))
 
@@ -67,9 +68,9 @@ def _delays(times: Sequence[np.ndarray], simulated: Sequence[np.ndarray]) -> Ite
 
 
 def _orders(name: str, values: Sequence[np.ndarray]) -> Iterator[Candidate]:
-    span = max(float(np.ptp(v)) for v in values)
-    if span <= 0:
+    if stands_still(*values):
         return
+    span = max(float(np.ptp(v)) for v in values)
     lowest = int(np.ceil(PERIODS * 2 * np.pi / span))
     for n in range(lowest, _ORDERS + 1):
         columns = tuple(np.column_stack([np.cos(n * v), np.sin(n * v)]) for v in values)

@@ -96,7 +96,7 @@ def simulation_slope(
     if not driven(logs.robot):  # then nothing of the simulation's equations is in the targets
         return slope
     asked = [j for j, name in enumerate(names) if ".d[" in name and 0 < std[j] < np.inf]
-    steps = {j: -0.5 * put_in[names[j]] if held[j] else float(std[j]) for j in asked}
+    steps = {j: -0.5 * put_in[names[j]] * held[j] or float(std[j]) for j in asked}  # held at zero: upwards
     changed = [{**put_in, names[j]: put_in[names[j]] + step} for j, step in steps.items()]
     together = max(1, runs_at_once(max(len(r.log.frame) for r in logs.again)) // len(logs.again))
     jobs = [

@@ -58,7 +58,7 @@ def _errors(found: Identified, heldout: Mapping[str, Mapping[str, float]]) -> pd
     if found.model_error:
         columns["written model"] = found.model_error
     columns |= {f"held out: {source}": dict(error) for source, error in heldout.items()}
-    table = pd.DataFrame(columns).map(lambda error: f"{error:.3g}")
+    table = pd.DataFrame(columns).map(lambda error: f"{error:.3g}" if error == error else "-")
     return table.rename_axis("joint").reset_index()
 
 

@@ -3,4 +3,3 @@
 CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 LEVEL = 0.05  # chance of a finding where there is none
 PERIODS = 2.0  # that an angle must have passed for what depends on it to be called periodic
-CONSTANT = 1e-9  # of a signal's largest value: what changes by less is constant

@@ -16,6 +16,7 @@ from pyident.rules.periodic import PeriodicRules
 from pyident.rules.replicas import ReplicaRules
 from pyident.rules.rule import Line, RulesError, lines
 from pyident.rules.search import SearchRules
+from pyident.rules.stillness import STILLNESS
 from pyident.rules.unexplained import ExtensionRules, UnexplainedRules
 
 
@@ -48,7 +49,7 @@ RULES = Rules()
 
 
 def every_threshold() -> Iterator[Line]:
-    """Those of `RULES`, and those that no caller changes: of checks, bins and foreign FMUs."""
+    """Those of `RULES`, and those that no caller changes: of checks, bins, foreign FMUs and standstill."""
     yield from lines(RULES)
     beside = {
         "log_checks": LOG_CHECKS,
@@ -56,6 +57,7 @@ def every_threshold() -> Iterator[Line]:
         "equation_checks": EQUATIONS,
         "bins": BINS,
         "greybox": GREYBOX,
+        "stillness": STILLNESS,
     }
     for name, group in beside.items():
         yield from lines(group, f"{name}.")

@@ -20,6 +20,7 @@ from flexmodels.threads import gathered
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.regressor import residual_of
+from pyident.rules.stillness import stands_still
 from pyident.simulation.feedforward import controller_torque, recoverable
 from pyident.simulation.recorded import loop_of
 
@@ -47,10 +48,14 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     kinds = [hinges, sliders, [c.name for c in robot.q if not c.is_motor]]
     if not known:  # each torque is a kind of its own: motors differ in size
         kinds += [[name] for name in robot.torques]
-    kinds = [kind for kind in kinds if kind]
+    still = _still(logs, kinds)
+    kinds = [moved for kind in kinds if (moved := [name for name in kind if name not in still])]
     unknown = [channel for kind in kinds for channel in kind]
     channels = [*unknown, *(name for name, sigma in known.items() if sigma > 0)]
+    if not channels:
+        return known | dict.fromkeys(still, 0.0)
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}
+    probes = {c: size or known[c] for c, size in probes.items()}  # a torque at one value all the while
     total, patterns = [], []
     for log in logs:
         left, changes = _patterns(robot, log, p, probes, rng)
@@ -60,7 +65,17 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     of_torques = np.square([known[name] for name in channels[len(unknown) :]])
     rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
     variances = _shared(rest, power[:, : len(unknown)], kinds)
-    return known | dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
+    return known | dict.fromkeys(still, 0.0) | dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
+
+
+def _still(logs: Sequence[Log], kinds: Sequence[Sequence[str]]) -> list[str]:
+    """Channels that read one value throughout each log: no noise is in them."""
+    still = []
+    for kind in kinds:
+        courses = {name: [log.frame[name].to_numpy(float) for log in logs] for name in kind}
+        largest = max((float(np.abs(x).max()) for each in courses.values() for x in each), default=0.0)
+        still += [n for n, each in courses.items() if all(stands_still(x, beside=largest) for x in each)]
+    return still
 
 
 def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
@@ -111,7 +126,10 @@ def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[st
     seen = total > 0
     A, y = patterns[seen] / total[seen, None], np.ones(int(seen.sum()))
     members = np.repeat(np.eye(len(kinds)), [len(kind) for kind in kinds], axis=0)
+    if not A.any():  # no equation is in use that shows any of them
+        return np.zeros(A.shape[1])
     unit = np.linalg.norm(A @ members, axis=0)
+    unit[unit == 0] = 1.0
     of_kind = nnls(A @ members / unit, y)[0] / unit
     typical = np.maximum(members @ of_kind, 1e-6 / np.linalg.norm(A, axis=0).max())
     alike = _ALIKE * (np.eye(len(typical)) - members @ members.T / (members.sum(axis=0) @ members.T)[:, None])

@@ -83,7 +83,9 @@ class Fit(Result):
         return determination(self.identified.base)
 
     def to_dict(self) -> dict[str, Any]:
-        heldout = {source: dict(error) for source, error in self.heldout.items()}
+        from pyident.estimation.identify import told_errors
+
+        heldout = {source: told_errors(error) for source, error in self.heldout.items()}
         told = {"relative_error_heldout_percent": heldout} if heldout else {}
         return self.identified.json() | told | {"notes": list(self.notes)}
 
@@ -205,4 +207,4 @@ class ServoFit(Result):
 
 
 def _percentages(errors: Mapping[str, float]) -> str:
-    return ", ".join(f"{joint} {error:.4g} %" for joint, error in errors.items())
+    return ", ".join(f"{j} {error:.4g} %" if error == error else f"{j} -" for j, error in errors.items())

@@ -11,6 +11,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
 from pyident.checks.check_log import checked
+from pyident.conditioning.standing import standing
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
@@ -129,7 +130,8 @@ def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:
 def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[Robot, tuple[str, ...]]:
     warnings = checked(robot, logs, force).warnings
     robot, notes = locked(robot, logs)
-    return robot, (*(note for log in logs for note in log.notes), *notes, *warnings)
+    still = standing(robot, logs)
+    return robot, (*(note for log in logs for note in log.notes), *notes, *still, *warnings)
 
 
 def mapping_of(mapping: Columns | None) -> Mapping | None:

@@ -3,10 +3,11 @@
 import numpy as np
 from pinocchio_model import PinocchioRobot
 from six_axis_logs import arm, made
+from two_link_logs import two_link
 
 from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, law_of, motion_for, slopes, units_of
+from pyident.diagnosis.base.candidates import Candidate, described, law_of, motion_for, slopes, units_of
 from pyident.regression.regressor import generalised_forces
 
 
@@ -39,3 +40,12 @@ def test_a_law_of_the_torque_gets_the_models():
     p = np.array(list(robot.linear_parameters.values()))
     np.testing.assert_allclose(given.tau, generalised_forces(robot, motion, p))
     assert motion_for(robot, Candidate("stribeck", 2), motion) is motion
+
+
+def test_nothing_of_the_robot_file_is_suspected_at_a_joint_that_stands_still():
+    """Gravity's direction is not that joint's: it stays."""
+    robot = two_link()
+    every, moving = set(described(robot)), set(described(robot, still=[1]))
+    assert {c.joint for c in every} == {1, 2}
+    assert {c.effect for c in moving if c.joint == 1} == {c.effect for c in every if "tilt" in c.effect}
+    assert {c for c in moving if c.joint == 2} == {c for c in every if c.joint == 2}

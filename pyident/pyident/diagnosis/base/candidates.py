@@ -1,6 +1,6 @@
 """What a diagnosis may name: every effect of the catalogue at every joint; and errors of the description."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -80,9 +80,17 @@ def candidates(
     return found
 
 
-def described(robot: Robot) -> list[Candidate]:
-    """Every quantity of the robot's description that may be wrong."""
-    return [Candidate(name, joint) for joint, _ in robot.numbered for name in description_names(robot, joint)]
+def described(robot: Robot, still: Container[int] = ()) -> list[Candidate]:
+    """Every quantity of the robot's description that may be wrong.
+
+    still   joints, from 1, that stand in one place: masses make up for what is wrong with those
+    """
+    return [
+        Candidate(name, joint)
+        for joint, _ in robot.numbered
+        for name in description_names(robot, joint)
+        if joint not in still or DESCRIPTIONS[name].whole
+    ]
 
 
 def law_of(robot: Robot, candidate: Candidate) -> Effect:

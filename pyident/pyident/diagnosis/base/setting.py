@@ -9,6 +9,7 @@ import numpy as np
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.denoised import denoised, denoises
+from pyident.estimation.base_parameters import supports
 from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
@@ -81,7 +82,7 @@ def set_up(
     reduced, solution = found.reduced, found.solution
     setting = Setting(robot, robot, (), {}, reduced, solution, {}, {}, rules, estimator)
     if robot.controller or robot.servo or any(joint.flexible for joint in robot.joints):
-        fitted = identified(robot, reduced, solution).robot
+        fitted = _fitted(robot, reduced, solution)
         loop_is_known = all(loop_of(fitted, log) is None for log in logs)
         if loop_is_known or any(joint.flexible for joint in robot.joints):
             noise = sensor_noise(fitted, logs, solution.p)
@@ -99,13 +100,28 @@ def set_up(
     return replace(setting, robot=fitted, simulated=fitted, repeats=paths, noise=noise, own_noise=own)
 
 
+def _fitted(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
+    """The robot with the physically consistent parameters nearest to a solution."""
+    return _with_own(robot, identified(robot, reduced, solution).robot, reduced, solution)
+
+
+def _with_own(robot: Robot, fitted: Robot, reduced: Reduced, solution: Solution) -> Robot:
+    """A fit with the robot's own values of what shows in no equation at a joint, as where it stands still.
+
+    The bounds alone would make it small: a motor without inertia that nothing holds.
+    """
+    told = supports(reduced, solution).items()
+    unseen = [name for name, support in told if support == "no" and not name.startswith("link")]
+    return fitted.with_parameters({name: robot.parameters[name] for name in unseen})
+
+
 def _along_model(robot: Robot, reduced: Reduced, solution: Solution) -> Robot:
     """The robot with the parameters of a solution, physical or not: whose torques are needed, not its motion.
 
     Where a model lacks something, the nearest bodies that can be may be far from what the logs say.
     """
     if not denoises(robot):
-        return identified(robot, reduced, solution).robot
+        return _fitted(robot, reduced, solution)
     name = robot.name if robot.name.endswith(_FITTED) else f"{robot.name}{_FITTED}"
     return robot.with_parameters(dict(zip(reduced.columns, solution.p.tolist(), strict=True)), name)
 
@@ -114,9 +130,8 @@ def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     """The setting whose replicas are simulated under the robot's controller, or one that stands in for it."""
     if setting.simulates:
         return setting
-    return _repeated(
-        replace(setting, robot=identified(setting.robot, setting.reduced, setting.solution).robot), logs
-    )
+    fitted = _fitted(setting.robot, setting.reduced, setting.solution)
+    return _repeated(replace(setting, robot=fitted), logs)
 
 
 def _repeated(setting: Setting, logs: Sequence[Log]) -> Setting:
@@ -157,7 +172,7 @@ def unbiased(
         change = seen(setting.solution, found - np.mean(refits, axis=0))
         solution = replace(setting.solution, p=put_in + change)
         if setting.simulates:
-            robot = identified(setting.robot, setting.reduced, solution).robot
+            robot = _fitted(setting.robot, setting.reduced, solution)
         else:
             robot = _along_model(setting.robot, setting.reduced, solution)
         simulated = setting.simulated.with_parameters(robot.parameters)
@@ -171,6 +186,7 @@ def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
         robot = robot_by_instruments(setting.robot, setting.logs, again, workers)
     except (SimulationError, NotFollowedError):
         return None
+    robot = _with_own(setting.robot, robot, setting.reduced, setting.solution)
     simulated = setting.simulated.with_parameters(robot.parameters)
     return replace(setting, robot=robot, simulated=simulated)
 

@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
@@ -29,7 +30,8 @@ from pyident.regression.descriptions import place_name
 
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
     """The selection with errors of the robot's description that held-out logs bear out."""
-    listed = described(search.robot)
+    still = standing_in([log.part.motion for log in search.examination.logs], len(search.robot.joints))
+    listed = described(search.robot, still)
     if not listed:
         return selection
     among = search_of(search.examination.of_others(listed))

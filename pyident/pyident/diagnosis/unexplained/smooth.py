@@ -17,7 +17,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Columns
 from pyident.regression.laws import Signals
 from pyident.regression.spectrum import Equations
-from pyident.rules.confidence import CONSTANT
+from pyident.rules.stillness import stands_still
 
 SPLINES = 15  # per signal; one is lost to the constant
 _DEGREE = 3
@@ -69,10 +69,14 @@ def variables(robot: Robot, logs: Sequence[Equations], row: int) -> list[Variabl
     speeds = [log.part.motion.dq[:, row] for log in logs]
     travel = tuple(_travel(log.part.motion.q[:, row], v) for log, v in zip(logs, speeds, strict=True))
     found.append(("travel", "travel since the last reversal", travel))
+    largest: dict[str, float] = {}
+    for name, _, values in found:
+        of_kind = [largest.get(_kind(name), 0.0), *(float(np.abs(x).max()) for x in values)]
+        largest[_kind(name)] = max(of_kind)
     return [
         Variable(name, words, form, values)
         for name, words, values in found
-        if np.ptp(np.concatenate(values)) > CONSTANT * np.abs(np.concatenate(values)).max()
+        if not stands_still(*values, beside=largest[_kind(name)])
         for form in ("force", "friction")
     ]
 
@@ -127,6 +131,11 @@ def words_of(name: str) -> str:
     number = signal.removeprefix(kind)
     what = said[signal] if signal in said else f"{rates[kind]} {number}"
     return f"{what} of joint {joint}"
+
+
+def _kind(name: str) -> str:
+    """`de` of `joint2.de`, `eps` of `joint1.eps3`: signals of one kind are compared by size."""
+    return name.rpartition(".")[2].rstrip("123")
 
 
 def _travel(q: np.ndarray, v: np.ndarray) -> np.ndarray:
