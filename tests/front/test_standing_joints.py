@@ -11,6 +11,7 @@ from two_link_logs import TWO_LINK, loaded, two_link
 from flexmodels.inputs import Experiment
 from pyident.cli.main import main
 from pyident.conditioning.standing import standing, standing_joints
+from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log, write_log
 
 PERIOD = 1 / 250
@@ -81,3 +82,15 @@ def test_two_joints_stand_in_all_logs_or_not_at_all():
     (sentence,) = standing(robot, logs[:1])
     assert sentence.startswith("joint2 stands still in a:")
     assert standing(robot, logs) == []
+
+
+def test_what_a_held_joint_creeps_within_its_play_is_no_equation_of_its_motor():
+    """A hundredth of a milliradian to and fro, beside a joint that swings by one radian."""
+    time = np.arange(1000) * PERIOD
+    names = [*two_link().coordinates, *two_link().torques]
+    frame = pd.DataFrame({"time": time} | {name: 0.0 * time for name in names})
+    frame["joint1.e"], frame["joint2.e"] = 0.5 * np.sin(3 * time), 5e-6 * np.sin(3 * time)
+    part = condition(Log(frame, "held"), two_link())
+    assert part.use[:, 0].mean() > 0.8
+    assert not part.use[:, 1].any()
+    assert part.use[:, 2:].all()  # its hinge is no dry friction

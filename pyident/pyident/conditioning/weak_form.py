@@ -28,6 +28,7 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.rest import REACH as REST_REACH
 from pyident.conditioning.rest import at_samples, away_from_rest
 from pyident.conditioning.samples import Conditioned
+from pyident.conditioning.standing import standing_in
 from pyident.logs.log import Log, LogError, Sampled, require
 
 REACH = 4  # samples that the widest difference needs on either side
@@ -108,6 +109,9 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     whole = plan.aligned(log.signals(plan.names))
     part = whole.cut(slice(plan.border, len(whole.target) - plan.border))
     masked = plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
+    for k in standing_in([part.motion], len(robot.joints)):  # noise keeps its sign for a few samples, too
+        if any(effect.holds_still for effect in robot.joints[k - 1].effects):
+            masked.use[:, k - 1] = 0.0
     free = tuple(k for k, name in enumerate(robot.torques) if name in log.up_to_constant)
     return replace(masked, free=free)
 
