@@ -45,3 +45,18 @@ def test_a_parameter_that_does_not_count_stays_out_of_the_corrections():
     steps, alone = FixedPoint(np.eye(2), np.array([1.0, np.inf])), FixedPoint(np.eye(1), np.ones(1))
     for gap in (1.0, 0.5, 0.1):
         assert steps.step(np.array([gap, 5.0]))[0] == pytest.approx(alone.step(np.array([gap]))[0], rel=1e-12)
+
+
+def test_what_sticks_near_the_fixed_point_sends_no_step_far_away():
+    def sticking(p):
+        return 0.5 * p + 0.1 * np.sign(p) + 1e-4 * np.round(20 * p)  # falls to zero, and jumps across it
+
+    steps, p = FixedPoint(np.eye(1) * 0.5, np.ones(1)), np.array([1.0])
+    seen = []
+    for _ in range(30):
+        p = p + steps.step(sticking(p) - p)
+        seen.append(abs(float(p[0])))
+    alike = FixedPoint(np.eye(1), np.ones(1))
+    alike.step(np.array([0.1]))
+    assert alike.step(np.array([0.0999])) == pytest.approx(0.0999)  # a secant's step would be 99.9
+    assert max(seen) < 1.0

@@ -67,6 +67,7 @@ _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own slope is measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _SHIFTS = 10.0  # times as much as scatter counts in a weight what samples do: it does not average out
+_TINY = np.finfo(float).tiny
 _FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 
 Progress = Callable[[float], None]
@@ -142,11 +143,13 @@ def _why(error: SimulationError | NotFollowedError) -> str:
 
 
 @dataclass(frozen=True)
-class _Settled:
-    """Where the rounds ended: their solution, its equations, and the simulation that it rests on.
+class _Round:
+    """What one round finds: its solution, its equations, and the simulation that it rests on.
 
     put_in   every parameter of the simulation
     quiet    (P,) linear parameters of it, which differ from the solution's where held
+    gap      (P,) from the parameters asked for to those found, along what the data determine
+    std      (P,) of the first round's solution, the measure of changes
     slope    of what the rounds find by what is put in, where it was measured
     """
 
@@ -157,7 +160,20 @@ class _Settled:
     put_in: Mapping[str, float]
     quiet: np.ndarray
     held: np.ndarray
-    slope: np.ndarray | None
+    gap: np.ndarray
+    std: np.ndarray
+    slope: np.ndarray | None = None
+
+    def largest(self, change: np.ndarray) -> float:
+        """Of changes (P,) of what the data determine the largest, in standard deviations."""
+        told = ~self.solution.open
+        return float(np.max(np.abs(change[told]) / np.maximum(self.std[told], _TINY), initial=0.0))
+
+    def measured(self, workers: Workers) -> np.ndarray:
+        """(P, P) the slope at this round, by simulations."""
+        return simulation_slope(
+            self.logs, self.equations, self.solution, self.std, workers, self.put_in, self.held
+        )
 
 
 def _rounds(
@@ -167,66 +183,96 @@ def _rounds(
     workers: Workers,
     progress: Progress | None = None,
     prior: Robot | None = None,
-) -> _Settled:
-    """Where the rounds from the best start end. Raises SimulationError, NotFollowedError."""
-    robot, data, reduced = start.robot, start.data, start.plain.reduced
-    solution, rows, put_in, equations = best.solution, [], {}, None
-    values, std = np.array(list(best.robot.linear_parameters.values())), best.solution.std
-    fixed = {n: v for n, v in best.robot.parameters.items() if n not in best.robot.linear_parameters}
-    held, quiet, slope, newton, logs = np.zeros(len(values), bool), values, None, None, None
+) -> _Round:
+    """The round from the best start with the smallest gap. Raises SimulationError, NotFollowedError."""
+    robot, data, wanted = start.robot, start.data, best.robot
+    steps: FixedPoint | None = None
+    slope: np.ndarray | None = None
+    last: _Round | None = None
+    settled: _Round | None = None
     for number in range(_ROUNDS):
-        hinges = {} if prior is None else soft_hinges(reduced.columns, replace(solution, p=values), prior)
-        quiet = simulable(robot, reduced.columns, values, hinges)
-        put_in = fixed | dict(zip(reduced.columns, quiet.tolist(), strict=True))
+        found = last.solution if last else best.solution
         try:
-            frames = simulations(again, workers, put_in)
+            put_in, frames = _simulated(start, again, workers, wanted, found, prior)
         except SimulationError:
-            quiet = consistent(robot, reduced, replace(solution, p=quiet), prior)
-            put_in = fixed | dict(zip(reduced.columns, quiet.tolist(), strict=True))
-            try:
-                frames = simulations(again, workers, put_in)
-            except SimulationError:
-                if not rows or driven(robot):
-                    raise
-                break  # nothing of a simulation but its instruments is in the estimate: the last ones do
-        held = quiet != values
+            if last is None or driven(robot):
+                raise
+            break  # nothing of a simulation but its instruments is in the estimate: the last ones do
         if reads_load(robot):
-            robot = robot.with_parameters(dict(zip(reduced.columns, values.tolist(), strict=True)))
+            robot = robot.with_parameters(wanted.linear_parameters)
             data = gathered(partial(in_memory, robot), [d.part for d in data])
-        logs = Repeated(robot, data, again, reduced)
-        share = max(missed(r, frame) for r, frame in zip(again, frames, strict=True))
-        if not share < _FOLLOWS:
-            raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
-        rows = gathered(partial(_rows_of, robot, quiet), list(zip(data, frames, strict=True)))
-        equations = moment_equations(every(rows), reduced, _weights(data, rows, values))
-        if number == 0:
-            solution = equations.solve(spectral(equations.logs, equations.weights))
-            std = solution.std
-        else:
-            solution = equations.solve(unknown, solution.rank)
-        step = seen(solution, solution.p - values)
+        logs = Repeated(robot, data, again, start.plain.reduced)
+        made = _round(logs, frames, put_in, wanted, last)
         if number == _NEAR:
-            slope = simulation_slope(logs, equations, solution, std, workers, put_in, held)
-            newton = FixedPoint(np.eye(len(slope)) - np.where(held, 0.0, slope), std)
-        if newton is not None:
-            step = newton.step(step)
-        values = values + step
+            slope = made.measured(workers)
+            steps = FixedPoint(np.eye(len(slope)) - np.where(made.held, 0.0, slope), made.std)
+        last = replace(made, slope=slope)
+        if settled is None or last.largest(last.gap) <= settled.largest(settled.gap):
+            settled = last
+        step = made.gap if steps is None else steps.step(made.gap)
+        wanted = wanted.with_parameters(_changed(wanted.linear_parameters, step))
         if progress:
             progress((number + 1) / _ROUNDS)
-        if (np.abs(step)[~solution.open] <= _SETTLED * std[~solution.open]).all():
+        if made.largest(step) <= _SETTLED:
             break
-    assert equations is not None
-    assert logs is not None
-    return _Settled(logs, rows, equations, solution, put_in, quiet, held, slope)
+    assert settled is not None
+    return settled
 
 
-def _with_intervals(found: _Settled, workers: Workers) -> Solution:
+def _changed(values: Mapping[str, float], step: np.ndarray) -> dict[str, float]:
+    return {name: v + s for (name, v), s in zip(values.items(), step.tolist(), strict=True)}
+
+
+def _simulated(
+    start: Begun,
+    again: Sequence[Repeat],
+    workers: Workers,
+    wanted: Robot,
+    found: Solution,
+    prior: Robot | None,
+) -> tuple[dict[str, float], list[pd.DataFrame]]:
+    """The parameters nearest those wanted that can be simulated, and each log's motion under them."""
+    names, values = start.plain.reduced.columns, np.array(list(wanted.linear_parameters.values()))
+    hinges = {} if prior is None else soft_hinges(names, replace(found, p=values), prior)
+    quiet = simulable(start.robot, names, values, hinges)
+    put_in = wanted.parameters | dict(zip(names, quiet.tolist(), strict=True))
+    try:
+        return put_in, simulations(again, workers, put_in)
+    except SimulationError:
+        possible = consistent(start.robot, start.plain.reduced, replace(found, p=quiet), prior)
+        put_in |= dict(zip(names, possible.tolist(), strict=True))
+        return put_in, simulations(again, workers, put_in)
+
+
+def _round(
+    logs: Repeated,
+    frames: list[pd.DataFrame],
+    put_in: Mapping[str, float],
+    wanted: Robot,
+    before: _Round | None,
+) -> _Round:
+    """What the logs say with the simulation as instrument. Raises NotFollowedError."""
+    share = max(missed(r, frame) for r, frame in zip(logs.again, frames, strict=True))
+    if not share < _FOLLOWS:
+        raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
+    values = np.array(list(wanted.linear_parameters.values()))
+    quiet = np.array([put_in[name] for name in logs.reduced.columns])
+    rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
+    equations = moment_equations(every(rows), logs.reduced, _weights(logs.data, rows, values))
+    if before is None:
+        solution = equations.solve(spectral(equations.logs, equations.weights))
+        std = solution.std
+    else:
+        solution, std = equations.solve(unknown, before.solution.rank), before.std
+    gap = seen(solution, solution.p - values)
+    return _Round(logs, rows, equations, solution, put_in, quiet, quiet != values, gap, std)
+
+
+def _with_intervals(found: _Round, workers: Workers) -> Solution:
     known = with_covariance(found.logs, found.rows, found.equations, found.solution)
     slope = found.slope
     if slope is None:
-        slope = simulation_slope(
-            found.logs, found.equations, known, known.std, workers, found.put_in, found.held
-        )
+        slope = replace(found, solution=known, std=known.std).measured(workers)
     return through_simulation(known, slope, found.quiet, found.held)
 
 
