@@ -116,7 +116,7 @@ def _masses(prior: Robot, within: float) -> dict[str, tuple[float, float]]:
 
 
 def misfit(reduced: Reduced, solution: Solution, p: np.ndarray, prior: Robot) -> float:
-    """Mean square of p's distance from a solution in standard deviations, over what the data determine."""
+    """Mean square distance of p (P,) from a solution in standard deviations, where the data determine it."""
     D = _deviations(reduced, solution, prior)
     u = np.linalg.solve(D, solution.seen.T @ ((p - solution.p) * solution.scale))
     return float(u @ u / max(solution.rank, 1))
