@@ -9,6 +9,7 @@ import pytest
 from analytic_joint import analytic_log, free_joint
 from one_joint import one_joint
 
+from flexmodels.files.robot_file import load_robot
 from flexmodels.settings.servo import Servo
 from pyident.inspection.channel import Channel
 from pyident.inspection.inspect_log import inspect_log
@@ -178,9 +179,22 @@ def test_files_of_one_recording_are_read_together(tmp_path):
     """Columns of several files carry their file's name where they would be mistaken for each other."""
     for name, values in (("left", ANGLE), ("right", ANGLE**3)):
         pd.DataFrame({"t": TIME, "q_1": values}).to_csv(tmp_path / f"{name}.csv", index=False)
-    found = inspect_log([tmp_path / "left.csv", tmp_path / "right.csv"])
+    found = inspect_log([tmp_path / "left.csv", tmp_path / "right.csv"], load_robot("tx40"))
     columns = [c.column for c in found.channels]
     assert len(columns) == len(set(columns)) == 4
+
+
+def test_recordings_with_the_same_columns_share_one_mapping(tmp_path):
+    """As `identify` takes them: each holds every joint, so that they are repetitions, not parts."""
+    files = [tmp_path / f"run{i}.csv" for i in (1, 2, 3)]
+    for i, file in enumerate(files, start=1):
+        columns = {"time": TIME, "joint1.q [rad]": ANGLE * i, "joint1.tau [N.m]": np.gradient(ANGLE) / i}
+        pd.DataFrame(columns).to_csv(file, index=False)
+    alone, found = inspect_log(files[:1], one_joint()), inspect_log(files, one_joint())
+    assert [c.column for c in found.channels] == [c.column for c in alone.channels]
+    assert found.mapping == alone.mapping
+    assert found.files == tuple(map(str, files))
+    assert "same columns" in found.notes[0]
 
 
 def test_friction_fits_any_gear_and_answers_for_none(tmp_path):

@@ -22,7 +22,9 @@ from pyident.cli.common.shared import json_option, output_option, reported, show
 def inspect_command(
     files: tuple[str, ...], model: str | None, rate: float | None, output: str | None, json_file: str | None
 ) -> None:
-    """Show what FILES of one recording hold, guess a mapping and ask what cannot be guessed.
+    """Show what FILES hold, guess their mapping and ask what cannot be guessed.
+
+    FILES are parts of one recording, or recordings with the same columns.
 
     With -o the mapping is written; `log import` and every --mapping take it. The exit code is 1 while
     questions are open.

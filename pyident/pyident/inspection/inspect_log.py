@@ -11,6 +11,7 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
 from pyident.inspection.guesses import NAME, ORDER, RANK, first_guesses
 from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
+from pyident.inspection.of_one_kind import of_one_kind, whole
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
 from pyident.logs.formats.read import read_recording
@@ -27,13 +28,23 @@ def inspect_log(
 ) -> Proposal:
     """Guess signals, joints, units, signs, offsets and delays of every column.
 
+    files   parts of one recording, or, where their columns are the same, recordings of one kind
     robot   whose joints' names, limits and equations are witnesses
     rate    [Hz], for files without a column of time
     Raises LogError.
     """
     if not files:
         raise LogError("there is no file; give one or more of one recording")
-    recording, notes = _measured(_joined([(Path(file), read_recording(Path(file))) for file in files]))
+    read = [(Path(file), read_recording(Path(file))) for file in files]
+    if len({frozenset(recording.columns) for _, recording in read}) == 1:
+        each = [_proposal([part], robot, rate) for part in read]
+        if whole(each[0], robot):
+            return of_one_kind(each)
+    return _proposal(read, robot, rate)
+
+
+def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: float | None) -> Proposal:
+    recording, notes = _measured(_joined(read))
     channels = first_guesses(recording, robot)
     time = next((c for c in channels if c.signal == "time"), None)
     period = _period(time) if time is not None else 1 / rate if rate else None
@@ -49,7 +60,7 @@ def inspect_log(
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
     return Proposal(
-        files=tuple(str(file) for file in files),
+        files=tuple(str(path) for path, _ in read),
         channels=tuple(channels),
         rate=None if time else rate,
         header=recording.header,
