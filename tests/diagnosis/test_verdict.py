@@ -92,7 +92,9 @@ def test_place_and_question_of_a_law():
 )
 def test_what_makes_a_verdict_worth_less_is_said(floor, ratio, verdict, said):
     search = cast(Any, SimpleNamespace(rules=RULES.search))
-    place = SimpleNamespace(joint="joint1", balance="motor", floor_percent=floor, over_floor=(ratio, ratio))
+    place = SimpleNamespace(
+        joint="joint1", balance="motor", state="in_order", floor_percent=floor, over_floor=(ratio, ratio)
+    )
     warnings = list(_warnings(search, verdict, cast(Any, [place])))
     assert len(warnings) == len(said)
     assert all(warning.startswith(words) for warning, words in zip(warnings, said, strict=True))

@@ -10,7 +10,7 @@ from two_link_logs import TWO_LINK, loaded, two_link
 
 from flexmodels.inputs import Experiment
 from pyident.cli.main import main
-from pyident.conditioning.standing import standing, standing_joints
+from pyident.conditioning.standing import standing, standing_in, standing_joints
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log, write_log
 
@@ -65,6 +65,9 @@ def test_diagnose_names_nothing_where_nothing_is_hidden(folder):
     assert told["verdict"] in ("nothing_detectable", "cannot_tell")
     assert told["findings"] == []
     assert "joint2, motor side" not in output  # that says how far a residual lies below its floor
+    states = {(p["joint"], p["balance"]): p["state"] for p in told["places"]}
+    assert states.pop(("joint2", "motor")) == "unobserved"
+    assert set(states.values()) == {"in_order"}
 
 
 def test_a_brakes_play_is_no_motion():
@@ -82,6 +85,15 @@ def test_two_joints_stand_in_all_logs_or_not_at_all():
     (sentence,) = standing(robot, logs[:1])
     assert sentence.startswith("joint2 stands still in a:")
     assert standing(robot, logs) == []
+
+
+def test_a_joint_that_is_parked_elsewhere_in_each_log_stands_still():
+    robot, time = two_link(), np.arange(1000) * PERIOD
+    names = [*robot.coordinates, *robot.torques]
+    swings = pd.DataFrame(0.0, index=range(1000), columns=names).assign(**{"joint1.e": np.sin(time)})
+    frames = [swings.assign(time=time, **{"joint2.e": place}) for place in (0.3, -0.8)]
+    motions = [condition(Log(frame, "parked"), robot).motion for frame in frames]
+    assert standing_in(motions, 2) == [2]
 
 
 def test_what_a_held_joint_creeps_within_its_play_is_no_equation_of_its_motor():

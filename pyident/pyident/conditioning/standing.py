@@ -36,8 +36,8 @@ def standing_joints(way: np.ndarray) -> list[int]:
 
 
 def standing_in(motions: Sequence[Motion], joints: int) -> list[int]:
-    """Joints, from 1, that stand in one place in all motions."""
-    return standing_joints(np.ptp(np.concatenate([motion.q[:, :joints] for motion in motions]), axis=0))
+    """Joints, from 1, that stand still in each motion, wherever in it."""
+    return standing_joints(np.max([np.ptp(motion.q[:, :joints], axis=0) for motion in motions], axis=0))
 
 
 def _way(robot: Robot, log: Log | LogFile) -> np.ndarray:

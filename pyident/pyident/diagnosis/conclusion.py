@@ -110,6 +110,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     before, after = search.over_floor, beside.over_floor
     floor = _floor_percent(search)
     acting = {row for c in selection.candidates for row in search.rows(c)}
+    used = np.any([log.part.use.any(axis=0) for log in search.examination.logs], axis=0)
     out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
     doubted = bands_in_doubt(search.examination, beside.base)
     for row, coordinate in enumerate(robot.q):
@@ -118,7 +119,8 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
         if refusal is not None and refusal.certain:
             bands = bands | doubted[row]
         left = bool(out[row] or bands.any())
-        state = "unexplained" if left else "explained" if row in acting else "in_order"
+        calm = "in_order" if used[row] else "unobserved"
+        state = "unexplained" if left else "explained" if row in acting else calm
         ratio = (float(np.sqrt(before[row])), float(np.sqrt(after[row])))
         reason = _said(refusal) if refusal and left else ""
         joint = joint_name(coordinate.joint)
@@ -177,7 +179,7 @@ def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator
             f"this says little: replicas leave {worst.floor_percent:.0f} % of the torque of {worst.joint} "
             "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
         )
-    quiet = [p for p in places if p.over_floor[0] < rules.below_floor]
+    quiet = [p for p in places if p.over_floor[0] < rules.below_floor and p.state != "unobserved"]
     if quiet:
         listed = ", ".join(f"{p.joint}, {p.balance} side ({p.over_floor[0]:.2g} times)" for p in quiet)
         yield (

@@ -93,6 +93,7 @@ class Row:
 class Place:
     """What is said of one side of a joint.
 
+    state             unobserved: no sample of the logs that are fitted is of use there
     over_floor        rms of its residual over that of replicas, before and after the findings
     band              Hz from and to, and that ratio after the findings, of the band where it stands out most;
                       None: in no band more than in all together
@@ -102,7 +103,7 @@ class Place:
 
     joint: str
     balance: Literal["motor", "transmission", "link"]
-    state: Literal["in_order", "explained", "unexplained"]
+    state: Literal["in_order", "explained", "unexplained", "unobserved"]
     over_floor: tuple[float, float]
     floor_percent: float
     reason: str = ""
