@@ -96,7 +96,7 @@ def test_a_ripple_of_a_gear_is_seen_hundreds_of_times_a_turn():
     logs = [made(robot, seed, ripple, 20.0) for seed in range(2)]
     setting = set_up(robot, logs)
     data = equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
-    found = order_peaks(robot, data, setting.solution.p, RULES.periodic)
+    found = order_peaks(robot, data, setting.solution.p, RULES.periodic, range(1, len(robot.joints) + 1))
     assert found[1].steady[0] == pytest.approx(202.0, abs=1.0)
     assert not found[6].steady
 

@@ -81,7 +81,7 @@ def _peaks(torque, seconds: float = 24.0):
     frame = log.frame.copy()
     frame["joint1.tau"] += torque(frame["joint1.e"], np.sign(np.gradient(frame["joint1.e"])))
     parts = equations(robot, [condition(replace(log, frame=frame), robot)], [log.period])
-    return order_peaks(robot, parts, np.array(list(robot.linear_parameters.values())), RULES.periodic)[1]
+    return order_peaks(robot, parts, np.array(list(robot.linear_parameters.values())), RULES.periodic, [1])[1]
 
 
 def test_the_orders_of_gears_stand_out_the_strongest_first():

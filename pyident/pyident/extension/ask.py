@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+import numpy as np
+
 from flexmodels.robot import RobotError
-from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, workers_of
 from pyident.diagnosis.search.gate import Admission, admission
@@ -15,6 +18,7 @@ from pyident.diagnosis.search.search import Found, Search, search_of
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import coverage, nonlinear_grid
 from pyident.regression.descriptions import describes
+from pyident.regression.spectrum import Equations
 from pyident.simulation.simulator import OpenPool
 
 
@@ -55,7 +59,7 @@ def ask(
     Raises LogError, RobotError.
     """
     with workers_of(setting, open_pool) as workers:
-        search = search_of(examine(setting, workers, progress, _listed(setting, joint, effect)))
+        search = search_of(examine(setting, workers, progress, partial(_listed, joint, effect)))
     found = search.best(effect, joint)
     if found is None:
         raise RobotError(f"effect {effect} cannot act at joint {joint} of robot {setting.robot.name}")
@@ -63,13 +67,17 @@ def ask(
     return Asked(search, found, entry)
 
 
-def _listed(setting: Setting, joint: int, effect: str) -> list[Candidate]:
-    """The effect over the grid of its nonlinear parameters, as far as any log shows it at them."""
+def _listed(
+    joint: int, effect: str, setting: Setting, data: Sequence[Equations], p: np.ndarray
+) -> list[Candidate]:
+    """The effect over its nonlinear parameters as a diagnosis tries them, as far as a log shows it there."""
     if describes(effect):
         return [Candidate(effect, joint)]
     robot = setting.robot
-    motions = [condition(log, robot).motion for log in setting.logs]
-    grid = nonlinear_grid(robot, joint, effect, motions)
+    motions = [log.part.motion for log in data]
+    grid, law = nonlinear_grid(robot, joint, effect, motions), robot.joints[joint - 1].law(effect)
+    if law.order is not None:
+        grid = order_peaks(robot, data, p, setting.rules.periodic, [joint])[joint].beside(grid, law)
 
     def shown(values: dict[str, float]) -> bool:
         covered = [coverage(robot, joint, effect, motion, values) for motion in motions]

@@ -70,9 +70,8 @@ def candidates(
                 grid = nonlinear_grid(robot, joint, effect.name, motions)
             except RobotError:
                 continue  # the law cannot act at this joint
-            if effect.order and orders:
-                further = orders[joint].friction if effect.is_friction else orders[joint].steady
-                grid = [*grid, *({**grid[0], effect.order.name: order} for order in further)]
+            if orders:
+                grid = orders[joint].beside(grid, effect)
             scopes = range(len(logs)) if effect.body else (None,)
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid

@@ -6,12 +6,13 @@ motion resolves and the sampling can follow; an order counts against the median 
 against all that were tried. Waves of friction turn round with the motion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import median_filter
 
+from flexmodels.effects.effect import Effect
 from flexmodels.robot import Robot
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
@@ -32,14 +33,21 @@ class Orders:
     steady: list[float]
     friction: list[float]
 
+    def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
+        """The grid of a law's nonlinear values, and if it is periodic these orders, too."""
+        if law.order is None:
+            return list(grid)
+        further = self.friction if law.is_friction else self.steady
+        return [*grid, *({**grid[0], law.order.name: order} for order in further)]
+
 
 def order_peaks(
-    robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
+    robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules, joints: Iterable[int]
 ) -> dict[int, Orders]:
-    """Orders of every joint (from 1). p (P,): parameters that leave the residual."""
+    """Orders of each of the joints (from 1). p (P,): parameters that leave the residual."""
     left = [residual_of(robot, log.part, p) for log in logs]
     found = {}
-    for k, _ in robot.numbered:
+    for k in joints:
         angles = [log.part.motion.q[:, k - 1] for log in logs]
         speeds = [log.part.motion.dq[:, k - 1] for log in logs]
         orders = _orders(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, rules)

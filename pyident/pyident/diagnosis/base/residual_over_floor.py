@@ -32,6 +32,7 @@ _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
+Listing = Callable[[Setting, Sequence[Equations], np.ndarray], list[Candidate]]
 
 
 @dataclass(frozen=True)
@@ -126,13 +127,20 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
+def every_law(setting: Setting, data: Sequence[Equations], p: np.ndarray) -> list[Candidate]:
+    """All laws that a model may lack whose parameters are p (P,)."""
+    robot = setting.robot
+    joints = range(1, len(robot.joints) + 1)
+    return candidates(robot, data, order_peaks(robot, data, p, setting.rules.periodic, joints))
+
+
 def examine(
-    setting: Setting, workers: Workers, progress: Progress, listed: Sequence[Candidate] | None = None
+    setting: Setting, workers: Workers, progress: Progress, listing: Listing = every_law
 ) -> Examination:
     """Run the replicas and hold the data against them.
 
     workers   processes with the fitted robot's FMU
-    listed    the candidates to look at; None: every law
+    listing   of the candidates to look at
     """
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, group) for group in together(range(count))]
@@ -145,9 +153,7 @@ def examine(
         progress(0.5 * (i + 1) / len(jobs))
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    if listed is None:
-        orders = order_peaks(robot, data, base.p, setting.rules.periodic)
-        listed = candidates(robot, data, orders)
+    listed = listing(setting, data, base.p)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]
@@ -166,7 +172,7 @@ def examine(
     mean_square, number = energy(data, base)
     replica_energy = np.array([e for _, _, e in judged])
     found = explained, replica_gains, left, mean_square, replica_energy, number
-    return Examination(setting, level, data, base, list(listed), columns, *found)
+    return Examination(setting, level, data, base, listed, columns, *found)
 
 
 def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equations], Base]:

@@ -131,7 +131,8 @@ def _fitted_laws(
 ) -> list[_Law]:
     """The best of every family that explains anything."""
     levels = [level.at(e.band) for e in data]
-    listed = candidates(robot, data, order_peaks(robot, data, base.p, RULES.periodic))
+    joints = range(1, len(robot.joints) + 1)
+    listed = candidates(robot, data, order_peaks(robot, data, base.p, RULES.periodic, joints))
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
     best: dict[tuple[str, int, int | None], _Law] = {}
     for i, candidate in enumerate(listed):
