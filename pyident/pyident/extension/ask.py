@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.robot import RobotError
+from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.residual_over_floor import examine
@@ -19,6 +19,7 @@ from pyident.logs.log import Log
 from pyident.regression.candidate_columns import coverage, nonlinear_grid
 from pyident.regression.descriptions import describes
 from pyident.regression.spectrum import Equations
+from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import OpenPool
 
 
@@ -68,16 +69,15 @@ def ask(
 
 
 def _listed(
-    joint: int, effect: str, setting: Setting, data: Sequence[Equations], p: np.ndarray
+    joint: int, effect: str, robot: Robot, data: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
 ) -> list[Candidate]:
     """The effect over its nonlinear parameters as a diagnosis tries them, as far as a log shows it there."""
     if describes(effect):
         return [Candidate(effect, joint)]
-    robot = setting.robot
     motions = [log.part.motion for log in data]
     grid, law = nonlinear_grid(robot, joint, effect, motions), robot.joints[joint - 1].law(effect)
     if law.order is not None:
-        grid = order_peaks(robot, data, p, setting.rules.periodic, [joint])[joint].beside(grid, law)
+        grid = order_peaks(robot, data, p, rules, [joint])[joint].beside(grid, law)
 
     def shown(values: dict[str, float]) -> bool:
         covered = [coverage(robot, joint, effect, motion, values) for motion in motions]

@@ -13,12 +13,13 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.diagnosis.base.order_peaks import Orders
+from pyident.diagnosis.base.order_peaks import Orders, order_peaks
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
+from pyident.rules.periodic import PeriodicRules
 
 _descriptions: Recent[dict[int, np.ndarray]] = Recent(512)
 _with_torques: Recent[Motion] = Recent(16)
@@ -77,6 +78,14 @@ def candidates(
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
             ]
     return found
+
+
+def every_law(
+    robot: Robot, logs: Sequence[Equations], p: np.ndarray, rules: PeriodicRules
+) -> list[Candidate]:
+    """`candidates`, and periodic laws at the orders that stand out of what p (P,) leaves."""
+    joints = range(1, len(robot.joints) + 1)
+    return candidates(robot, logs, order_peaks(robot, logs, p, rules, joints))
 
 
 def described(robot: Robot, still: Container[int] = ()) -> list[Candidate]:

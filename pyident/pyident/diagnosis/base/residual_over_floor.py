@@ -7,10 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns_of
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
 from pyident.diagnosis.base.denoised import denoised_every_sample, denoises
 from pyident.diagnosis.base.discrepancy import inexact
-from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -25,6 +24,7 @@ from pyident.diagnosis.base.projection import (
 from pyident.diagnosis.base.setting import Setting, replicas_of, together
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
+from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
 _WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
@@ -32,7 +32,7 @@ _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
-Listing = Callable[[Setting, Sequence[Equations], np.ndarray], list[Candidate]]
+Listing = Callable[[Robot, Sequence[Equations], np.ndarray, PeriodicRules], list[Candidate]]
 
 
 @dataclass(frozen=True)
@@ -127,13 +127,6 @@ class Examination:
         return [self.floor.at(log.band) for log in self.logs]
 
 
-def every_law(setting: Setting, data: Sequence[Equations], p: np.ndarray) -> list[Candidate]:
-    """All laws that a model may lack whose parameters are p (P,)."""
-    robot = setting.robot
-    joints = range(1, len(robot.joints) + 1)
-    return candidates(robot, data, order_peaks(robot, data, p, setting.rules.periodic, joints))
-
-
 def examine(
     setting: Setting, workers: Workers, progress: Progress, listing: Listing = every_law
 ) -> Examination:
@@ -153,7 +146,7 @@ def examine(
         progress(0.5 * (i + 1) / len(jobs))
     level = floor(bands, residuals)
     level, data, base = balanced(level, whitened(robot, logs, level))
-    listed = listing(setting, data, base.p)
+    listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]

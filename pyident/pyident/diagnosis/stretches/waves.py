@@ -19,14 +19,13 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import (
     Candidate,
     bounds,
-    candidates,
     columns,
+    every_law,
     law_of,
     motion_for,
     proper,
     slopes,
 )
-from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
 from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.estimation.estimator import weighted
@@ -131,8 +130,7 @@ def _fitted_laws(
 ) -> list[_Law]:
     """The best of every family that explains anything."""
     levels = [level.at(e.band) for e in data]
-    joints = range(1, len(robot.joints) + 1)
-    listed = candidates(robot, data, order_peaks(robot, data, base.p, RULES.periodic, joints))
+    listed = every_law(robot, data, base.p, RULES.periodic)
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
     best: dict[tuple[str, int, int | None], _Law] = {}
     for i, candidate in enumerate(listed):
