@@ -52,7 +52,10 @@ def test_sentences_name_what_they_mean():
     assert three.count("; stribeck at joint2") == 2
     rivals = sentence_of("cannot_tell", [RIVALS], calm, place)
     assert "or presliding" in rivals
-    assert "cannot tell which" in rivals
+    assert rivals.endswith("), these logs cannot tell which.")
+    beside = sentence_of("cannot_tell", [RIVALS, ONE, ONE], calm, place)
+    assert "), these logs cannot tell which; stribeck at joint2" in beside
+    assert beside.count("cannot tell") == 1
     assert "joint2, motor side" in sentence_of("unexplained", [], calm, place)
 
 

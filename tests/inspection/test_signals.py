@@ -184,6 +184,23 @@ def test_files_of_one_recording_are_read_together(tmp_path):
     assert len(columns) == len(set(columns)) == 4
 
 
+def test_a_bus_that_answers_when_it_can_has_an_uneven_clock_and_a_switch(tmp_path):
+    steps = np.random.default_rng(3).choice([0.004, 0.005, 0.009], len(ANGLE))
+    columns = {"position": ANGLE, "goal_position": 1.1 * ANGLE, "timestamp": np.cumsum(steps)}
+    pd.DataFrame(columns | {"torque_enable": TIME[-1] / 2 > TIME}).to_csv(tmp_path / "bus.csv", index=False)
+    found = inspect_log([tmp_path / "bus.csv"])
+    named = {c.column: (c.name, c.sure) for c in found.channels}
+    assert named["timestamp"] == ("time", True)
+    assert named["torque_enable"] == ("joint1.on", True)
+    assert found.mapping.signals["joint1.on"].column == "torque_enable"
+
+
+def test_a_switch_of_more_than_two_places_is_none(tmp_path):
+    columns = {"t": TIME, "position": ANGLE, "torque_enable": np.arange(len(TIME)) % 3}
+    pd.DataFrame(columns).to_csv(tmp_path / "bus.csv", index=False)
+    assert {c.column: c.name for c in inspect_log([tmp_path / "bus.csv"]).channels}["torque_enable"] is None
+
+
 def test_recordings_with_the_same_columns_share_one_mapping(tmp_path):
     """As `identify` takes them: each holds every joint, so that they are repetitions, not parts."""
     files = [tmp_path / f"run{i}.csv" for i in (1, 2, 3)]

@@ -8,6 +8,7 @@ from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Named, Place, VerdictName
 from pyident.regression.descriptions import place_name, stated
 
+_UNTOLD = ", these logs cannot tell which"
 _HARDLY = 10.0  # per cent of an excess: less than any effect takes that is named for its share
 
 
@@ -42,14 +43,16 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    each = [f"{' or '.join(_said(n) for n in f.tie)} ({_share(f)})" for f in findings]
+    each = [
+        f"{' or '.join(_said(n) for n in f.tie)} ({_share(f)}){_UNTOLD if len(f.tie) > 1 else ''}"
+        for f in findings
+    ]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
-    which = "; these logs cannot tell which" if verdict == "cannot_tell" else ""
     left = [f"{p.joint}, {p.balance} side ({_floors(p)})" for p in places if p.state == "unexplained"]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
     wrong = {n.describes for f in findings for n in f.tie}
     begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
-    return f"{begin}: {names}{which}.{rest}"
+    return f"{begin}: {names}.{rest}"
 
 
 def _floors(place: Place) -> str:

@@ -55,6 +55,7 @@ class Channel:
             "feedforward": dict.fromkeys(("joint", "motor", "link"), "joint{}.tau_ff"),
             "current": {"joint": "joint{}.tau", "motor": "motor{}.current", "link": "joint{}.tau"},
             "voltage": dict.fromkeys(("joint", "motor", "link"), "joint{}.tau"),
+            "switch": dict.fromkeys(("joint", "motor", "link"), "joint{}.on"),
         }
         if self.joint is None or self.signal not in kinds:
             return None

@@ -41,7 +41,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     for name, values in recording.columns.items():
         m = said[name]
         signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
-        if signal == "voltage" and _supply(values):
+        if (signal == "voltage" and _supply(values)) or (signal == "switch" and not _switched(values)):
             signal = "other"
         unit = known_unit(recording.units.get(name, "")) or m.unit
         kinds = _KIND.get(signal, ())
@@ -82,6 +82,11 @@ def _supply(values: np.ndarray) -> bool:
     return bool(np.ptp(values) <= _STEADY * np.abs(np.mean(values)))
 
 
+def _switched(values: np.ndarray) -> bool:
+    """Whether there is nothing but off and on."""
+    return bool(np.isin(values, (0, 1)).all())
+
+
 def natural_unit(signal: str, kind: str) -> str:
     """The unit of a log's signal at a revolute or prismatic joint."""
     return _NATURAL[signal][0 if kind == "revolute" else 1]
@@ -102,12 +107,17 @@ def grows_evenly(x: np.ndarray) -> bool:
     return bool(np.mean(np.abs(steps - middle) < max(_EVEN * middle, 1e-12)) > 0.8)
 
 
+def _grows(x: np.ndarray) -> bool:
+    return len(x) > 3 and bool(np.isfinite(x).all() and (np.diff(x) > 0).all())
+
+
 def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
     own = set(recording.clocks.values())
-    able = [
-        name for name, x in recording.columns.items() if grows_evenly(x) and len(x) == _longest(recording)
-    ]
+    whole = {name: x for name, x in recording.columns.items() if len(x) == _longest(recording)}
+    able = [name for name, x in whole.items() if grows_evenly(x)]
     named = [name for name in able if said[name].signal == "time"]
+    if not named and recording.header:  # a bus answers when it can
+        named = [name for name, x in whole.items() if said[name].signal == "time" and _grows(x)]
     if named:
         return next((name for name in named if name not in own or len(named) == 1), named[0])
     counts = [n for n in able if said[n].signal == "other"]

@@ -160,6 +160,8 @@ def _asked(c: Channel) -> Channel:
         return replace(c, sure=False, doubt=doubt)
     if c.doubt or c.sure:
         return c
+    if c.signal == "switch":
+        return replace(c, sure=True)
     if c.signal in ("torque", "feedforward") and c.unit is not None:
         return replace(c, sure=True)
     if c.signal in ("torque", "feedforward"):

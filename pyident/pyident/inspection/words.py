@@ -7,7 +7,7 @@ from typing import Literal
 from pyident.logs.units import KINDS, known_unit
 
 Signal = Literal["time", "position", "reference", "velocity", "acceleration", "torque", "feedforward",
-                 "current", "voltage", "other", "unknown"]  # fmt: skip
+                 "current", "voltage", "switch", "other", "unknown"]  # fmt: skip
 Side = Literal["joint", "motor", "link"]
 
 _WORDS: dict[str, str] = {
@@ -70,7 +70,6 @@ _OTHER = frozenset(
         "mode",
         "enable",
         "enabled",
-        "torque_enable",
         "seq",
         "count",
         "following",
@@ -97,6 +96,8 @@ _OTHER = frozenset(
     ]
 )
 _MEASURED = frozenset(["act", "actual", "meas", "measured", "ist", "present"])
+_SWITCH = frozenset(["enable", "enabled"])
+_SWITCHED = frozenset(["torque", "motor", "servo", "drive"])
 _PLAIN = frozenset([*_MEASURED, "est", "hat", "filtered", "raw", "dot", "ddot", "d"])  # of no joint's name
 _AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
@@ -134,7 +135,7 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
     if joint is None and numbers:
         joint = numbers[-1]
-    left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK]
+    left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK | _SWITCH]
     if joint is None and len(left) and "observation" not in left:
         joint = "_".join(w for w in left if w not in _PLAIN)
     return Meaning(
@@ -157,6 +158,8 @@ def _wanted(words: list[str]) -> bool:
 
 def _signal(words: list[str], kind: str | None) -> Signal:
     """kind: what its unit measures, where the name has one."""
+    if set(words) & _SWITCH and set(words) & _SWITCHED:
+        return "switch"
     if set(words) & _OTHER or words[-1:] == ["id"]:
         return "other"
     found, wanted = _found(words, kind), _wanted(words)
