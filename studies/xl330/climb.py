@@ -22,7 +22,7 @@ Recordings = Mapping[str, ServoLog]
 SATURATION = "saturation"  # of the motor's iron: a number of the servo, not a law at the joint
 LAWS = ("load_dependent_friction", SATURATION, "stribeck", "quadratic_load_friction")
 _NEAR = 1.1  # times the least error on motions that were not fitted: what a lower rung may have
-_ROUNDS = 8  # of a fit that only serves the choice
+_ROUNDS = 100  # at most: fits end where the error falls no longer, those that only serve the choice, too
 _FIRST = 0.05  # [1/A] from which the saturation is sought
 _POSE = ("link1.ms[x]",)  # the zero of the encoder is not quite straight down
 
@@ -47,12 +47,12 @@ class Fits:
         self._stack = stack
         self._compiled: dict[frozenset[str], Simulate] = {}
 
-    def fit(self, robot: Robot, recordings: Sequence[ServoLog], rounds: int = 20) -> ClosedLoopFit:
+    def fit(self, robot: Robot, recordings: Sequence[ServoLog]) -> ClosedLoopFit:
         """Drive, friction, armature and pose from recordings."""
         assert robot.servo is not None
         joint = (name for name in robot.parameters if name.startswith("joint1."))
         return fit_closed_loop(
-            robot, recordings, [*robot.servo.free, *joint, *_POSE], self._runs(robot), rounds
+            robot, recordings, [*robot.servo.free, *joint, *_POSE], self._runs(robot), _ROUNDS
         )
 
     def error(self, robot: Robot, recordings: Sequence[ServoLog]) -> float:
@@ -117,7 +117,7 @@ def _judged(
     """The robots fitted, each in its fold, and their mean absolute error on what is judged [degrees]."""
     fitted, errors = [], []
     for robot, (fit_to, judge_on) in zip(robots, folds, strict=True):
-        fitted.append(fits.fit(robot, fit_to, _ROUNDS).robot)
+        fitted.append(fits.fit(robot, fit_to).robot)
         errors.append(fits.error(fitted[-1], judge_on))
     return fitted, float(np.mean(errors))
 

@@ -3,7 +3,7 @@
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from pyident.report.page import Picture, Section, write_page
 from pyident.rules.confidence import CONFIDENCE
 from pyident.sweep.studies import StudyResult, row
 
-from .climb import Fits, Recordings, climbed
+from .climb import Climbed, Fits, Recordings, climbed
 from .climb import fits as opened
 from .figure import draw
 from .ladder import RUNGS, STEP, Ladder, Track, compiled
@@ -51,8 +51,10 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
         for file in files
     }
     gains, rows, bars = _gains(recordings), [], []
+    choices: dict[str, Sequence[str]] = {}
     with compiled(_INERTIA, _WEIGHT) as ladder, opened() as fits:
         chosen = climbed(start, recordings, fits, lambda share: progress(0.25 * share))
+        choices["all recordings"] = chosen.told
         fit = fits.fit(chosen.robot, list(recordings.values()))
         replays = fits.replays(fit.robot, list(recordings.values()))
         for i, gain in enumerate(gains):
@@ -60,10 +62,11 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
             def told(share: float, i: int = i) -> None:
                 progress(0.3 + 0.65 * (i + 0.8 * share) / len(gains))
 
-            ours, laws = held_out(start, recordings, gain, fits, told)
+            ours, climb = held_out(start, recordings, gain, fits, told)
+            choices[f"all but kp {gain}"] = climb.told
             theirs = {rung: _ladder_error(ladder, rung, recordings, gain, start) for rung in RUNGS}
             best = min(theirs, key=lambda rung: theirs[rung])
-            text = f"{ours:.2f}° ({laws}) against {theirs[best]:.2f}° of {best}, the ladder's best"
+            text = f"{ours:.2f}° ({climb.laws}) against {theirs[best]:.2f}° of {best}, the ladder's best"
             rows.append(row(f"kp {gain} held out: mean absolute error", text, "less", ours < theirs[best]))
             bars.append((gain, ours, theirs))
     rows += _described(fit)
@@ -73,7 +76,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     sections = [
         Section("Every log", pictures=[picture]),
         Section("Numbers", table=pd.DataFrame(rows)),
-        Section("How the laws were chosen", table=pd.DataFrame({"step": chosen.told})),
+        Section("How the laws were chosen", table=_steps(choices)),
     ]
     page = write_page(folder / "index.html", "XL330", _SUMMARY, sections)
     progress(1.0)
@@ -82,12 +85,16 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
 
 def held_out(
     start: Robot, recordings: Recordings, gain: int, fits: Fits, progress: Callable[[float], None]
-) -> tuple[float, str]:
+) -> tuple[float, Climbed]:
     """Mean absolute error [degrees] at a gain that neither the laws nor their values were chosen by."""
     others = _without(recordings, gain)
     chosen = climbed(start, others, fits, progress)
     robot = fits.fit(chosen.robot, list(others.values())).robot
-    return fits.error(robot, _only(recordings, gain)), chosen.laws
+    return fits.error(robot, _only(recordings, gain)), chosen
+
+
+def _steps(choices: Mapping[str, Sequence[str]]) -> pd.DataFrame:
+    return pd.DataFrame([{"chosen by": by, "step": step} for by, steps in choices.items() for step in steps])
 
 
 def as_a_body(robot: Robot, start: Robot) -> Robot:

@@ -25,7 +25,7 @@ class MadeUp:
     def __init__(self, errors):
         self.errors, self.pairs, self.fitted = errors, [], []
 
-    def fit(self, robot, recordings, rounds=20):
+    def fit(self, robot, recordings):
         self.fitted = recordings
         return SimpleNamespace(robot=robot)
 
