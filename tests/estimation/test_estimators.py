@@ -10,7 +10,7 @@ from analytic_joint import COULOMB, VISCOUS, analytic_log, free_joint
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.setting import set_up, unbiased
-from pyident.estimation.estimator import ordinary, reweighted, total, weighted
+from pyident.estimation.estimator import ordinary, predicting, reweighted, total, weighted
 from pyident.estimation.identify import identified
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
@@ -27,7 +27,7 @@ def friction(robot: Robot, found) -> np.ndarray:
     return found.solution.p[[found.reduced.columns.index(n) for n in names]]
 
 
-@pytest.mark.parametrize("estimator", [ordinary, weighted, reweighted, total])
+@pytest.mark.parametrize("estimator", [ordinary, weighted, reweighted, predicting, total])
 def test_without_noise_each_finds_the_closed_form(estimator):
     found = estimator(problem(free_joint(), analytic_log()))
     assert friction(free_joint(), found) == pytest.approx([VISCOUS, COULOMB], rel=2e-3)

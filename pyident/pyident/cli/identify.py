@@ -35,10 +35,10 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber).")
 @click.option(
     "--estimator",
-    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "tls"]),
+    type=click.Choice(["iv", "oe", "wls", "irls", "ols", "pe", "tls"]),
     default="iv",
     show_default=True,
-    help="Instrumental variables from a simulated model, output error, or least squares, which give no "
+    help="Instrumental variables from a simulated model, output error, or regressions, which give no "
     "intervals, for comparison.",
 )
 @click.option(

@@ -14,6 +14,7 @@ import numpy as np
 from pyident.conditioning.weak_form import REACH
 from pyident.estimation.least_squares import Solution, solve, solve_weighted
 from pyident.estimation.newey_west import LongRun
+from pyident.estimation.prediction_error import prediction_error
 from pyident.estimation.total_least_squares import total_least_squares
 from pyident.regression.bodies import reads_load
 from pyident.regression.equations import Problem
@@ -123,6 +124,12 @@ def total(problem: Problem, like: Solution | None = None) -> Estimate:
     """Total least squares; its values have no covariance."""
     found = weighted(problem, like)
     return replace(found, solution=total_least_squares(found.reduced, found.solution))
+
+
+@_under_its_own_loads
+def predicting(problem: Problem, like: Solution | None = None) -> Estimate:
+    """Least squares of equations whose residual has lost its memory (`prediction_error`)."""
+    return Estimate(*prediction_error(problem, like))
 
 
 def _solved(reduced: Reduced, like: Solution | None) -> Solution:

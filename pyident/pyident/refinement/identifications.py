@@ -6,7 +6,7 @@ from typing import Protocol
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimator import Estimator, ordinary, reweighted, total, weighted
+from pyident.estimation.estimator import Estimator, ordinary, predicting, reweighted, total, weighted
 from pyident.estimation.identify import Identified, disagreements, identified, near, without_intervals
 from pyident.logs.log import Log, LogError
 from pyident.refinement.auxiliary_model import identify_by_instruments
@@ -93,6 +93,7 @@ IDENTIFICATIONS: dict[str, Identification] = {
     "ols": ByEquations(ordinary, "least squares"),
     "wls": ByEquations(weighted, "weighted least squares"),
     "irls": ByEquations(reweighted, "iteratively reweighted least squares"),
+    "pe": ByEquations(predicting, "prediction error with an autoregressive noise model"),
     "tls": ByEquations(total, "total least squares"),
     "iv": identify_by_instruments,
     "oe": refined,
