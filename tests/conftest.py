@@ -1,4 +1,5 @@
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,17 @@ from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.mechanics.plant import equations
 from pyident.logs.log import Log
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+_FLAGS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
 
 settings.register_profile("the same cases every time", derandomize=True)
 settings.load_profile("the same cases every time")
@@ -46,3 +58,15 @@ def data():
     if not folder.is_dir():
         pytest.skip("measured data are not here: set PYIDENT_DATA to their folder")
     return folder
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """One for all tests: a second one beside it would need an event loop of its own."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no Chromium: apt install chromium, or name one in CHROMIUM")
+    with playwright.sync_playwright() as tools:
+        browser = tools.chromium.launch(executable_path=CHROMIUM, args=_FLAGS)
+        yield browser
+        browser.close()

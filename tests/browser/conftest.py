@@ -1,6 +1,5 @@
 """Journeys in a real browser: a project folder with a hidden law, a server of its own, Debian's Chromium."""
 
-import os
 import re
 import shutil
 from pathlib import Path
@@ -11,18 +10,7 @@ from two_link_logs import TWO_LINK, hidden, loaded, made_log
 from pyident.logs.log import write_log
 
 pytest.importorskip("nicegui", reason="the workbench's extra is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-
-CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
-_FLAGS = [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-]
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 
 @pytest.fixture(scope="session")
@@ -41,16 +29,6 @@ def project(recordings, tmp_path) -> Path:
     folder = tmp_path / "project"
     shutil.copytree(recordings, folder)
     return folder
-
-
-@pytest.fixture(scope="session")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no Chromium: apt install chromium, or name one in CHROMIUM")
-    with playwright.sync_playwright() as tools:
-        browser = tools.chromium.launch(executable_path=CHROMIUM, args=_FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

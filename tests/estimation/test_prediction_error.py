@@ -1,4 +1,4 @@
-"""The filter of a known noise is found, and under slow noise values scatter less than those of least squares."""
+"""The filter of a known noise is found; under slow noise values scatter less than those of least squares."""
 
 import numpy as np
 import pytest

@@ -1,17 +1,13 @@
 """Figures whose library travels compressed: what is unpacked is plotly, and a browser draws them."""
 
 import gzip
-import os
 import re
-import shutil
 from base64 import b64decode
 
 import plotly.graph_objects as go
 import pytest
 
 from pyident.report.interactive import element, library
-
-CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 
 
 @pytest.fixture
@@ -44,14 +40,9 @@ def test_nothing_is_drawn_before_the_library_is_there(page):
 
 
 @pytest.mark.browser
-def test_a_browser_draws_it(page):
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium: set CHROMIUM to its path")
-    with playwright.sync_playwright() as running:
-        browser = running.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        shown = browser.new_page()
-        shown.goto(page.as_uri())
-        shown.wait_for_selector("#bars .barlayer .point", timeout=120_000, state="attached")
-        assert shown.locator("#bars .barlayer .point").count() == 2
-        browser.close()
+def test_a_browser_draws_it(page, browser):
+    shown = browser.new_page()
+    shown.goto(page.as_uri())
+    shown.wait_for_selector("#bars .barlayer .point", timeout=120_000, state="attached")
+    assert shown.locator("#bars .barlayer .point").count() == 2
+    shown.close()
