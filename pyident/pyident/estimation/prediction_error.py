@@ -47,7 +47,7 @@ class Whitened(Problem):
         for c, D in enumerate(self.filters):
             columns = np.flatnonzero(A[:, c].any(axis=0))
             own = np.column_stack([A[:, c, columns], y[:, c]])
-            known = own.any(axis=1)
+            known = np.asarray(own.any(axis=1))
             made, all_known = np.zeros((len(target), own.shape[1])), np.ones(len(target), bool)
             for lag, weight in enumerate(D):
                 at = slice(reach - lag, len(own) - lag)

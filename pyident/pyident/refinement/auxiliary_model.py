@@ -36,15 +36,11 @@ from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.fixed_point import FixedPoint
-from pyident.refinement.instrumental_covariance import (
-    ringing,
-    simulation_slope,
-    through_simulation,
-    with_covariance,
-    without_intervals_of,
-)
+from pyident.refinement.instrumental_covariance import ringing, with_covariance, without_intervals_of
 from pyident.refinement.noise_scatter import carries
+from pyident.refinement.noise_weights import counted_by_noise
 from pyident.refinement.remove_bias import seen
+from pyident.refinement.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.simulated_rows import (
     Data,
     Repeated,
@@ -57,16 +53,14 @@ from pyident.refinement.simulated_rows import (
 from pyident.refinement.stand_in import driven, smoothed
 from pyident.refinement.starts import Begun, begun, missed, nearest
 from pyident.regression.bodies import reads_load
-from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
 NAME = "instrumental variables with a simulated model"
 START = "instrumental variables with filtered signals"
 _ROUNDS = 8
-_NEAR = 3  # round from which on the steps are Newton's: there the simulation's own slope is measured
+_NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
-_SHIFTS = 10.0  # times as much as scatter counts in a weight what samples do: it does not average out
 _TINY = np.finfo(float).tiny
 _FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 
@@ -98,7 +92,8 @@ def identify_by_instruments(
     try:
         with open_pool(followed) as workers:
             best = nearest(start.starts, again, workers)
-            solution = _with_intervals(_rounds(start, again, best, workers, progress, prior), workers)
+            last = _rounds(start, again, best, workers, progress, prior)
+        solution = with_covariance(last.logs, last.rows, last.equations, last.solution)
     except (SimulationError, NotFollowedError) as error:
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
         name = START if carries(robot) else best.estimator
@@ -146,34 +141,23 @@ def _why(error: SimulationError | NotFollowedError) -> str:
 class _Round:
     """What one round finds: its solution, its equations, and the simulation that it rests on.
 
-    put_in   every parameter of the simulation
-    quiet    (P,) linear parameters of it, which differ from the solution's where held
     gap      (P,) from the parameters asked for to those found, along what the data determine
     std      (P,) of the first round's solution, the measure of changes
-    slope    of what the rounds find by what is put in, where it was measured
+    columns  that the simulation adds, where they were measured
     """
 
     logs: Repeated
     rows: list[Rows]
     equations: MomentEquations
     solution: Solution
-    put_in: Mapping[str, float]
-    quiet: np.ndarray
-    held: np.ndarray
     gap: np.ndarray
     std: np.ndarray
-    slope: np.ndarray | None = None
+    columns: SimulatedColumns | None
 
     def largest(self, change: np.ndarray) -> float:
         """Of changes (P,) of what the data determine the largest, in standard deviations."""
         told = ~self.solution.open
         return float(np.max(np.abs(change[told]) / np.maximum(self.std[told], _TINY), initial=0.0))
-
-    def measured(self, workers: Workers) -> np.ndarray:
-        """(P, P) the slope at this round, by simulations."""
-        return simulation_slope(
-            self.logs, self.equations, self.solution, self.std, workers, self.put_in, self.held
-        )
 
 
 def _rounds(
@@ -187,7 +171,6 @@ def _rounds(
     """The round from the best start with the smallest gap. Raises SimulationError, NotFollowedError."""
     robot, data, wanted = start.robot, start.data, best.robot
     steps: FixedPoint | None = None
-    slope: np.ndarray | None = None
     last: _Round | None = None
     settled: _Round | None = None
     for number in range(_ROUNDS):
@@ -201,19 +184,22 @@ def _rounds(
         if reads_load(robot):
             robot = robot.with_parameters(wanted.linear_parameters)
             data = gathered(partial(in_memory, robot), [d.part for d in data])
+        near = number >= _NEAR or (last is not None and last.largest(last.gap) <= _SETTLED)
         logs = Repeated(robot, data, again, start.plain.reduced)
-        made = _round(logs, frames, put_in, wanted, last)
-        if number == _NEAR:
-            slope = made.measured(workers)
-            steps = FixedPoint(np.eye(len(slope)) - np.where(made.held, 0.0, slope), made.std)
-        last = replace(made, slope=slope)
-        if settled is None or last.largest(last.gap) <= settled.largest(settled.gap):
+        last = _round(logs, frames, put_in, wanted, last, workers if near else None)
+        if last.columns is not None and steps is None:
+            steps = FixedPoint(np.eye(len(last.gap)), last.std)
+        if (
+            settled is None
+            or settled.columns is None
+            or last.largest(last.gap) <= settled.largest(settled.gap)
+        ):
             settled = last
-        step = made.gap if steps is None else steps.step(made.gap)
+        step = last.gap if steps is None else steps.step(last.gap)
         wanted = wanted.with_parameters(_changed(wanted.linear_parameters, step))
         if progress:
             progress((number + 1) / _ROUNDS)
-        if made.largest(step) <= _SETTLED:
+        if last.columns is not None and last.largest(step) <= _SETTLED:
             break
     assert settled is not None
     return settled
@@ -250,45 +236,33 @@ def _round(
     put_in: Mapping[str, float],
     wanted: Robot,
     before: _Round | None,
+    workers: Workers | None,
 ) -> _Round:
-    """What the logs say with the simulation as instrument. Raises NotFollowedError."""
+    """What the logs say with the simulation as instrument; workers: to measure its columns.
+
+    Raises NotFollowedError, SimulationError.
+    """
     share = max(missed(r, frame) for r, frame in zip(logs.again, frames, strict=True))
     if not share < _FOLLOWS:
         raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
     values = np.array(list(wanted.linear_parameters.values()))
     quiet = np.array([put_in[name] for name in logs.reduced.columns])
     rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
-    equations = moment_equations(every(rows), logs.reduced, _weights(logs.data, rows, values))
+    rows, weights = counted_by_noise(logs.data, rows, values)
+    columns = None if before is None else before.columns
+    if columns is None and workers is not None:
+        columns = simulated_columns(logs, rows, workers, put_in)
+    if columns is not None:
+        rows = [columns.added(number, own, quiet) for number, own in enumerate(rows)]
+    equations = moment_equations(every(rows), logs.reduced, weights)
     if before is None:
         solution = equations.solve(spectral(equations.logs, equations.weights))
         std = solution.std
     else:
         solution, std = equations.solve(unknown, before.solution.rank), before.std
     gap = seen(solution, solution.p - values)
-    return _Round(logs, rows, equations, solution, put_in, quiet, quiet != values, gap, std)
-
-
-def _with_intervals(found: _Round, workers: Workers) -> Solution:
-    known = with_covariance(found.logs, found.rows, found.equations, found.solution)
-    slope = found.slope
-    if slope is None:
-        slope = replace(found, solution=known, std=known.std).measured(workers)
-    return through_simulation(known, slope, found.quiet, found.held)
+    return _Round(logs, rows, equations, solution, gap, std, columns)
 
 
 def _rows_of(robot: Robot, p: np.ndarray, log: tuple[Data, pd.DataFrame]) -> Rows:
     return rows_of(robot, *log, p)
-
-
-def _weights(data: list[Data], rows: list[Rows], p: np.ndarray) -> np.ndarray:
-    """One over what each coordinate's equations leave: of the log, and of the simulation.
-
-    Noise alone would give all weight to equations of deformations, which zero solves: what samples and means
-    do to them would be taken for less stiffness, and taking it away again would raise their noise.
-    """
-    squares = np.zeros(len(rows[0].y[0]))
-    for d, r in zip(data, rows, strict=True):
-        scatter, shift = (r.y - predicted(r.A, p)) * r.share, (d.y - r.y) * r.share
-        squares += np.sum(scatter**2 + (_SHIFTS * shift) ** 2, axis=0)
-    rms = np.sqrt(squares / sum(len(r.y) for r in rows))
-    return 1 / np.maximum(rms, 1e-6 * rms.max())

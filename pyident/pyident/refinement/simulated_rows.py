@@ -68,9 +68,9 @@ def in_memory(robot: Robot, part: Conditioned) -> Data:
     return Data(part, A, y, use)
 
 
-def left_of(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
-    """(N, n) what the equations of a log leave under p (P,), everything in use."""
-    return Problem(robot, (replace(part, use=np.ones_like(part.use), free=()),)).residuals(p)[0]
+def simulated_equations(robot: Robot, frame: pd.DataFrame, free: tuple[int, ...]) -> Data:
+    """Those of a simulation; free: equations of its log whose torque is known but for a constant."""
+    return in_memory(robot, replace(condition(Log(frame, "simulation"), robot), free=free))
 
 
 def simulations(
@@ -106,8 +106,7 @@ def _side_by_side(
 
 def rows_of(robot: Robot, data: Data, frame: pd.DataFrame, p: np.ndarray) -> Rows:
     """Instruments from a simulation, the log's torques without what its equations leave under p (P,)."""
-    part = replace(condition(Log(frame, "simulation"), robot), free=data.part.free)
-    made = in_memory(robot, part)
+    made = simulated_equations(robot, frame, data.part.free)
     share = faded(robot, data.use * made.use)
     left = made.y - predicted(made.A, p) if driven(robot) else 0.0
     return Rows(data.A, made.A, data.y - left, share)

@@ -52,8 +52,8 @@ def identify(
     logs      a Log, the path of one, a DataFrame with the columns of a log (SI units), or a list of these
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
     robust    give single equations that stick out less weight (Huber): the estimator `irls`
-    estimator "iv" (instruments from the simulated model), "oe" (output error); regressions "wls", "ols", "irls",
-              "tls", "pe" (prediction error)
+    estimator "iv" (instruments from the simulated model), "oe" (output error); regressions: "wls", "ols",
+              "irls", "tls", "pe" (prediction error)
     prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
     heldout   further logs, checked like the others, whose torque the written model is judged on
     allow_effects  run the Python files that the robot file names; without it only those that are trusted
