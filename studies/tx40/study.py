@@ -54,6 +54,14 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     return StudyResult([*_friction_rows(table), *_error_rows(coupled, free, resting)], [page])
 
 
+def published_friction() -> dict[str, float]:
+    """Name -> the authors' value: friction of the joints, and what ties the wrist's last two."""
+    published = {of_joint(k, "viscous"): v for k, v in enumerate(VISCOUS, start=1)}
+    published |= {of_joint(k, "coulomb"): v for k, v in enumerate(COULOMB, start=1)}
+    names = ("inertia", "viscous", "coulomb")
+    return published | {f"joint5.joint_coupling.{n}": v for n, v in zip(names, COUPLING, strict=True)}
+
+
 def _uncoupled(robot: Robot) -> Robot:
     joint = robot.joints[4]
     values = {law: v for law, v in joint.values.items() if law != "joint_coupling"}
@@ -70,10 +78,7 @@ def _with_rests(robot: Robot, log: Log) -> Identified:
 
 def _table(found: Identified) -> pd.DataFrame:
     p = dict(zip(found.reduced.columns, found.solution.p, strict=True))
-    published = {of_joint(k, "viscous"): v for k, v in enumerate(VISCOUS, start=1)}
-    published |= {of_joint(k, "coulomb"): v for k, v in enumerate(COULOMB, start=1)}
-    names = ("inertia", "viscous", "coulomb")
-    published |= {f"joint5.joint_coupling.{n}": v for n, v in zip(names, COUPLING, strict=True)}
+    published = published_friction()
     table = pd.DataFrame({"identified": {name: p[name] for name in published}, "published": published})
     return table.assign(**{"off %": 100 * (table["identified"] / table["published"] - 1)})
 
