@@ -92,7 +92,7 @@ def without_controller(equations: Equations) -> Equations:
 
 
 def with_drives(equations: Equations) -> Equations:
-    """The plant alone with drives that take a controller's law (runtime/drive.h)."""
+    """The plant alone with drives that take a controller's law (runtime/loop/drive.h)."""
     return replace(without_controller(equations), drives=True)
 
 

@@ -30,7 +30,7 @@ def require_inertia(equations: Equations) -> None:
 
 
 def _definite(equations: Equations, parameters: Mapping[str, float]) -> bool:
-    """As runtime/plant.c asks at the start, where every hinge stands at zero."""
+    """As runtime/plant/plant.c asks at the start, where every hinge stands at zero."""
     size = equations.pivots.size1_in(0)
     pivots = np.asarray(equations.pivots(np.zeros(size), [*parameters.values()])).ravel()
     return bool((pivots > 0).all())

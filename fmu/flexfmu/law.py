@@ -14,7 +14,7 @@ from flexmodels.mechanics.plant import Equations
 
 
 def law_names(joint: int) -> list[str]:
-    """Its variables of a joint, in the order of runtime/drive.h."""
+    """Its variables of a joint, in the order of runtime/loop/drive.h."""
     further = ("e_sampled", "de_sampled", "stiffness", "damping", "tau_rate")
     return [torque_of(joint), *(of_joint(joint, name) for name in further)]
 

@@ -91,9 +91,9 @@ def _write_sources(folder: Path, package: Package, fmi: Version) -> list[str]:
     """The generated files and those of the runtime that belong to them; names of the C files."""
     folder.mkdir()
     wanted = (*package.runtime, "instance", "states", "step", "symbols", f"face{fmi}")
-    for file in sorted((*RUNTIME.iterdir(), *(RUNTIME / "fmi").iterdir())):
+    for file in sorted(RUNTIME.rglob("*.[ch]")):
         ours = file.name.startswith(f"fmi{fmi}") or file.stem in wanted
-        if file.suffix in (".c", ".h") and ours:
+        if ours:
             shutil.copy(file, folder)
     for name, text in package.sources.items():
         (folder / name).write_text(text)

@@ -41,7 +41,7 @@ class Array:
 
 
 def arrays(joints: int) -> list[Array]:
-    """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3.c; inputs are scalars only."""
+    """The arrays of FMI 3.0, in the order of `arrays` in runtime/fmi3/fmi3.c; inputs are scalars only."""
     n = joints
     return [
         Array("joint.e", "joint1.e", n, "Positions of all motor hinges"),

@@ -1,4 +1,4 @@
-"""The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant.h."""
+"""The FMU's variables: one list for FMI 2.0 and 3.0, in the order of the C enum in runtime/plant/plant.h."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -24,7 +24,7 @@ UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
 def variables(equations: Equations) -> list[Variable]:
-    """Every scalar variable of a plant by value reference (runtime/plant.h)."""
+    """Every scalar variable of a plant by value reference (runtime/plant/plant.h)."""
     eq = equations
     if eq.servo:
         begin = [
@@ -46,7 +46,7 @@ def variables(equations: Equations) -> list[Variable]:
 
 
 def controller_variables(equations: Equations, integral: Mapping[str, float]) -> list[Variable]:
-    """Every variable of the controller alone by value reference (runtime/controller.h)."""
+    """Every variable of the controller alone by value reference (runtime/loop/controller.h)."""
     eq = equations
     return [
         *_references(eq),
@@ -107,7 +107,7 @@ def _switches(eq: Equations) -> Iterator[Variable]:
 
 
 def _servo(eq: Equations) -> Iterator[Variable]:
-    """In the order of runtime/servo.h."""
+    """In the order of runtime/loop/servo.h."""
     assert eq.servo is not None
     kinds = PER_JOINT | SHARED
     for name, value in eq.servo.parameters.items():

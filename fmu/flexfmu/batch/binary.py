@@ -1,4 +1,4 @@
-"""Many runs over the same times in one call of an FMU of ours; see runtime/batch.h."""
+"""Many runs over the same times in one call of an FMU of ours; see runtime/batch/batch.h."""
 
 import ctypes
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ _MESSAGE = 512
 
 
 class _Batch(ctypes.Structure):
-    """`Batch` of runtime/batch.h."""
+    """`Batch` of runtime/batch/batch.h."""
 
     _fields_ = (
         *((name, ctypes.c_longlong) for name in ("runs", "samples", "parameters", "outputs")),

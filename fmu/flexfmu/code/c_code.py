@@ -1,4 +1,4 @@
-"""casadi.Function of scalars -> C over `real`, which runtime/scalar.h and runtime/lanes.h define.
+"""casadi.Function of scalars -> C over `real`, which runtime/plant/scalar.h and runtime/batch/lanes.h define.
 
 The same text is compiled for one number and for a vector of runs. Long functions are cut into pieces: a
 compiler's time grows faster than the length of a function.
