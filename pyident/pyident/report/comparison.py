@@ -51,7 +51,7 @@ def write_comparison(
         of = f" of {model}" if len(models) > 1 else ""
         sections.append((f"Equations{of}: where they fail", [_map(c), *_bars(c)]))
         sections.append((f"Simulation{of}: what it misses", [_curves(log, _points(c)) for log in c.logs]))
-    environment = Environment(loader=PackageLoader("pyident", "report"), autoescape=True)
+    environment = Environment(loader=PackageLoader("pyident", "report/templates"), autoescape=True)
     html = environment.get_template("comparison.html").render(
         title=" and ".join(models),
         sentences=[(m, c.sentence) for m, c in zip(models, found, strict=True)],

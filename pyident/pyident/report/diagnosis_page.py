@@ -40,7 +40,7 @@ def write_diagnosis(diagnosis: Diagnosis, path: str | Path, model: str = "") -> 
     """
     path = Path(path)
     environment = Environment(
-        loader=PackageLoader("pyident", "report"), autoescape=True, undefined=StrictUndefined,
+        loader=PackageLoader("pyident", "report/templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     environment.filters |= {

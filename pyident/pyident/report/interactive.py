@@ -38,7 +38,7 @@ _CALL = re.compile(r"<script[^>]*>(.*?)</script>", re.S)
 @cache
 def library() -> Markup:
     """The elements of a page's head that `element` relies on."""
-    packed = b64encode(files("pyident.report").joinpath(BUNDLE).read_bytes()).decode()
+    packed = b64encode(files("pyident.report").joinpath("templates", BUNDLE).read_bytes()).decode()
     return Markup(f'<script type="text/plain" id="plotly-gzip">{packed}</script><script>{_UNPACKED}</script>')
 
 

@@ -88,7 +88,7 @@ def moving(
 
 def script() -> str:
     """JavaScript: `flexidentArm(element, content)` and `flexidentCursor(plot, log)`."""
-    return files("pyident.report").joinpath("moving_arm.js").read_text(encoding="utf-8")
+    return files("pyident.report").joinpath("templates", "moving_arm.js").read_text(encoding="utf-8")
 
 
 def element(arm: MovingArm, name: str) -> str:

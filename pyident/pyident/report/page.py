@@ -43,7 +43,7 @@ def write_page(path: Path, title: str, summary: str, sections: Sequence[Section]
         }
         for s in sections
     ]
-    environment = Environment(loader=PackageLoader("pyident", "report"), autoescape=True)
+    environment = Environment(loader=PackageLoader("pyident", "report/templates"), autoescape=True)
     html = environment.get_template("page.html").render(title=title, summary=summary, sections=content)
     with replacing(path) as file:
         file.write_text(html, encoding="utf-8")

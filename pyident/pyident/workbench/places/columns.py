@@ -1,17 +1,15 @@
 """In place 1, one file: its channels to look at, and the mapping that it seems to want."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import events, run, ui
 
 from pyident.workbench import commands
 from pyident.workbench.channels import Channels
-
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
+from pyident.workbench.places.tab import Tab
 
 
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """The channels of the file that was chosen, and the proposal for it."""
     if page.channels is not None:
         _plot(page.channels)
@@ -20,7 +18,7 @@ def show(page: "Page") -> None:
         _proposal(page, *proposal)
 
 
-async def look(page: "Page", log: str) -> None:
+async def look(page: Tab, log: str) -> None:
     """Read a file's channels, unless they are in memory already."""
     path = str(page.bench.project.path(log))
     try:
@@ -46,7 +44,7 @@ def _plot(channels: Channels) -> None:
     plot.on("plotly_relayout", zoomed)
 
 
-def _proposal(page: "Page", log: str, rows: list[dict[str, Any]], questions: list[str], text: str) -> None:
+def _proposal(page: Tab, log: str, rows: list[dict[str, Any]], questions: list[str], text: str) -> None:
     ui.label(f"What {log} seems to hold").classes("font-bold")
     columns = [
         {"name": n, "label": n, "field": n, "align": "left"} for n in ("column", "signal", "unit", "sure")

@@ -2,20 +2,17 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import events, ui
 
 from pyident.workbench.linked import name_upload
 from pyident.workbench.places import columns
+from pyident.workbench.places.tab import Tab
 from pyident.workbench.project import LARGEST_UPLOAD, LOGS, MODELS, ProjectError
 from pyident.workbench.work import REFUSED
 
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
 
-
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """Drop files, choose their roles, run the checks."""
     bench = page.bench
     upload = ui.upload(
@@ -69,7 +66,7 @@ def show(page: "Page") -> None:
         ).props('data-testid="sound"')
 
 
-async def keep(page: "Page", event: events.UploadEventArguments, endings: Sequence[str]) -> None:
+async def keep(page: Tab, event: events.UploadEventArguments, endings: Sequence[str]) -> None:
     """An uploaded file becomes a file of the folder; nothing that is there is replaced."""
     bench = page.bench
     try:

@@ -1,20 +1,18 @@
 """Place 2: the robot as a tree, its joints and their laws, what the logs can tell of its parameters."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from pyident.verbs.figures.pictures import standing_arm
 from pyident.workbench.linked import name_upload, show_arm
 from pyident.workbench.places.data import keep
+from pyident.workbench.places.tab import Tab
 from pyident.workbench.project import LARGEST_UPLOAD, MODELS, ProjectError
 
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
 
-
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """Choose a model; see it; fit it."""
     import pyident as pi
     from flexmodels.files.robot_file import shipped
@@ -58,7 +56,7 @@ def show(page: "Page") -> None:
     _rank(page)
 
 
-def _import(page: "Page") -> None:
+def _import(page: Tab) -> None:
     """Which joints of somebody else's robot are flexible: its file does not say."""
     name = page.bench.project.model
     ui.label(f"{name} becomes a robot file. Which of its joints, counted from 1, are flexible?")
@@ -101,7 +99,7 @@ def _driven(robot: Any, k: int) -> list[str]:
     return parts
 
 
-def _rank(page: "Page") -> None:
+def _rank(page: Tab) -> None:
     bench = page.bench
     fit = bench.result("identify")
     if fit is not None:

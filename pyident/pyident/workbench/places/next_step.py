@@ -3,13 +3,11 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from nicegui import ui
 
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
-
+from pyident.workbench.places.tab import Tab
 
 _SHOWN = 8  # laws that these logs cannot show
 _FORMATS: tuple[tuple[str, str, str, Literal[2, 3]], ...] = (
@@ -25,7 +23,7 @@ _REPORTS: tuple[tuple[Literal["compare", "diagnose"], str], ...] = (
 )
 
 
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """What would separate or reveal, and downloads."""
     bench = page.bench
     diagnosis = bench.result("diagnose")
@@ -101,7 +99,7 @@ def _at(law: Any) -> str:
     return f"{law.effect}@{law.joint.removeprefix('joint')}"
 
 
-def _reports(page: "Page") -> None:
+def _reports(page: Tab) -> None:
     """Pages of what was found, which need nothing else to be read."""
     with ui.row():
         for what, label in _REPORTS:

@@ -2,15 +2,14 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
+from pyident.workbench.places.tab import Tab
 
 
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """Two choices and, once both versions have been compared with the logs, their errors."""
     project = page.bench.project
     names = {i: f"{i}: {v.what if i else v.model}" for i, v in enumerate(project.versions)}
@@ -31,7 +30,7 @@ def show(page: "Page") -> None:
         _table(both[0], both[1], [names[number] for number in pair])
 
 
-def _compare(page: "Page", pair: tuple[int, int]) -> None:
+def _compare(page: Tab, pair: tuple[int, int]) -> None:
     """Compare what has not been compared yet, one version after the other."""
     page.choose(*pair)
     page.bench.compare_all([n for n in dict.fromkeys(pair) if page.bench.result("compare", n) is None])

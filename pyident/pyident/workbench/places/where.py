@@ -2,21 +2,19 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import events, ui
 
 from pyident.workbench import commands, figures
 from pyident.workbench.linked import share_brush, share_cursor, show_arm
-
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
+from pyident.workbench.places.tab import Tab
 
 _MARGIN = 0.5  # s shown before and behind a bump
 _LATER = 0.1  # s after the traces, which are looked at first, the scatters under them follow
 
 
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """The map, then the chosen equation."""
     bench = page.bench
     compared = bench.result("compare")
@@ -47,7 +45,7 @@ def show(page: "Page") -> None:
 class _Equation:
     """One equation on one log: traces, bumps and states, which all show the same span of time."""
 
-    def __init__(self, page: "Page", compared: Any):
+    def __init__(self, page: Tab, compared: Any):
         self.page, self.comparison = page, compared.comparison
         self.trace = chosen_trace(page, self.comparison)
         self.bumps = self.comparison.bumps(self.trace)
@@ -108,7 +106,7 @@ class _Equation:
             )
 
 
-def chosen_trace(page: "Page", comparison: Any) -> Any:
+def chosen_trace(page: Tab, comparison: Any) -> Any:
     """The trace that the page looks at, else that of the worst equation on the log where it leaves most."""
     listed = [t for t in comparison.traces if not page.view.log or t.log == page.view.log]
     listed = listed or list(comparison.traces)
@@ -121,7 +119,7 @@ def chosen_trace(page: "Page", comparison: Any) -> Any:
         return found
 
 
-def _map(page: "Page", comparison: Any) -> None:
+def _map(page: Tab, comparison: Any) -> None:
     plot = ui.plotly(figures.band_map(comparison.bins)).classes("w-full")
     plot.props('data-testid="map" role="figure" aria-label="rms over floor by equation and band"')
     words = "rms over the floor, with the values that the model has; a click shows a cell alone"
@@ -140,7 +138,7 @@ def _map(page: "Page", comparison: Any) -> None:
     plot.on("plotly_click", chosen)
 
 
-def _choice(page: "Page", comparison: Any, chosen: Any) -> None:
+def _choice(page: Tab, comparison: Any, chosen: Any) -> None:
     logs = {t.log: Path(t.log).name for t in comparison.traces}
     coordinates = {t.coordinate: t.coordinate for t in comparison.traces}
     with ui.row().classes("items-center"):

@@ -1,20 +1,18 @@
 """Place 4: the verdict of the diagnosis, what each law takes of the chosen stretch, trying and adding."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
 
 from pyident.workbench import commands, figures
+from pyident.workbench.places.tab import Tab
 from pyident.workbench.places.where import chosen_trace
-
-if TYPE_CHECKING:
-    from pyident.workbench.page import Page
 
 _LISTED = 12  # laws of a ranking
 
 
-def show(page: "Page") -> None:
+def show(page: Tab) -> None:
     """The verdict always first: a ranking is never to be mistaken for it."""
     bench = page.bench
     diagnosis = bench.result("diagnose")
@@ -46,7 +44,7 @@ def show(page: "Page") -> None:
 class _Stretch:
     """The laws of one stretch of one equation, and the curve that one of them would leave."""
 
-    def __init__(self, page: "Page", compared: Any, waves: Any, diagnosis: Any):
+    def __init__(self, page: Tab, compared: Any, waves: Any, diagnosis: Any):
         from pyident.verbs.explain import explained
 
         self.page, self.diagnosis = page, diagnosis
@@ -149,7 +147,7 @@ class _Stretch:
         return next((s for s in sentences if s.startswith(f"{law.name} fits in part")), "")
 
 
-def _no_ranking(page: "Page", compared: Any) -> str:
+def _no_ranking(page: Tab, compared: Any) -> str:
     """Why no law can be asked what it would take."""
     if "compare" in page.bench.jobs or "ask" in page.bench.jobs:
         return "Every law is being asked what it would take."
@@ -158,7 +156,7 @@ def _no_ranking(page: "Page", compared: Any) -> str:
     return "Compare model and logs in place 3; then every law can be asked what it would take."
 
 
-def _finding(page: "Page", number: int, finding: Any) -> None:
+def _finding(page: Tab, number: int, finding: Any) -> None:
     from pyident.verbs.judged import said_value
 
     with ui.card().classes("w-full").props(f'data-testid="finding-{number + 1}"'):
@@ -178,14 +176,14 @@ def _finding(page: "Page", number: int, finding: Any) -> None:
             ui.label(f"To separate: {finding.experiment}").classes("text-sm")
 
 
-def add_button(page: "Page", named: Any, name: str, words: str = "Add") -> None:
+def add_button(page: Tab, named: Any, name: str, words: str = "Add") -> None:
     """Adds a law to the model: fits it and judges it on unseen data."""
     joint = int(named.joint.removeprefix("joint"))
     button = ui.button(words, on_click=lambda: page.act(lambda: page.bench.add(named.effect, joint)))
     button.props(f'data-testid="{name}" dense no-caps').set_enabled("add" not in page.bench.jobs)
 
 
-def _outcome(page: "Page") -> None:
+def _outcome(page: Tab) -> None:
     """What came of the law that was added last."""
     last = page.bench.last_added
     if last is None:
