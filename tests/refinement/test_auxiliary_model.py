@@ -16,7 +16,7 @@ from pyident.estimation.instrumental_variables import Rows, fading, solve_instru
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
 from pyident.refinement.identifications import IDENTIFICATIONS
-from pyident.refinement.noise_scatter import noise_scatter
+from pyident.refinement.instruments.noise_scatter import noise_scatter
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 from pyident.simulation.replica import with_noise

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.refinement.fixed_point import FixedPoint
+from pyident.refinement.instruments.fixed_point import FixedPoint
 
 RNG = np.random.default_rng(4)
 SLOPE = 0.6 * np.linalg.qr(RNG.standard_normal((6, 6)))[0]

@@ -6,8 +6,8 @@ import pytest
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.estimation.instrumental_variables import Rows, moment_equations, unknown
-from pyident.refinement.noise_weights import counted_by_noise
-from pyident.refinement.simulated_rows import Data
+from pyident.refinement.instruments.noise_weights import counted_by_noise
+from pyident.refinement.instruments.simulated_rows import Data
 from pyident.regression.reduced import reduce
 
 N, TRUE = 4000, np.array([2.0, -1.0])

@@ -10,8 +10,8 @@ from flexmodels.experiment import Experiment
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Rows
 from pyident.logs.log import Log
-from pyident.refinement.simulated_columns import simulated_columns
-from pyident.refinement.simulated_rows import Repeated, in_memory, rows_of, simulations
+from pyident.refinement.instruments.simulated_columns import simulated_columns
+from pyident.refinement.instruments.simulated_rows import Repeated, in_memory, rows_of, simulations
 from pyident.regression.equations import Problem
 from pyident.simulation.replica import repeats
 

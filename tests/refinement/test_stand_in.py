@@ -8,7 +8,7 @@ from one_joint import one_joint
 
 from flexmodels.experiment import Experiment
 from pyident.logs.log import Log
-from pyident.refinement.stand_in import driven, smoothed
+from pyident.refinement.instruments.stand_in import driven, smoothed
 from pyident.simulation.replica import Repeat
 
 TIME = np.arange(2000) * 0.004

@@ -11,7 +11,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Rows
 from pyident.estimation.least_squares import ROUNDING
 from pyident.logs.log import Log
-from pyident.refinement.noise_scatter import carries, noise_scatter
+from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
 from pyident.regression.equations import Problem
 from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import reduce

@@ -35,13 +35,16 @@ from pyident.estimation.instrumental_variables import (
 from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
-from pyident.refinement.fixed_point import FixedPoint
-from pyident.refinement.instrumental_covariance import ringing, with_covariance, without_intervals_of
-from pyident.refinement.noise_scatter import carries
-from pyident.refinement.noise_weights import counted_by_noise
-from pyident.refinement.remove_bias import seen
-from pyident.refinement.simulated_columns import SimulatedColumns, simulated_columns
-from pyident.refinement.simulated_rows import (
+from pyident.refinement.instruments.fixed_point import FixedPoint
+from pyident.refinement.instruments.instrumental_covariance import (
+    ringing,
+    with_covariance,
+    without_intervals_of,
+)
+from pyident.refinement.instruments.noise_scatter import carries
+from pyident.refinement.instruments.noise_weights import counted_by_noise
+from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
+from pyident.refinement.instruments.simulated_rows import (
     Data,
     Repeated,
     every,
@@ -50,8 +53,9 @@ from pyident.refinement.simulated_rows import (
     simulable,
     simulations,
 )
-from pyident.refinement.stand_in import driven, smoothed
-from pyident.refinement.starts import Begun, begun, missed, nearest
+from pyident.refinement.instruments.stand_in import driven, smoothed
+from pyident.refinement.instruments.starts import Begun, begun, missed, nearest
+from pyident.refinement.remove_bias import seen
 from pyident.regression.bodies import reads_load
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers

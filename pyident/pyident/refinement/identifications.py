@@ -10,9 +10,9 @@ from pyident.estimation.estimator import Estimator, ordinary, predicting, reweig
 from pyident.estimation.identify import Identified, disagreements, identified, near, without_intervals
 from pyident.logs.log import Log, LogError
 from pyident.refinement.auxiliary_model import identify_by_instruments
+from pyident.refinement.instruments.simulated_rows import in_memory
+from pyident.refinement.instruments.starts import coloured
 from pyident.refinement.output_error import output_error
-from pyident.refinement.simulated_rows import in_memory
-from pyident.refinement.starts import coloured
 from pyident.regression.equations import Problem
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.simulator import OpenPool

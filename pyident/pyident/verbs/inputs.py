@@ -18,8 +18,8 @@ from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_lo
 from pyident.logs.log import Log, LogError, renamed
 from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
+from pyident.refinement.instruments.stand_in import driven
 from pyident.refinement.loop_torque import with_loop_torque
-from pyident.refinement.stand_in import driven
 from pyident.verbs.fmu.arguments import is_fmu
 
 Model = Robot | str | Path

@@ -13,7 +13,7 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import RobotError
 from pyident.logs.foreign import robot_log
 from pyident.logs.log import Log
-from pyident.refinement.stand_in import driven
+from pyident.refinement.instruments.stand_in import driven
 from pyident.simulation.fmu_runs import simulate_robot
 from pyident.simulation.free_run import WINDOW, run_freely
 from pyident.simulation.references import load_experiment, read_experiment

@@ -18,7 +18,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.residual_over_floor import judged_replicas, left_of
 from pyident.diagnosis.base.setting import Setting
 from pyident.logs.log import Log
-from pyident.refinement.instrumental_covariance import ringing
+from pyident.refinement.instruments.instrumental_covariance import ringing
 from pyident.simulation.simulator import Simulator, Workers
 
 _FACTORS = (0.25, 1.0, 4.0)  # of the dampings found, in the replicas that show their part

@@ -13,8 +13,8 @@ import numpy as np
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
 from pyident.estimation.instrumental_variables import Rows
-from pyident.refinement.simulated_rows import Repeated, simulated, simulated_equations
-from pyident.refinement.stand_in import driven
+from pyident.refinement.instruments.simulated_rows import Repeated, simulated, simulated_equations
+from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers, runs_at_once

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyident.estimation.instrumental_variables import Rows, smoothed_power, transform_length
-from pyident.refinement.simulated_rows import Data
+from pyident.refinement.instruments.simulated_rows import Data
 from pyident.regression.regressor import predicted
 
 

@@ -14,7 +14,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Logs, Rows, acting, fading
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
-from pyident.refinement.stand_in import driven
+from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.equations import Problem, centre, free_means
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import predicted

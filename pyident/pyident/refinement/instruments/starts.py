@@ -16,8 +16,8 @@ from pyident.estimation.identify import Identified, identified, near
 from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
-from pyident.refinement.noise_scatter import carries
-from pyident.refinement.simulated_rows import (
+from pyident.refinement.instruments.noise_scatter import carries
+from pyident.refinement.instruments.simulated_rows import (
     Data,
     every,
     faded,

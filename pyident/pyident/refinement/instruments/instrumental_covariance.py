@@ -22,8 +22,8 @@ from pyident.estimation.instrumental_variables import (
     spectral,
 )
 from pyident.estimation.least_squares import Solution
-from pyident.refinement.noise_scatter import carries, noise_scatter
-from pyident.refinement.simulated_rows import Repeated, every, in_memory
+from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
+from pyident.refinement.instruments.simulated_rows import Repeated, every, in_memory
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.regression.regressor import predicted
 from pyident.simulation.sensor_noise import sensor_noise
