@@ -126,3 +126,29 @@ def test_without_positions_there_is_nothing_to_check():
         check_log(one_joint(), Log(pd.DataFrame({"time": TIME, "joint1.tau": TIME}), "a log"))
     short = logged().frame.head(5)
     assert check_log(one_joint(), Log(short, "a log")) == ()
+
+
+def in_steps(step: float, frozen: bool) -> Log:
+    """Constant speeds, whose torque a coarse sensor shows as one value for long; or one that hangs."""
+    rng = np.random.default_rng(3)
+    speed = np.where(np.sin(np.pi * TIME) > 0, 0.8, -0.8)
+    tau = 9 * np.sign(speed) + 0.05 * rng.standard_normal(len(TIME))
+    tau += np.where(np.abs(np.sin(np.pi * TIME)) < 0.4, 0.8 * rng.standard_normal(len(TIME)), 0.0)
+    if frozen:
+        tau += 2 * np.sin(7 * TIME)
+        tau[1000:1400] = tau[1000]
+    return logged(**{"joint1.e": np.cumsum(speed) * 0.004, "joint1.tau": step * np.round(tau / step)})
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0])
+def test_a_torque_in_steps_that_keeps_one_is_not_refused(step):
+    log = in_steps(step, frozen=False)
+    assert runs(log.frame["joint1.tau"].to_numpy()).length.max() > 60
+    assert {d.severity for d in channels(one_joint(), log) if d.kind == "stuck"} <= {"doubtful"}
+
+
+@pytest.mark.parametrize(("step", "severity"), [(0.2, "doubtful"), (0.01, "gross")])
+def test_a_torque_that_hangs_is_said_and_refused_where_its_noise_is_seen(step, severity):
+    (defect,) = [d for d in channels(one_joint(), in_steps(step, frozen=True)) if d.kind == "stuck"]
+    assert "joint1.tau is stuck from 4 s" in defect.sentence
+    assert defect.severity == severity

@@ -8,7 +8,7 @@ from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_o
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect, Severity
 from pyident.checks.jumps import jumps, spikes
-from pyident.checks.quantisation import Runs, coarse, runs, step_of
+from pyident.checks.quantisation import Runs, coarse, noise_of, runs, step_of
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
@@ -62,41 +62,59 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     """A value that stays while its channel was moving, and then catches up in one step.
 
     An axis that slows down, stands or starts smoothly stays longer and longer on each value of its encoder,
-    so the runs beside a long one are long too, and it goes on with a step like all others.
+    so the runs beside a long one are long too, and it goes on with a step like all others. A torque in steps
+    larger than its noise keeps one at constant speeds, which is told from a sensor that hangs by nothing.
     """
     time, torque = log.frame["time"].to_numpy(float), _is_torque(name)
     long = np.flatnonzero(of.length > LOG_CHECKS.gap_rows)
     steps = np.abs(np.diff(x))
     ends = (of.start + of.length - 1)[long]
     usual = float(np.delete(steps, ends[ends < len(steps)]).max(initial=0.0))
+    stuck = []
     for at in long:
         start, length = int(of.start[at]), int(of.length[at])
         many = CHANNELS.neighbours
         before, after = of.length[max(at - many, 0) : at], of.length[at + 1 : at + 1 + many]
         if len(before) < 3 or length < LOG_CHECKS.freeze * before.max():
             continue
-        ended = start + length >= len(x)
         if torque:
-            stuck = _frozen(log, name, start, length, after)
-        elif ended:
-            stuck = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1])
+            hangs = _frozen(log, name, start, length, after)
+        elif start + length >= len(x):
+            hangs = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1])
         else:
-            stuck = steps[start + length - 1] > LOG_CHECKS.catch_up * usual
-        if stuck:
-            yield _defect("gross", "stuck", log, name, f"is stuck from {time[start]:.4g} s for {length} "
-                          f"samples; cut the log there")  # fmt: skip
-            return
+            hangs = steps[start + length - 1] > LOG_CHECKS.catch_up * usual
+        if hangs:
+            stuck.append((start, length))
+    if stuck:
+        start, length = stuck[0]
+        in_steps = torque and step_of(x) > noise_of(x)
+        severity: Severity = "doubtful" if in_steps else "gross"
+        yield _defect(severity, "stuck", log, name, f"is stuck from {time[start]:.4g} s for {length} "
+                      f"samples; cut the log there")  # fmt: skip
 
 
 def _frozen(log: Log, name: str, start: int, length: int, after: np.ndarray) -> bool:
-    """A torque that changes from sample to sample keeps one value while its joint moves on."""
+    """A torque that changes from sample to sample keeps one value while its joint moves on.
+
+    A torque in steps that goes on with the next one was never further than a step from what it kept; where
+    its joint turns round or comes to rest, friction makes many steps at once.
+    """
     e = motor_of(joint_number(name))
     if e not in log.names or len(after) < 3 or length < LOG_CHECKS.freeze * after.max():
         return False
     tau, x = log.frame[name].to_numpy(float), log.frame[e].to_numpy(float)
     at_end = min(tau.max() - tau[start], tau[start] - tau.min()) < 0.01 * np.ptp(tau)  # a limit, not stuck
     long = length > max(2 * LOG_CHECKS.gap_rows, CHANNELS.frozen / log.period)
+    end, step = start + length, step_of(tau)
+    if step and (abs(tau[end] - tau[start]) < 1.5 * step or _turns(x[end - 3 : end + 3])):
+        return False
     return long and not at_end and np.ptp(x[start : start + length]) > CHANNELS.way * np.ptp(x)
+
+
+def _turns(x: np.ndarray) -> bool:
+    """Whether a joint that moved does not go on in its direction."""
+    ways = np.diff(x)
+    return bool(ways[0] * ways[-1] <= 0.1 * ways[0] ** 2)
 
 
 def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
