@@ -19,7 +19,7 @@ def ran(monkeypatch, tmp_path):
             (folder / "figure.png").write_bytes(b"")
             return StudyResult(list(rows), [folder / "figure.png"], ["a note"])
 
-        monkeypatch.setattr("pyident.cli.study.find_study", lambda name: study)
+        monkeypatch.setattr("pyident.sweep.studies.find_study", lambda name: study)
         words = ["study", "mine", "-o", str(tmp_path), "--json", str(tmp_path / "rows.json")]
         done = CliRunner().invoke(main, words)
         return done, json.loads((tmp_path / "rows.json").read_text())

@@ -2,8 +2,7 @@
 
 import click
 
-from flexmodels.files.robot_file import load_robot
-from pyident.checks.encoder_delay import encoder_skews, without_skew
+import pyident as pi
 from pyident.cli.common.outputs import LOG
 from pyident.cli.common.shared import (
     effects_option,
@@ -14,11 +13,6 @@ from pyident.cli.common.shared import (
     write_json,
 )
 from pyident.cli.inspect import inspect_command
-from pyident.logs.datasets import DATA_SETS, fetch
-from pyident.logs.foreign import import_log
-from pyident.logs.log import write_log
-from pyident.logs.mapping import read_mapping
-from pyident.verbs.terminal.table import table
 
 
 @click.group()
@@ -52,13 +46,18 @@ def import_command(
     """
     if skew and model is None:
         raise click.UsageError("--skew needs --robot")
-    robot = load_robot(model) if model else None
+    from pyident.logs.foreign import import_log
+    from pyident.logs.mapping import read_mapping
+
+    robot = pi.load_robot(model) if model else None
     read = import_log(files, read_mapping(mapping), robot)
     notes = list(read.notes)
     if skew and robot is not None:
+        from pyident.checks.encoder_delay import encoder_skews, without_skew
+
         read, sentences = without_skew(read, encoder_skews(robot, read))
         notes += sentences
-    write_log(read, output)
+    pi.write_log(read, output)
     for note in notes:
         show(f"note: {note}")
     show(f"wrote {output}: {len(read)} samples at {1 / read.period:g} Hz")
@@ -81,6 +80,9 @@ def data() -> None:
 @reported
 def list_command(json_file: str | None) -> None:
     """List the data sets. Example: pyident data list"""
+    from pyident.logs.datasets import DATA_SETS
+    from pyident.verbs.terminal.table import table
+
     rows = [(name, found.title, found.licence) for name, found in DATA_SETS.items()]
     show(table(("data set", "what", "licence"), rows))
     write_json(json_file, {name: found.title for name, found in DATA_SETS.items()})
@@ -92,6 +94,8 @@ def list_command(json_file: str | None) -> None:
 @reported
 def fetch_command(name: str, json_file: str | None) -> None:
     """Fetch a data set, or find it in the folder PYIDENT_DATA. Example: pyident data fetch tx40"""
+    from pyident.logs.datasets import fetch
+
     files = fetch(name)
     for file in files:
         show(str(file))

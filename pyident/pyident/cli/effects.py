@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from flexmodels.effects import CATALOGUE, effects_of
-from flexmodels.effects.effect import Effect, sheet
-from flexmodels.effects.law_names import EffectError
-from flexmodels.robot import RobotError
+import pyident as pi
 from pyident.cli.common.shared import json_option, reported, show, write_json
-from pyident.verbs.terminal.table import table
+
+if TYPE_CHECKING:
+    from flexmodels.effects.effect import Effect
 
 
 @click.command()
@@ -27,9 +27,12 @@ def effects(name: str | None, file: str | None, json_file: str | None) -> None:
     Example: pyident effects stribeck
              pyident effects --file my_friction.py
     """
+    from flexmodels.effects import CATALOGUE
+    from flexmodels.effects.effect import sheet
+
     laws = CATALOGUE if file is None else _own(file)
     if name is not None and name not in laws:
-        raise RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(laws))}")
+        raise pi.RobotError(f"unknown effect {name!r}; known are {', '.join(sorted(laws))}")
     chosen = {name: laws[name]} if name else laws
     if name is None and file is None:
         show(_listed(chosen))
@@ -40,17 +43,25 @@ def effects(name: str | None, file: str | None, json_file: str | None) -> None:
     write_json(json_file, {n: {"title": e.title} | sheet(e) for n, e in chosen.items()})
 
 
-def _own(file: str) -> Mapping[str, Effect]:
+def _own(file: str) -> "Mapping[str, Effect]":
     """The laws of a user's file. Raises EffectError."""
+    from flexmodels.effects import effects_of
+    from flexmodels.effects.law_names import EffectError
+
     if not Path(file).is_file():
         raise EffectError(f"there is no file {file}; check the path")
     return effects_of([str(Path(file).resolve())])
 
 
-def _listed(laws: Mapping[str, Effect]) -> str:
+def _listed(laws: "Mapping[str, Effect]") -> str:
+    from pyident.verbs.terminal.table import table
+
     rows = [(e.name, e.title, ", ".join(p.name for p in e.parameters), e.citation) for e in laws.values()]
     return table(("effect", "law", "parameters", "source"), rows)
 
 
-def _sheet(effect: Effect) -> str:
+def _sheet(effect: "Effect") -> str:
+    from flexmodels.effects.effect import sheet
+    from pyident.verbs.terminal.table import table
+
     return table((effect.name, effect.title), list(sheet(effect).items()))

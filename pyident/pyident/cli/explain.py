@@ -3,7 +3,6 @@
 import click
 
 import pyident as pi
-from flexmodels.robot import RobotError
 from pyident.cli.common.shared import (
     effects_option,
     force_option,
@@ -59,9 +58,9 @@ def explain_command(
     Example: pyident explain my_arm.toml a.parquet b.parquet --equation joint2.e --span 3.2 4.1
     """
     if span and not span[0] < span[1]:
-        raise RobotError(f"--span {span[0]:g} {span[1]:g} is empty; give the earlier time first")
+        raise pi.RobotError(f"--span {span[0]:g} {span[1]:g} is empty; give the earlier time first")
     if band and not 0 <= band[0] < band[1]:
-        raise RobotError(f"--band {band[0]:g} {band[1]:g} is empty; give the lower frequency first")
+        raise pi.RobotError(f"--band {band[0]:g} {band[1]:g} is empty; give the lower frequency first")
     with progress_bar("comparing, asking every law") as progress:
         explained = pi.explain(
             model,

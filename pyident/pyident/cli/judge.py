@@ -7,8 +7,6 @@ import click
 
 import pyident as pi
 from flexmodels.atomic import replacing
-from flexmodels.files.robot_file import shipped
-from flexmodels.robot import RobotError
 from pyident.cli.common.any_model import (
     SeveralNames,
     interface_option,
@@ -31,7 +29,6 @@ from pyident.cli.common.shared import (
     write_json,
 )
 from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
-from pyident.verbs.judged import side_by_side
 
 _holdout = click.option(
     "--holdout", multiple=True, metavar="LOG", help="Log to judge on.  [default: the last, or its last third]"
@@ -85,6 +82,8 @@ def compare_command(
                 )
             )
     show_notes(found[-1].notes)
+    from pyident.verbs.judged import side_by_side
+
     show(side_by_side(models, found))
     if output:
         from pyident.report.comparison import write_comparison
@@ -242,7 +241,7 @@ def _what(
     """Effect, joint and logs. Raises RobotError."""
     if effect != "geometry":
         if joint is None:
-            raise RobotError(f"where does {effect} act? Give --joint K, from 1")
+            raise pi.RobotError(f"where does {effect} act? Give --joint K, from 1")
         return effect, joint, words
     from flexmodels.files.robot_file import load_robot
     from pyident.regression.descriptions import parsed
@@ -250,15 +249,17 @@ def _what(
     place, *logs = words or ("",)
     joint, name = parsed(load_robot(model), place)
     if not logs:
-        raise RobotError(f"there is no log; give one or more behind {place}")
+        raise pi.RobotError(f"there is no log; give one or more behind {place}")
     return name, joint, tuple(logs)
 
 
 def _models_and_logs(given: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    from flexmodels.files.robot_file import shipped
+
     models = [word for word in given[:2] if word.endswith(".toml") or word in shipped()]
     logs = [word for word in given if word not in models]
     if not models or given[: len(models)] != tuple(models):
-        raise RobotError(f"{given[0]} is neither a shipped robot nor a .toml file; give the model first")
+        raise pi.RobotError(f"{given[0]} is neither a shipped robot nor a .toml file; give the model first")
     if not logs:
-        raise RobotError("there is no log to compare with; give one or more behind the model")
+        raise pi.RobotError("there is no log to compare with; give one or more behind the model")
     return models, logs

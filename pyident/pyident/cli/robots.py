@@ -2,9 +2,7 @@
 
 import click
 
-from flexmodels.files.formats import exported, imported
-from flexmodels.files.robot_file import check_readable, load_robot, save_robot, shipped
-from flexmodels.robot import RobotError
+import pyident as pi
 from pyident.cli.common.outputs import JSON, MODEL, ROBOT
 from pyident.cli.common.shared import (
     effects_option,
@@ -15,11 +13,6 @@ from pyident.cli.common.shared import (
     show,
     write_json,
 )
-from pyident.comparison.export_cost import cost_of_export
-from pyident.logs.foreign import robot_log
-from pyident.logs.mapping import read_mapping
-from pyident.simulation.fmu_runs import FmuRuns
-from pyident.verbs.terminal.table import table
 
 
 @click.group(invoke_without_command=True)
@@ -36,7 +29,10 @@ def robots(context: click.Context, json_file: str | None) -> None:
 
 
 def _list(json_file: str | None) -> None:
-    listed = {name: load_robot(file) for name, file in shipped().items()}
+    from flexmodels.files.robot_file import shipped
+    from pyident.verbs.terminal.table import table
+
+    listed = {name: pi.load_robot(file) for name, file in shipped().items()}
     rows = [(n, str(len(r.joints)), str(len(r.parameters)), r.description) for n, r in listed.items()]
     show(table(("robot", "joints", "parameters", "description"), rows, numbers=(1, 2)))
     write_json(json_file, {name: robot.description for name, robot in listed.items()})
@@ -62,10 +58,13 @@ def import_command(
 
     Example: pyident robots import arm.xml -o arm.toml --flexible 1,2 --twist 3
     """
+    from flexmodels.files.formats import imported
+    from flexmodels.files.robot_file import check_readable
+
     bent, twisted = _numbers(flexible, "--flexible"), _numbers(twist, "--twist")
     robot, notes = imported(file, bent, twisted, _words(fixed))
     check_readable(robot)
-    save_robot(robot, output)
+    pi.save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)
     show(f"wrote {output}: joints {names}")
     for note in notes:
@@ -114,7 +113,13 @@ def export_command(
 
     Example: pyident robots export identified.toml -o identified.xml --log log.parquet
     """
-    robot = load_robot(model)
+    from flexmodels.files.formats import exported
+    from pyident.comparison.export_cost import cost_of_export
+    from pyident.logs.foreign import robot_log
+    from pyident.logs.mapping import read_mapping
+    from pyident.simulation.fmu_runs import FmuRuns
+
+    robot = pi.load_robot(model)
     notes, kept = exported(robot, output)
     show(f"wrote {output}")
     columns = read_mapping(mapping) if mapping else None
@@ -138,4 +143,4 @@ def _numbers(text: str, option: str) -> list[int]:
     try:
         return [int(word) for word in _words(text)]
     except ValueError:
-        raise RobotError(f"{option} must be joint numbers such as 1,2, not {text!r}") from None
+        raise pi.RobotError(f"{option} must be joint numbers such as 1,2, not {text!r}") from None

@@ -7,8 +7,6 @@ from pathlib import Path
 import click
 
 import pyident as pi
-from flexmodels.robot import RobotError
-from pyident.cli.common.long_study import ask_first
 from pyident.cli.common.outputs import OutputFolder
 from pyident.cli.common.shared import (
     effects_option,
@@ -20,11 +18,6 @@ from pyident.cli.common.shared import (
     show,
     write_json,
 )
-from pyident.sweep.plan import load_study_plan
-from pyident.sweep.studies import find_study, study_names
-from pyident.sweep.summary import failures, summary
-from pyident.verbs.terminal.table import table
-from pyident.workbench.project import is_worth_opening
 
 
 @click.command()
@@ -41,11 +34,15 @@ def study(
     names: tuple[str, ...], output: str, seed: int | None, cases: int | None, json_file: str | None
 ) -> None:
     """Run studies and print one table. Example: pyident study paper -o out"""
+    from pyident.sweep.studies import find_study, study_names
+    from pyident.verbs.terminal.table import table
+    from pyident.workbench.project import is_worth_opening
+
     chosen = [(name, find_study(name)) for name in names]
     drawn = {k: v for k, v in {"seed": seed, "cases": cases}.items() if v is not None}
     for name, run in chosen:
         if run is None:
-            raise RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
+            raise pi.RobotError(f"there is no study {name}; there are {', '.join(study_names())}")
         for option in sorted(set(drawn) - set(signature(run).parameters)):
             raise click.UsageError(f"study {name} takes no --{option}; leave it out")
     figures, rows = [], []
@@ -95,6 +92,11 @@ def sweep(
 
     Example: pyident sweep plan.toml -o out/sweep --scheduler tcp://host:8786
     """
+    from pyident.cli.common.long_study import ask_first
+    from pyident.sweep.plan import load_study_plan
+    from pyident.sweep.summary import failures, summary
+    from pyident.verbs.terminal.table import table
+
     ask_first(plan, workers, yes)
     read = load_study_plan(plan, parameters)
     with progress_bar(f"{len(read.design)} runs") as progress:

@@ -2,7 +2,6 @@
 
 import click
 
-from flexmodels.effects.trust import trust
 from pyident.cli.common.shared import json_option, reported, show, write_json
 
 
@@ -17,6 +16,8 @@ def trust_command(files: tuple[str, ...], json_file: str | None) -> None:
 
     Example: pyident trust my_effects.py
     """
+    from flexmodels.effects.trust import trust
+
     digests = {file: trust(file) for file in files}
     for file, digest in digests.items():
         show(f"trusted {file} (SHA-256 {digest})")

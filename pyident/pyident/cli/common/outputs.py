@@ -10,8 +10,6 @@ from typing import Any
 
 import click
 
-from flexmodels.files.robot_file import shipped
-
 _START = 4096  # bytes of a file that tell its kind
 _RECORDING = ("meta/info.json", "metadata.yaml")  # by which LeRobot's and ROS's folders are known
 
@@ -98,6 +96,8 @@ OVERWRITE = "flexident.overwrite"  # under which a context remembers the option
 
 def _existing(value: Any) -> Iterator[Path]:
     """Files that an argument names, shipped robots included, and folders that hold a recording."""
+    from flexmodels.files.robot_file import shipped
+
     for word in value if isinstance(value, tuple | list) else (value,):
         if isinstance(word, str) and word:
             path = shipped().get(word, Path(word))

@@ -17,27 +17,15 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from flexfmu.build import BuildError
 from flexmodels.atomic import replacing
-from flexmodels.effects.law_names import EffectError
-from flexmodels.effects.trust import code_allowed
-from flexmodels.inputs import SimulationError
-from flexmodels.robot import RobotError
-from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, OutputError, check_outputs
+from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, check_outputs
 from pyident.cli.common.progress import lines
-from pyident.logs.log import LogError
-from pyident.simulation.processes.dask_cluster import WorkersError, scheduler_configured
-from pyident.simulation.references import ExperimentError
-from pyident.sweep.store import StudyError
-from pyident.workbench.project import ProjectError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 console = Console(markup=False, emoji=False, highlight=False)
 _STOPPED = 130
 _OUR_FAULT = 70  # as sysexits.h has it
-_BAD_INPUT = (BuildError, EffectError, ExperimentError, LogError, OutputError, ProjectError, RobotError)
-_BAD_INPUT += (SimulationError, StudyError, WorkersError)
 
 
 def reported(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -48,8 +36,6 @@ def reported(command: Callable[..., Any]) -> Callable[..., Any]:
         try:
             check_outputs(click.get_current_context())
             return command(*args, **kwargs)
-        except _BAD_INPUT as error:
-            ended(f"error: {error}", 2)
         except OSError as error:
             ended(f"error: {reason(error)}", 2)
         except MemoryError:
@@ -59,6 +45,8 @@ def reported(command: Callable[..., Any]) -> Callable[..., Any]:
         except click.exceptions.ClickException:
             raise
         except Exception as error:
+            if isinstance(error, _bad_input()):
+                ended(f"error: {error}", 2)
             if _followed_an_interrupt(error):
                 ended("stopped", _STOPPED)
             if os.environ.get("PYIDENT_TRACEBACK"):
@@ -67,6 +55,23 @@ def reported(command: Callable[..., Any]) -> Callable[..., Any]:
                   "PYIDENT_TRACEBACK=1 shows where); please report it", _OUR_FAULT)  # fmt: skip
 
     return run
+
+
+def _bad_input() -> tuple[type[Exception], ...]:
+    """Errors that a user mends; what they come from was loaded by the command that raised one of them."""
+    from flexmodels.compiling.compiler import BuildError
+    from flexmodels.effects.law_names import EffectError
+    from flexmodels.inputs import SimulationError
+    from flexmodels.robot import RobotError
+    from pyident.cli.common.outputs import OutputError
+    from pyident.logs.log import LogError
+    from pyident.simulation.processes.dask_cluster import WorkersError
+    from pyident.simulation.references import ExperimentError
+    from pyident.sweep.store import StudyError
+    from pyident.workbench.project import ProjectError
+
+    of_robots = (BuildError, EffectError, RobotError, SimulationError, ExperimentError)
+    return (*of_robots, LogError, OutputError, ProjectError, StudyError, WorkersError)
 
 
 def _followed_an_interrupt(error: BaseException | None) -> bool:
@@ -154,9 +159,16 @@ def effects_option(command: Command) -> Command:
         "--allow-effects",
         is_flag=True,
         expose_value=False,
-        callback=lambda context, _, value: value and context.with_resource(code_allowed()),
+        callback=_allow_effects,
         help="Run the Python files that the given files refer to.",
     )(command)
+
+
+def _allow_effects(context: click.Context, _: click.Parameter, value: bool) -> None:
+    if value:
+        from flexmodels.effects.trust import code_allowed
+
+        context.with_resource(code_allowed())
 
 
 def scheduler_option(command: Command) -> Command:
@@ -171,6 +183,10 @@ def scheduler_option(command: Command) -> Command:
 
 
 def _configure_scheduler(context: click.Context, _: click.Parameter, address: str | None) -> None:
+    if address is None:
+        return
+    from pyident.simulation.processes.dask_cluster import WorkersError, scheduler_configured
+
     try:
         context.with_resource(scheduler_configured(address))
     except WorkersError as error:
