@@ -8,7 +8,7 @@ from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_o
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect, Severity
 from pyident.checks.jumps import jumps, spikes
-from pyident.checks.quantisation import Runs, coarse, noise_of, runs, step_of
+from pyident.checks.quantisation import Runs, coarse, runs, step_of
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
@@ -63,7 +63,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
 
     An axis that slows down, stands or starts smoothly stays longer and longer on each value of its encoder,
     so the runs beside a long one are long too, and it goes on with a step like all others. A torque in steps
-    larger than its noise keeps one at constant speeds, which is told from a sensor that hangs by nothing.
+    that often keeps one does so at constant speeds, which nothing tells from a sensor that hangs.
     """
     time, torque = log.frame["time"].to_numpy(float), _is_torque(name)
     long = np.flatnonzero(of.length > LOG_CHECKS.gap_rows)
@@ -87,8 +87,9 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
             stuck.append((start, length))
     if stuck:
         start, length = stuck[0]
-        in_steps = torque and step_of(x) > noise_of(x)
-        severity: Severity = "doubtful" if in_steps else "gross"
+        repeats = np.mean(np.delete(steps, slice(start, start + length)) == 0)
+        natural = torque and step_of(x) > 0 and repeats > CHANNELS.repeats
+        severity: Severity = "doubtful" if natural else "gross"
         yield _defect(severity, "stuck", log, name, f"is stuck from {time[start]:.4g} s for {length} "
                       f"samples; cut the log there")  # fmt: skip
 

@@ -35,6 +35,12 @@ class ChannelCheckRules:
     neighbours: int = rule(
         6, "runs on either side with which a stuck one is compared", "more are of another motion", _BENCH
     )
+    repeats: float = rule(
+        0.2,
+        "samples of a torque that repeat the one before",
+        "with more, its steps are coarser than its noise, and a long stay is its manner",
+        "by reason, beside simulated arms that go from pose to pose, currents in steps: 0.3 to 0.7 there",
+    )
     at_speed: float = rule(
         0.25, "a joint's rms speed that it has at the end of its channel", "a crest is met at rest", _BENCH
     )
