@@ -6,7 +6,7 @@ import pytest
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.estimation.instrumental_variables import Rows, moment_equations, unknown
-from pyident.refinement.instruments.noise_weights import counted_by_noise
+from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
 from pyident.refinement.instruments.simulated_rows import Data
 from pyident.regression.reduced import reduce
 
@@ -68,3 +68,11 @@ def test_what_samples_do_counts_as_noise_does():
         levels.append(lines[-200:].mean() / np.abs(np.fft.rfft(rows.Z[:, 0, 0]))[-200:].mean())
     assert levels[0] < 0.2
     assert levels[1] > 0.5
+
+
+def test_where_no_loop_is_known_every_frequency_counts_alike():
+    white = np.random.default_rng(5).standard_normal(N)
+    slow = 3 * np.sin(2 * np.pi * 0.001 * np.arange(N))
+    rows = [drawn(0.2 * white, 0)[1], drawn(slow, 1)[1]]
+    weights = counted_alike(rows, TRUE)
+    assert 1 / weights[0] == pytest.approx(np.sqrt((0.2**2 + 3**2 / 2) / 2), rel=0.02)

@@ -42,7 +42,7 @@ from pyident.refinement.instruments.instrumental_covariance import (
     without_intervals_of,
 )
 from pyident.refinement.instruments.noise_scatter import carries
-from pyident.refinement.instruments.noise_weights import counted_by_noise
+from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
 from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -252,7 +252,10 @@ def _round(
     values = np.array(list(wanted.linear_parameters.values()))
     quiet = np.array([put_in[name] for name in logs.reduced.columns])
     rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
-    rows, weights = counted_by_noise(logs.data, rows, values)
+    if driven(logs.robot):
+        rows, weights = counted_by_noise(logs.data, rows, values)
+    else:
+        weights = counted_alike(rows, values)
     columns = None if before is None else before.columns
     if columns is None and workers is not None:
         columns = simulated_columns(logs, rows, workers, put_in)

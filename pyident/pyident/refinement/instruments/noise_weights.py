@@ -16,6 +16,15 @@ from pyident.refinement.instruments.simulated_rows import Data
 from pyident.regression.regressor import predicted
 
 
+def counted_alike(rows: Sequence[Rows], p: np.ndarray) -> np.ndarray:
+    """The weights (n,) of the coordinates' equations by all that they leave, every frequency alike.
+
+    Where no loop is known, what a model lacks is more of that than noise.
+    """
+    squares = sum(np.sum(((r.y - predicted(r.A, p)) * r.share) ** 2, axis=0) for r in rows)
+    return _weights(np.sqrt(squares / sum(len(r.y) for r in rows)))
+
+
 def counted_by_noise(
     data: Sequence[Data], rows: Sequence[Rows], p: np.ndarray
 ) -> tuple[list[Rows], np.ndarray]:
@@ -25,8 +34,11 @@ def counted_by_noise(
     """
     powers = [_power(d, r, p) for d, r in zip(data, rows, strict=True)]
     level = np.sqrt(sum(power[0] for power in powers) / sum(len(r.y) for r in rows))
-    weights = 1 / np.maximum(level, 1e-6 * level.max())
-    return [_filtered(r, power) for r, power in zip(rows, powers, strict=True)], weights
+    return [_filtered(r, power) for r, power in zip(rows, powers, strict=True)], _weights(level)
+
+
+def _weights(level: np.ndarray) -> np.ndarray:
+    return 1 / np.maximum(level, 1e-6 * level.max())
 
 
 def _power(data: Data, rows: Rows, p: np.ndarray) -> np.ndarray:
