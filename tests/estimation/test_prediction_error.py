@@ -18,7 +18,7 @@ def with_slow_noise(seed: int) -> Problem:
     """Torque noise whose memory is 0.2 s, against which least squares has no defence."""
     log = analytic_log(torque_noise=0.002, seed=seed)
     white = np.random.default_rng(1000 + seed).standard_normal(len(log.frame))
-    tau = log.frame["joint1.tau"] + 0.02 * lfilter([1.0], [1.0, -0.98], white)
+    tau = log.frame["joint1.tau"] + 0.02 * np.asarray(lfilter([1.0], [1.0, -0.98], white))
     return Problem(
         free_joint(), (condition(Log(log.frame.assign(**{"joint1.tau": tau}), "slow"), free_joint()),)
     )
@@ -31,7 +31,7 @@ def friction(found) -> np.ndarray:
 def test_the_coefficients_of_an_autoregressive_process_are_found():
     """x(k) = 1.2 x(k-1) - 0.5 x(k-2) + e(k), in two logs."""
     white = np.random.default_rng(0).standard_normal((2, 20_000))
-    logs = [lfilter([1.0], [1.0, -1.2, 0.5], e)[:, None] for e in white]
+    logs = [np.asarray(lfilter([1.0], [1.0, -1.2, 0.5], e))[:, None] for e in white]
     (found,) = noise_filters(logs)
     assert len(found) == 3
     assert found == pytest.approx([1.0, -1.2, 0.5], abs=0.02)
@@ -73,7 +73,7 @@ def test_an_equation_out_of_use_takes_those_with_it_that_need_it():
     B, z = (
         np.concatenate(parts) for parts in zip(*((A.copy(), y) for A, y in whitened.blocks()), strict=True)
     )
-    used = A[:, 0].any(axis=1)
+    used = np.asarray(A[:, 0].any(axis=1))
     known = used[2:] & used[1:-1] & used[:-2]
     assert 0 < known.sum() < len(known)
     np.testing.assert_allclose(B[2:][known], (A[2:] - 0.9 * A[1:-1] + 0.2 * A[:-2])[known], atol=1e-12)
