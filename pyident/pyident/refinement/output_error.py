@@ -38,9 +38,8 @@ def output_error(
     Raises LogError when a log has no reference.
     """
     replays = [replay_of(start.robot, log) for log in logs]
-    start = replace(
-        start, solution=solve(start.reduced, start.solution.weights)
-    )  # columns of all frequencies
+    # the start's instruments are filtered: steps are measured by the log's own columns
+    start = replace(start, solution=solve(start.reduced, start.solution.weights))
     best, notes = start, (*start.notes, _UNSETTLED)
     p, missed = _nearest(replays, [_simulable(start, start)], pool)
     outputs = []
