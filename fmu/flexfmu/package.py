@@ -92,8 +92,7 @@ def _write_sources(folder: Path, package: Package, fmi: Version) -> list[str]:
     folder.mkdir()
     wanted = (*package.runtime, "instance", "states", "step", "symbols", f"face{fmi}")
     for file in sorted(RUNTIME.rglob("*.[ch]")):
-        ours = file.name.startswith(f"fmi{fmi}") or file.stem in wanted
-        if ours:
+        if file.name.startswith(f"fmi{fmi}") or file.stem in wanted:
             shutil.copy(file, folder)
     for name, text in package.sources.items():
         (folder / name).write_text(text)

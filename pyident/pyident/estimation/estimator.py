@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from pyident.conditioning.weak_form import REACH
-from pyident.estimation.least_squares import Solution, solve, solve_weighted
+from pyident.estimation.least_squares import Solution, solve, solve_like
 from pyident.estimation.newey_west import LongRun
 from pyident.estimation.prediction_error import prediction_error
 from pyident.estimation.total_least_squares import total_least_squares
@@ -105,7 +105,7 @@ def ordinary(problem: Problem, like: Solution | None = None) -> Estimate:
 def weighted(problem: Problem, like: Solution | None = None) -> Estimate:
     """Least squares, each coordinate's equations weighted by what they leave."""
     reduced = problem.reduced()
-    return Estimate(problem, reduced, _solved(reduced, like))
+    return Estimate(problem, reduced, solve_like(reduced, like))
 
 
 @_under_its_own_loads
@@ -115,7 +115,7 @@ def reweighted(problem: Problem, like: Solution | None = None) -> Estimate:
     for _ in range(_ROBUST_ROUNDS):
         weights = [_huber(r) for r in problem.residuals(found.solution.p)]
         reduced = problem.reduced(weights)
-        found = Estimate(problem, reduced, _solved(reduced, like), weights)
+        found = Estimate(problem, reduced, solve_like(reduced, like), weights)
     return found
 
 
@@ -130,10 +130,6 @@ def total(problem: Problem, like: Solution | None = None) -> Estimate:
 def predicting(problem: Problem, like: Solution | None = None) -> Estimate:
     """Least squares of equations whose residual has lost its memory (`prediction_error`)."""
     return Estimate(*prediction_error(problem, like))
-
-
-def _solved(reduced: Reduced, like: Solution | None) -> Solution:
-    return solve_weighted(reduced) if like is None else solve(reduced, like.weights)
 
 
 def _huber(residual: np.ndarray) -> np.ndarray:

@@ -75,6 +75,11 @@ def solve_weighted(reduced: Reduced) -> Solution:
     return solution
 
 
+def solve_like(reduced: Reduced, like: Solution | None) -> Solution:
+    """Least squares under the weights of another solution; None: `solve_weighted`."""
+    return solve_weighted(reduced) if like is None else solve(reduced, like.weights)
+
+
 def solve(reduced: Reduced, weights: np.ndarray | None = None) -> Solution:
     """Pseudo-inverse solution by SVD, eq. (15), on columns scaled to unit length.
 

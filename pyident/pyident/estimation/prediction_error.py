@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyident.estimation.least_squares import Solution, residual_squares, solve, solve_weighted
-from pyident.regression.equations import Block, Part, Problem
+from pyident.estimation.least_squares import Solution, residual_squares, solve_like
+from pyident.regression.equations import Block, Part, Problem, weigh
 from pyident.regression.reduced import Reduced
 
 _ORDER = 48  # the longest D: differences leave a memory of some twenty samples
@@ -36,8 +36,7 @@ class Whitened(Problem):
             before = tuple(values[len(values) - reach :] for values in whole)
             made = self._filtered(*whole, reach)
             if weights is not None:
-                made[0][...] *= weights[at : at + len(y), :, None]
-                made[1][...] *= weights[at : at + len(y)]
+                weigh(*made, weights[at : at + len(y)])
                 at += len(y)
             yield made
 
@@ -64,12 +63,12 @@ def prediction_error(problem: Problem, like: Solution | None = None) -> tuple[Wh
     The solution's residual is that of the plain equations.
     """
     plain = problem.reduced()
-    solution = _solved(plain, like)
+    solution = solve_like(plain, like)
     whitened = Whitened(problem.robot, problem.parts)
     for _ in range(_ROUNDS):
         filters = noise_filters(problem.residuals(solution.p))
         whitened = replace(whitened, filters=filters)
-        solution = _solved(whitened.reduced(), like)
+        solution = solve_like(whitened.reduced(), like)
     residual = np.sqrt(residual_squares(plain, solution.p) / plain.samples)
     return whitened, plain, replace(solution, residual=residual)
 
@@ -99,7 +98,3 @@ def _autocovariance(series: Sequence[np.ndarray]) -> np.ndarray:
     for values in series:
         total += [values[lag:] @ values[: len(values) - lag] for lag in range(_ORDER + 1)]
     return total
-
-
-def _solved(reduced: Reduced, like: Solution | None) -> Solution:
-    return solve_weighted(reduced) if like is None else solve(reduced, like.weights)

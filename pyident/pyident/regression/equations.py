@@ -62,7 +62,7 @@ class Problem:
             blocks = _whole(self.robot, piece) if part.thinning == 1 else _thinned(self.robot, piece)
             for A, y in blocks:
                 if weights is not None:
-                    _weigh(A, y, weights[at : at + len(y)])
+                    weigh(A, y, weights[at : at + len(y)])
                     at += len(y)
                 yield A, y
 
@@ -75,7 +75,7 @@ def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:
     for at, Phi in regressor_blocks(robot, part.motion):
         y = part.target[at].copy()
         centre(Phi, y, means)
-        _weigh(Phi, y, part.use[at])
+        weigh(Phi, y, part.use[at])
         yield Phi, y
 
 
@@ -91,7 +91,7 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
             A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
     use = part.use[::factor][kept]
     centre(A, y, free_means(part, [(A, y, use)]))
-    _weigh(A, y, use)
+    weigh(A, y, use)
     yield A, y
 
 
@@ -120,7 +120,7 @@ def centre(A: np.ndarray, y: np.ndarray, means: Mapping[int, tuple[np.ndarray, f
         y[:, row] -= of_y
 
 
-def _weigh(A: np.ndarray, y: np.ndarray, weights: np.ndarray) -> None:
+def weigh(A: np.ndarray, y: np.ndarray, weights: np.ndarray) -> None:
     """Multiply equations by weights (B, n), in place."""
     y *= weights
     for row in np.flatnonzero((weights != 1).any(axis=0)):

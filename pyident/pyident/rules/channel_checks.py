@@ -39,7 +39,7 @@ class ChannelCheckRules:
         0.2,
         "samples of a torque that repeat the one before",
         "with more, its steps are coarser than its noise, and a long stay is its manner",
-        "by reason, beside simulated arms that go from pose to pose, currents in steps: 0.3 to 0.7 there",
+        "by reason, beside simulated arms that go from pose to pose, currents in steps: 0.28 to 0.86",
     )
     at_speed: float = rule(
         0.25, "a joint's rms speed that it has at the end of its channel", "a crest is met at rest", _BENCH

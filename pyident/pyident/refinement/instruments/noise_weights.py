@@ -13,7 +13,6 @@ import numpy as np
 
 from pyident.estimation.instrumental_variables import Rows, smoothed_power, transform_length
 from pyident.refinement.instruments.simulated_rows import Data
-from pyident.regression.regressor import predicted
 
 
 def counted_alike(rows: Sequence[Rows], p: np.ndarray) -> np.ndarray:
@@ -21,7 +20,7 @@ def counted_alike(rows: Sequence[Rows], p: np.ndarray) -> np.ndarray:
 
     Where no loop is known, what a model lacks is more of that than noise.
     """
-    squares = sum(np.sum(((r.y - predicted(r.A, p)) * r.share) ** 2, axis=0) for r in rows)
+    squares = sum(np.sum((r.residual(p) * r.share) ** 2, axis=0) for r in rows)
     return _weights(np.sqrt(squares / sum(len(r.y) for r in rows)))
 
 
@@ -43,7 +42,7 @@ def _weights(level: np.ndarray) -> np.ndarray:
 
 def _power(data: Data, rows: Rows, p: np.ndarray) -> np.ndarray:
     """(bins, n) of what the log leaves and of what samples do, never falling towards higher frequencies."""
-    scatter = (rows.y - predicted(rows.A, p)) * rows.share
+    scatter = rows.residual(p) * rows.share
     shift = (data.y - rows.y) * rows.share
     return np.maximum.accumulate(smoothed_power(scatter) + smoothed_power(shift), axis=0)
 
