@@ -1,16 +1,19 @@
 """Are the intervals honest? Monte-Carlo runs with encoder noise in the loop against the known truth."""
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from flexmodels.atomic import replacing
 from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from pyident.estimation.identify import Identified
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import identify_by_instruments
 from pyident.refinement.output_error import output_error
@@ -18,6 +21,7 @@ from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.replica import with_noise
 from pyident.simulation.simulator import OpenPool
+from pyident.sweep.code_version import code_version
 from pyident.sweep.studies import StudyResult, row
 
 LEVELS = (2e-6, 1e-5)  # rad, of the encoders at the motors; those behind the gears have half of it
@@ -25,19 +29,29 @@ RUNS = 50
 DURATION = 8.2  # s
 
 
+@dataclass(frozen=True)
+class Estimate:
+    """p, std   (P,) in the order of the robot's linear parameters; std inf where the log leaves p open."""
+
+    p: list[float]
+    std: list[float]
+
+
 def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> StudyResult:
-    """Identify `runs` logs at each level of noise; the table of deviations goes to `folder`."""
-    robot, rows, tables = load_robot("four_link"), [], {}
+    """Identify `runs` logs at each level of noise; the table of deviations goes to `folder`.
+
+    After an interruption the same call goes on: folder/logs holds what each log gave.
+    """
+    robot, of, rows, tables = load_robot("four_link"), code_version(own=[Path(__file__)]), [], {}
+    (folder / "logs").mkdir(parents=True, exist_ok=True)
     with FmuRuns(robot) as simulate:
-        opened = _shared(robot, simulate)
         for i, level in enumerate(LEVELS):
-            results: dict[str, list[Identified]] = {}
+            results: dict[str, list[Estimate]] = {}
             for seed in range(runs):
-                log = noisy(robot, simulate, level, seed)
-                found = identify_by_instruments(robot, [log], opened)
-                refined = output_error(robot, [log], found, simulate)
-                for result in (found, refined):
-                    results.setdefault(result.estimator, []).append(result)
+                file = folder / "logs" / f"{level:g}_{seed}.json"
+                estimates = _kept(file, of, partial(_estimates, robot, simulate, level, seed))
+                for name, estimate in estimates.items():
+                    results.setdefault(name, []).append(estimate)
                 progress((i * runs + seed + 1) / (len(LEVELS) * runs))
             for name, listed in results.items():
                 tables[name, level] = deviations(robot, listed)
@@ -45,6 +59,27 @@ def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> St
     frame = pd.concat(tables, names=["estimator", "noise_rad", "parameter"])
     frame.to_csv(folder / "coverage.csv")
     return StudyResult(rows, [folder / "coverage.csv"])
+
+
+def _estimates(robot: Robot, simulate: FmuRuns, level: float, seed: int) -> dict[str, Estimate]:
+    """Estimator -> what it makes of one log."""
+    log = noisy(robot, simulate, level, seed)
+    found = identify_by_instruments(robot, [log], _shared(robot, simulate))
+    refined = output_error(robot, [log], found, simulate)
+    return {r.estimator: Estimate(r.solution.p.tolist(), r.solution.std.tolist()) for r in (found, refined)}
+
+
+def _kept(file: Path, of: str, estimates: Callable[[], dict[str, Estimate]]) -> dict[str, Estimate]:
+    """What `file` holds if this very code wrote it, else what is estimated now."""
+    if file.is_file():
+        said = json.loads(file.read_text(encoding="utf-8"))
+        if said["of"] == of:
+            return {name: Estimate(**estimate) for name, estimate in said["estimates"].items()}
+    found = estimates()
+    said = {"of": of, "estimates": {name: asdict(estimate) for name, estimate in found.items()}}
+    with replacing(file) as temporary:
+        temporary.write_text(json.dumps(said), encoding="utf-8")
+    return found
 
 
 def _shared(robot: Robot, simulate: FmuRuns) -> OpenPool:
@@ -64,12 +99,12 @@ def noisy(robot: Robot, simulate: FmuRuns, level: float, seed: int) -> Log:
     return Log(with_noise(lambda made: next(iter(simulate(made, [{}]))), plan, noise), f"noise {seed}")
 
 
-def deviations(robot: Robot, results: list[Identified]) -> pd.DataFrame:
+def deviations(robot: Robot, results: Sequence[Estimate]) -> pd.DataFrame:
     """Per parameter with an interval in every result: coverage, mean and spread in stds, bias in %."""
     true = np.array(list(robot.linear_parameters.values()))
-    alone = np.all([np.isfinite(r.solution.std) for r in results], axis=0)
-    values = np.array([r.solution.p for r in results])[:, alone]
-    z = (values - true[alone]) / np.array([r.solution.std for r in results])[:, alone]
+    alone = np.all([np.isfinite(r.std) for r in results], axis=0)
+    values = np.array([r.p for r in results])[:, alone]
+    z = (values - true[alone]) / np.array([r.std for r in results])[:, alone]
     names = [n for n, a in zip(robot.linear_parameters, alone, strict=True) if a]
     bias = 100 * (values.mean(axis=0) - true[alone]) / np.where(true[alone] == 0, np.nan, true[alone])
     content = {

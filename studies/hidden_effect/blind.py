@@ -1,6 +1,5 @@
 """One case of the study: make its logs, diagnose them from the open folder, then break the seal."""
 
-import hashlib
 import json
 import time
 from collections.abc import Callable, Sequence
@@ -12,9 +11,6 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-import flexfmu
-import flexmodels
-import pyident
 from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
@@ -26,6 +22,7 @@ from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.processes.workers import workers_with
+from pyident.sweep.code_version import code_version
 from pyident.verbs.inputs import Given
 
 from .generator.cases import LOGS, Case
@@ -58,7 +55,8 @@ def solve_all(
     read    what the diagnosis gets to see of a case's logs
     Writes per case logs/<id>, diagnosed/<id>.json and, sealed, sealed/<id>/key.json and oracle.json.
     """
-    of = _fingerprint(f"{robot} {replicas} {read.__qualname__}")
+    own = [file for pattern in _OWN for file in Path(__file__).parent.glob(pattern)]
+    of = code_version(f"{robot} {replicas} {read.__qualname__}", own)
     left = [case for case in cases if not _finished(case.id, folder, of)]
     progress(1 - len(left) / len(cases))
     with workers_with(nullcontext) as workers:
@@ -121,18 +119,6 @@ def _finished(name: str, folder: Path, of: str) -> bool:
     return all(
         file.is_file() and json.loads(file.read_text(encoding="utf-8")).get("of") == of for file in files
     )
-
-
-def _fingerprint(setting: str) -> str:
-    """Of all code that a result depends on: another version's results are not mixed in."""
-    digest = hashlib.sha256(setting.encode())
-    files = [file for pattern in _OWN for file in Path(__file__).parent.glob(pattern)]
-    for package in (flexmodels, flexfmu, pyident):
-        root = Path(str(package.__file__)).parent
-        files += [f for kind in ("py", "c", "h", "toml") for f in root.rglob(f"*.{kind}")]
-    for file in sorted(set(files)):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

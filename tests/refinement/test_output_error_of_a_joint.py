@@ -1,13 +1,18 @@
 """Output error in closed loop on one joint, whose parameters are known."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from one_joint import one_joint
 from one_joint_logs import motion
 from two_link_logs import loaded
 
 import pyident as pi
+from pyident.refinement.auxiliary_model import identify_by_instruments
+from pyident.refinement.output_error import output_error
+from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.replica import Repeat
 
 SIGMA = 2e-6  # rad, of the angle
@@ -56,3 +61,17 @@ def test_without_a_known_loop_it_says_so(logs):
         pi.refine(one_joint(), bare)
     with pytest.raises(pi.RobotError, match=r"no \[controller\] and no \[servo\]"):
         pi.refine(replace(one_joint(), controller=None), logs)
+
+
+def test_its_differences_are_as_long_as_the_logs_own_columns_ask(logs):
+    """Instruments are filtered; a difference as long as theirs ask would leave the range of a slope."""
+    robot = one_joint()
+    with FmuRuns(robot) as simulate:
+        found = identify_by_instruments(robot, logs, lambda _: nullcontext(simulate))
+        solution = found.solution
+        faint = np.where(np.array(found.reduced.columns) == "joint1.viscous", 1e-7, 1.0)
+        filtered = replace(found, solution=replace(solution, scale=solution.scale * faint))
+        plain, other = (output_error(robot, logs, f, simulate) for f in (found, filtered))
+    std = plain.solution.std
+    assert np.abs((other.solution.p - plain.solution.p) / std).max() < 0.1
+    assert other.solution.std == pytest.approx(std, rel=0.01)

@@ -3,7 +3,8 @@
 No derivative of a measured signal is taken, so sensor noise biases nothing. An encoder's noise moves the arm
 through the loop; what that does to the estimate, `output_covariance` simulates. The simulated outputs are
 linearised in the parameters along the directions that the regression saw, and of each step the length is
-tried (Gauss and Newton, with a search along the line); a good start is needed, from `auxiliary_model`.
+tried (Gauss and Newton, with a search along the line); a good start is needed, from `auxiliary_model`. Slopes
+cost a simulation a direction, a step one a length: slopes serve as long as the steps shrink.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,9 +24,10 @@ from pyident.simulation.simulator import Pool
 
 NAME = "output error in closed loop"
 _STEP = 1e-6  # of the length of the scaled parameters: finite difference
-_ROUNDS = 12
+_ROUNDS = 24
 _SETTLED = 0.1  # of a standard deviation under white noise: change at which the rounds end
 _SHARES = (1.0, 0.7, 0.5, 0.35, 0.25, 0.12, 0.06)  # of a step: it may lead too far, as friction sticks
+_KEPT = 0.5  # of the step before: a step by slopes taken earlier is as good as one by new ones
 _FLOOR = 1e-9  # of a channel's rms: its least noise
 _UNSETTLED = f"output error had not settled after {_ROUNDS} rounds; its intervals may be too narrow"
 
@@ -40,37 +42,51 @@ def output_error(
     replays = [replay_of(start.robot, log) for log in logs]
     # the start's instruments are filtered: steps are measured by the log's own columns
     start = replace(start, solution=solve(start.reduced, start.solution.weights))
-    best, notes = start, (*start.notes, _UNSETTLED)
-    p, missed = _nearest(replays, [_simulable(start, start)], pool)
-    outputs = []
-    for number in range(_ROUNDS):
-        shares = [_share(progress, number + k / len(replays), len(replays)) for k in range(len(replays))]
-        slopes = [
-            _slopes(r, p, m, start.solution, pool, told)
-            for r, m, told in zip(replays, missed, shares, strict=True)
-        ]
-        values = np.array(list(p.values()))
-        outputs = [Outputs(r, s, m + s @ values) for r, s, m in zip(replays, slopes, missed, strict=True)]
-        reduced = reduce(((o.slopes, o.target) for o in outputs), replays[0].channels, tuple(p))
-        best = identified(robot, reduced, solve(reduced, _weights(missed, replays)))
-        step = np.array(list(_simulable(best, start).values())) - values
-        alone = ~best.solution.open
-        if (np.abs(step[alone]) <= _SETTLED * best.solution.std[alone]).all():
-            notes = start.notes
-            break
-        tried = [dict(zip(p, values + share * step, strict=True)) for share in _SHARES]
-        nearer, left = _nearest(replays, tried, pool)
-        if _distance(left, replays) >= _distance(missed, replays):
-            notes = start.notes
-            break
-        p, missed = nearer, left
+    best, outputs, settled = _approach(robot, replays, start, pool, progress)
     covariance = output_covariance(best.robot, outputs, best.reduced, best.solution, pool)
     return replace(
         identified(robot, best.reduced, replace(best.solution, covariance=covariance)),
         relative_error=start.relative_error,
         estimator=NAME,
-        notes=notes,
+        notes=start.notes if settled else (*start.notes, _UNSETTLED),
     )
+
+
+def _approach(
+    robot: Robot, replays: Sequence[Replay], start: Identified, pool: Pool, progress: Progress | None
+) -> tuple[Identified, list[Outputs], bool]:
+    """Rounds of steps from `start`, by slopes that are taken anew once steps by the old ones fail to shrink.
+
+    Returns the parameters, the outputs linearised near them, and whether the steps had settled.
+    """
+    p, missed = _nearest(replays, [_simulable(start, start)], pool)
+    best, outputs, slopes, last = start, [], [], np.inf
+    for number in range(_ROUNDS):
+        fresh = not slopes
+        if fresh:
+            told = [_share(progress, number + k / len(replays), len(replays)) for k in range(len(replays))]
+            slopes = [
+                _slopes(r, p, m, start.solution, pool, t)
+                for r, m, t in zip(replays, missed, told, strict=True)
+            ]
+        values = np.array(list(p.values()))
+        outputs = [Outputs(r, s, m + s @ values) for r, s, m in zip(replays, slopes, missed, strict=True)]
+        reduced = reduce(((o.slopes, o.target) for o in outputs), replays[0].channels, tuple(p))
+        best = identified(robot, reduced, solve(reduced, _weights(missed, replays)))
+        step = np.array(list(_simulable(best, start).values())) - values
+        length = _length(step, best)
+        if length <= _SETTLED:
+            return best, outputs, True
+        tried = [dict(zip(p, values + share * step, strict=True)) for share in _SHARES]
+        nearer, left = _nearest(replays, tried, pool)
+        falls = _distance(left, replays) < _distance(missed, replays)
+        if fresh and not falls:
+            return best, outputs, True
+        if not falls or length > _KEPT * last:
+            slopes = []
+        if falls:
+            p, missed, last = nearer, left, length
+    return best, outputs, False
 
 
 def _nearest(
@@ -85,6 +101,12 @@ def _nearest(
 def _distance(missed: Sequence[np.ndarray], replays: Sequence[Replay]) -> float:
     """Falls as the logs become likelier."""
     return -float(np.log(_weights(missed, replays)).sum())
+
+
+def _length(step: np.ndarray, found: Identified) -> float:
+    """Largest step of a parameter that stands alone, in its standard deviations."""
+    alone = ~found.solution.open
+    return float(np.max(np.abs(step[alone]) / found.solution.std[alone], initial=0.0))
 
 
 def _share(progress: Progress | None, rounds: float, logs: int) -> Progress | None:
