@@ -147,8 +147,10 @@ def test_a_torque_in_steps_that_keeps_one_is_not_refused(step):
     assert {d.severity for d in channels(one_joint(), log) if d.kind == "stuck"} <= {"doubtful"}
 
 
-@pytest.mark.parametrize(("step", "severity"), [(0.2, "doubtful"), (0.01, "gross")])
-def test_a_torque_that_hangs_is_said_and_refused_where_its_noise_is_seen(step, severity):
+@pytest.mark.parametrize(
+    ("step", "severity", "said"), [(0.2, "doubtful", "keeps one value"), (0.01, "gross", "is stuck")]
+)
+def test_a_torque_that_hangs_is_said_and_refused_where_its_noise_is_seen(step, severity, said):
     (defect,) = [d for d in channels(one_joint(), in_steps(step, frozen=True)) if d.kind == "stuck"]
-    assert "joint1.tau is stuck from 4 s" in defect.sentence
+    assert f"joint1.tau {said} from 4 s" in defect.sentence
     assert defect.severity == severity

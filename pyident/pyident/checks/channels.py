@@ -90,8 +90,13 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
         repeats = np.mean(np.delete(steps, slice(start, start + length)) == 0)
         natural = torque and step_of(x) > 0 and repeats > CHANNELS.repeats
         severity: Severity = "doubtful" if natural else "gross"
-        yield _defect(severity, "stuck", log, name, f"is stuck from {time[start]:.4g} s for {length} "
-                      f"samples; cut the log there")  # fmt: skip
+        where = f"from {time[start]:.4g} s for {length} samples"
+        said = (
+            f"keeps one value {where}, in steps of {step_of(x):.3g}; if its sensor hung, cut the log there"
+            if natural
+            else f"is stuck {where}; cut the log there"
+        )
+        yield _defect(severity, "stuck", log, name, said)
 
 
 def _frozen(log: Log, name: str, start: int, length: int, after: np.ndarray) -> bool:

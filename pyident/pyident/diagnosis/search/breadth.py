@@ -54,7 +54,7 @@ def block_of(
     X = columns(robot, candidate, logs, levels)
     whole = gain(base, X, *bounds(robot, candidate))
     joint = robot.q[int(np.argmax(fall_per_row(base, X)))].joint
-    speed = [QUANTITIES["speed"](log, joint - 1) for log in logs]
+    speed = [QUANTITIES["speed"](robot, log, joint - 1) for log in logs]
     used = [log.part.use[:, joint - 1] > 0 for log in logs]
     for name, quantity in _BLOCKS.items():
         by_sample = [quantity(v) for v in speed]

@@ -10,18 +10,28 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate, columns
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate, columns, with_model_torque
 from pyident.diagnosis.base.projection import gain
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
 
-Quantity = Callable[[Equations, int], np.ndarray]
+Quantity = Callable[[Robot, Equations, int], np.ndarray]
+
+
+def _torque(robot: Robot, log: Equations, joint: int) -> np.ndarray:
+    """The model's: samples chosen by the measured one are chosen by its noise, which bends coefficients."""
+    tau = with_model_torque(robot, log.part.motion).tau
+    assert tau is not None
+    return np.abs(tau[:, joint])
+
+
 QUANTITIES: dict[str, Quantity] = {
-    "speed": lambda log, joint: np.abs(log.part.motion.dq[:, joint]),
-    "torque": lambda log, joint: np.abs(log.part.target[:, joint]),
-    "position": lambda log, joint: log.part.motion.q[:, joint],
-    "direction": lambda log, joint: np.sign(log.part.motion.dq[:, joint]),
-    "time": lambda log, _: np.arange(len(log.part.target), dtype=float),
+    "speed": lambda _, log, joint: np.abs(log.part.motion.dq[:, joint]),
+    "torque": _torque,
+    "position": lambda _, log, joint: log.part.motion.q[:, joint],
+    "direction": lambda _, log, joint: np.sign(log.part.motion.dq[:, joint]),
+    "time": lambda _, log, __: np.arange(len(log.part.target), dtype=float),
 }
 
 
@@ -44,7 +54,7 @@ def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
     it, of the latter.
     """
     logs = search.examination.logs
-    values = [quantity(log, candidate.joint - 1) for log in logs]
+    values = [quantity(search.robot, log, candidate.joint - 1) for log in logs]
     middle = np.median(np.concatenate(values))
     high = [(v > middle).astype(float) for v in values]
     X = columns(search.robot, candidate, logs, search.levels, high)

@@ -57,7 +57,7 @@ def _sizes(view: Search, joint: int) -> Iterator[tuple[str, list[np.ndarray]]]:
     """Signal -> per log (N,) its size. joint: from 1."""
     logs = view.examination.logs
     for signal in ("speed", "torque"):
-        yield signal, [QUANTITIES[signal](log, joint - 1) for log in logs]
+        yield signal, [QUANTITIES[signal](view.robot, log, joint - 1) for log in logs]
     twist = deformation_of(joint)
     if twist in view.robot.coordinates:
         column = view.robot.coordinates.index(twist)
