@@ -17,6 +17,7 @@ from scipy.optimize import lsq_linear
 
 from pyident.regression.machine.svd import svd
 from pyident.regression.spectrum import Equations
+from pyident.regression.triangle import Triangle
 
 _IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
 _ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
@@ -77,21 +78,17 @@ def _solved(whitened: Sequence[Equations]) -> tuple[np.ndarray, np.ndarray]:
     """`p` and `directions` of a base."""
     scale = np.sqrt(sum(np.einsum("cep,cep->p", e.A, e.A) for e in whitened))
     scale[scale == 0] = 1.0
-    each = [_triangle(A, y, scale) for e in whitened for A, y in zip(e.A, e.y, strict=True)]
-    R = np.asarray(np.linalg.qr(np.vstack(each), mode="r"))
+    triangle = Triangle(len(scale))
+    for e in whitened:
+        for A, y in zip(e.A, e.y, strict=True):
+            own = Triangle(len(scale))  # of the few columns that act there
+            own.fold(A, y)
+            triangle.fold(own.full[:, :-1] / scale, own.full[:, -1])
+    R = triangle.full
     U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]
     directions = Vt[kept].T / s[kept] / scale[:, None]
     return directions @ (U.T @ R[:, -1])[kept], directions
-
-
-def _triangle(A: np.ndarray, y: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """(U + 1, P + 1) that has the Gram matrix of one coordinate's A / scale and y; U parameters act there."""
-    used = np.flatnonzero(A.any(axis=0))
-    R = np.linalg.qr(np.column_stack([A[:, used] / scale[used], y]), mode="r")
-    out = np.zeros((len(R), len(scale) + 1))
-    out[:, [*used, len(scale)]] = R
-    return out
 
 
 def gain(

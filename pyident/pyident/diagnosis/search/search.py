@@ -8,7 +8,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, proper
 from pyident.diagnosis.base.nonlinear_values import refined
-from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, joined, taken_over
+from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
@@ -114,12 +114,10 @@ class Search:
 
     def step(self) -> Step:
         """Rank the families by what they explain of the present base's residual."""
-        gains = [
-            gain(self.base, X, *b) for X, b in zip(self.families.columns, self.families.bounds, strict=True)
-        ]
+        each = gains(self.base, self.families.columns, self.families.bounds)
         found = []
         for number, at in enumerate(self.families.members.values()):
-            candidate, explained = self._best_proper(at, gains)
+            candidate, explained = self._best_proper(at, each)
             found.append(self._found(candidate, explained, number))
         joints = {f.candidate.joint for f in found}
         top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
@@ -135,20 +133,20 @@ class Search:
         found = []
         for number, (family, at) in enumerate(self.families.members.items()):
             if family[:2] == (effect, joint):
-                gains = {i: gain(self.base, self.families.columns[i], *self.families.bounds[i]) for i in at}
-                top = max(gains, key=lambda i: gains[i].energy)
-                start = self._found(self.examination.candidates[top], gains[top], number)
+                each = {i: gain(self.base, self.families.columns[i], *self.families.bounds[i]) for i in at}
+                top = max(each, key=lambda i: each[i].energy)
+                start = self._found(self.examination.candidates[top], each[top], number)
                 found.append(self._refined(start, number))
         return max(found, key=lambda f: f.excess, default=None)
 
-    def _best_proper(self, family: Sequence[int], gains: Sequence[Gain]) -> tuple[Candidate, Gain]:
+    def _best_proper(self, family: Sequence[int], each: Sequence[Gain]) -> tuple[Candidate, Gain]:
         """A family's best candidate whose values make it what its name says; without one it gains nothing."""
-        by_gain = sorted(family, key=lambda i: -gains[i].energy)
+        by_gain = sorted(family, key=lambda i: -each[i].energy)
         candidates = self.examination.candidates
         for i in by_gain:
-            if self._proper(candidates[i], gains[i]):
-                return candidates[i], gains[i]
-        return candidates[by_gain[0]], replace(gains[by_gain[0]], energy=0.0)
+            if self._proper(candidates[i], each[i]):
+                return candidates[i], each[i]
+        return candidates[by_gain[0]], replace(each[by_gain[0]], energy=0.0)
 
     def drives(self, further: Sequence[Candidate]) -> float:
         """Energy that friction puts in at the first's joint, over what it takes, beside all the others."""
