@@ -76,8 +76,7 @@ def _peaks(
         return []
     energy = np.zeros(len(orders))
     for r, q in zip(left, angles, strict=True):
-        for i in range(0, len(orders), _BLOCK):
-            energy[i : i + _BLOCK] += np.abs(np.exp(1j * np.outer(orders[i : i + _BLOCK], q)) @ r) ** 2
+        energy += _energies(r, q, orders)
     typical = median_filter(energy, rules.neighbours, mode="reflect")
     ratio = energy / np.maximum(typical / _MEDIAN, 1e-300)
     chance = np.log(len(orders) / rules.chance) * (1 + len(left)) / 2  # of a mean over logs, at most
@@ -88,3 +87,10 @@ def _peaks(
         if all(abs(orders[i] - other) > 2 * _PER_PEAK * (orders[1] - orders[0]) for other in out):
             out.append(float(orders[i]))
     return out
+
+
+def _energies(r: np.ndarray, q: np.ndarray, orders: np.ndarray) -> np.ndarray:
+    """|Σ r exp(i order q)|² at equidistant orders: a wave is one of the first few times that of its block."""
+    first = np.exp(1j * np.outer(orders[:_BLOCK] - orders[0], q))
+    blocks = r[:, None] * np.exp(1j * np.outer(q, orders[::_BLOCK]))
+    return np.square(np.abs(first @ blocks)).T.ravel()[: len(orders)]
