@@ -2,8 +2,8 @@
 
 With the file's description Φ p misses the torques by δ ∂(Φ p)/∂θ, to first order in the error δ of what the
 file states as θ: a joint's origin or axis, where an encoder reads zero, the direction of gravity, the gain of
-a torque. The derivatives are differences of Φ p itself over the corrected robot, so that there is one geometry
-only; in a step of 1e-6 curvature and rounding are some millionths of a column.
+a torque. The derivatives are differences of Φ p itself over the corrected robot, so that there is one
+geometry only; in a step of 1e-6 curvature and rounding are some millionths of a column.
 
 An encoder's zero is a turn of everything behind the joint about its axis in the zero pose.
 """
