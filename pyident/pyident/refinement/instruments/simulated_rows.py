@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from flexmodels.cores import cores
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
@@ -22,7 +23,6 @@ from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers
 
 _SMALL_STEP = 1e-4  # s
-_APART = 4  # logs up to which one process each is sooner done than one that simulates all side by side
 _DAMPED = 0.5  # of the damping per stiffness that the hinges have in the middle: the least simulated
 
 
@@ -76,8 +76,8 @@ def simulated_equations(robot: Robot, frame: pd.DataFrame, free: tuple[int, ...]
 def simulations(
     again: Sequence[Repeat], workers: Workers, parameters: Mapping[str, float]
 ) -> list[pd.DataFrame]:
-    """Each log's motion made by the model. Raises SimulationError."""
-    size = 1 if len(again) <= _APART else len(again)
+    """Each log's motion made by the model: a core for each, or side by side. Raises SimulationError."""
+    size = 1 if len(again) <= cores() else len(again)
     jobs = [
         workers.submit(simulated, again[at : at + size], [parameters]) for at in range(0, len(again), size)
     ]
