@@ -82,7 +82,7 @@ def _approach(
         falls = _distance(left, replays) < _distance(missed, replays)
         if fresh and not falls:
             return best, outputs, True
-        if not falls or length > _KEPT * last:
+        if not falls or (not fresh and length > _KEPT * last):
             slopes = []
         if falls:
             p, missed, last = nearer, left, length
