@@ -1,16 +1,13 @@
 """Are the intervals honest? Monte-Carlo runs with encoder noise in the loop against the known truth."""
 
-import json
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from flexmodels.atomic import replacing
 from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
@@ -22,6 +19,7 @@ from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.replica import with_noise
 from pyident.simulation.simulator import OpenPool
 from pyident.sweep.code_version import code_version
+from pyident.sweep.kept_results import keep, kept
 from pyident.sweep.studies import StudyResult, row
 
 LEVELS = (2e-6, 1e-5)  # rad, of the encoders at the motors; those behind the gears have half of it
@@ -43,15 +41,17 @@ def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> St
     After an interruption the same call goes on: folder/logs holds what each log gave.
     """
     robot, of, rows, tables = load_robot("four_link"), code_version(own=[Path(__file__)]), [], {}
-    (folder / "logs").mkdir(parents=True, exist_ok=True)
     with FmuRuns(robot) as simulate:
         for i, level in enumerate(LEVELS):
             results: dict[str, list[Estimate]] = {}
             for seed in range(runs):
                 file = folder / "logs" / f"{level:g}_{seed}.json"
-                estimates = _kept(file, of, partial(_estimates, robot, simulate, level, seed))
-                for name, estimate in estimates.items():
-                    results.setdefault(name, []).append(estimate)
+                found = kept(file, of)
+                if found is None:
+                    found = _estimates(robot, simulate, level, seed)
+                    keep(file, of, found)
+                for name, estimate in found.items():
+                    results.setdefault(name, []).append(Estimate(**estimate))
                 progress((i * runs + seed + 1) / (len(LEVELS) * runs))
             for name, listed in results.items():
                 tables[name, level] = deviations(robot, listed)
@@ -61,25 +61,14 @@ def run(folder: Path, progress: Callable[[float], None], runs: int = RUNS) -> St
     return StudyResult(rows, [folder / "coverage.csv"])
 
 
-def _estimates(robot: Robot, simulate: FmuRuns, level: float, seed: int) -> dict[str, Estimate]:
-    """Estimator -> what it makes of one log."""
+def _estimates(robot: Robot, simulate: FmuRuns, level: float, seed: int) -> dict[str, dict[str, list[float]]]:
+    """Estimator -> fields of its `Estimate` of one log."""
     log = noisy(robot, simulate, level, seed)
     found = identify_by_instruments(robot, [log], _shared(robot, simulate))
     refined = output_error(robot, [log], found, simulate)
-    return {r.estimator: Estimate(r.solution.p.tolist(), r.solution.std.tolist()) for r in (found, refined)}
-
-
-def _kept(file: Path, of: str, estimates: Callable[[], dict[str, Estimate]]) -> dict[str, Estimate]:
-    """What `file` holds if this very code wrote it, else what is estimated now."""
-    if file.is_file():
-        said = json.loads(file.read_text(encoding="utf-8"))
-        if said["of"] == of:
-            return {name: Estimate(**estimate) for name, estimate in said["estimates"].items()}
-    found = estimates()
-    said = {"of": of, "estimates": {name: asdict(estimate) for name, estimate in found.items()}}
-    with replacing(file) as temporary:
-        temporary.write_text(json.dumps(said), encoding="utf-8")
-    return found
+    return {
+        r.estimator: {"p": r.solution.p.tolist(), "std": r.solution.std.tolist()} for r in (found, refined)
+    }
 
 
 def _shared(robot: Robot, simulate: FmuRuns) -> OpenPool:

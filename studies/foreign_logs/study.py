@@ -17,6 +17,7 @@ from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import save_robot
 from flexmodels.robot import RobotError
 from pyident.simulation.processes.workers import workers_with
+from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult
 
 from .cases import Case, case_list
@@ -84,8 +85,8 @@ def _solve(_: None, case: Case, folder: Path, own: Mapping[str, Method], joints:
             said["answers"] = {name: asdict(answer) for name, answer in answers.items()}
         except Exception as error:  # a wrong answer, whatever it is
             said["failure"] = f"{type(error).__name__}: {error}"
-    _write(folder / "answers" / f"{case.id}.json", said | {"seconds": time.perf_counter() - begin})
-    _write(
+    write_json(folder / "answers" / f"{case.id}.json", said | {"seconds": time.perf_counter() - begin})
+    write_json(
         folder / "sealed" / f"{case.id}.json",
         {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides},
     )
@@ -121,9 +122,3 @@ def _line(case: Case, scored: Scored) -> dict[str, Any]:
     }
     drawn = {k: v for k, v in asdict(case).items() if k != "seed"}
     return drawn | {"hidden": hidden} | said | {"failure": scored.failure}
-
-
-def _write(path: Path, content: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as file:
-        file.write_text(json.dumps(content, indent=2), encoding="utf-8")

@@ -7,11 +7,9 @@ from concurrent.futures import as_completed
 from contextlib import nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from flexmodels.atomic import replacing
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
@@ -23,6 +21,7 @@ from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.code_version import code_version
+from pyident.sweep.kept_results import keep, kept, write_json
 from pyident.verbs.inputs import Given
 
 from .generator.cases import LOGS, Case
@@ -72,7 +71,7 @@ def _solve(_: None, case: Case, folder: Path, robot: str, replicas: int, read: R
             _unseen(case, folder, robot, replicas, read, of)
         except Exception as error:
             failure = f"{type(error).__name__}: {error}"
-            _write(folder / "diagnosed" / f"{case.id}.json", {"failure": failure})
+            write_json(folder / "diagnosed" / f"{case.id}.json", {"failure": failure})
 
 
 def _unseen(case: Case, folder: Path, robot: str, replicas: int, read: Reader, of: str) -> None:
@@ -81,10 +80,10 @@ def _unseen(case: Case, folder: Path, robot: str, replicas: int, read: Reader, o
     generate(case, folder)
     seen = read(folder / "logs" / case.id, load_robot(robot))
     search, found = _diagnosed(seen, replicas)
-    said = {"of": of, "seconds": time.perf_counter() - begin, "diagnosis": found.json()}
-    _write(folder / "diagnosed" / f"{case.id}.json", said)
+    said = {"seconds": time.perf_counter() - begin, "diagnosis": found.json()}
+    keep(folder / "diagnosed" / f"{case.id}.json", of, said)
     best = _bound(search, found, seen.heldout, sealed / "key.json")
-    _write(sealed / "oracle.json", {"of": of} | (asdict(best) if best else {}))
+    keep(sealed / "oracle.json", of, asdict(best) if best else {})
 
 
 def _diagnosed(seen: Given, replicas: int) -> tuple[Search, Diagnosis]:
@@ -116,12 +115,4 @@ def _rules(replicas: int) -> Rules:
 def _finished(name: str, folder: Path, of: str) -> bool:
     """Whether this very program has done the case to its end."""
     files = folder / "diagnosed" / f"{name}.json", folder / "sealed" / name / "oracle.json"
-    return all(
-        file.is_file() and json.loads(file.read_text(encoding="utf-8")).get("of") == of for file in files
-    )
-
-
-def _write(path: Path, content: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as file:
-        file.write_text(json.dumps(content, indent=2), encoding="utf-8")
+    return all(kept(file, of) is not None for file in files)

@@ -1,6 +1,5 @@
 """A rigid arm from another simulator, its loop unknown: what is named, and what simpler methods say."""
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
@@ -15,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from flexmodels.atomic import replacing
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.simulation.processes.workers import workers_with
+from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row
 
 from .arm import arm
@@ -44,10 +44,8 @@ def run(folder: Path, progress: Callable[[float], None], seed: int = SEED, nulls
         for job in as_completed(jobs):
             case = jobs[job]
             answers[case.id] = job.result()
-            with replacing(folder / f"{case.id}.json") as file:
-                file.write_text(
-                    json.dumps({"case": asdict(case), "answer": asdict(answers[case.id])}, indent=2)
-                )
+            said = {"case": asdict(case), "answer": asdict(answers[case.id])}
+            write_json(folder / f"{case.id}.json", said)
             progress(len(answers) / len(cases))
     table = pd.DataFrame([_line(case, answers[case.id]) for case in cases])
     with replacing(folder / "cases.csv") as file:

@@ -1,5 +1,7 @@
 """The study of intervals keeps what each log gave, and counts as it says."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -38,7 +40,7 @@ def test_a_stopped_study_goes_on_where_it_was(tmp_path, monkeypatch):
 
     def estimates(robot, simulate, level, seed):
         asked.append((level, seed))
-        return {"any": _drawn(rng, 1.0)}
+        return {"any": asdict(_drawn(rng, 1.0))}
 
     monkeypatch.setattr(study, "_estimates", stopped)
     with pytest.raises(KeyboardInterrupt):
