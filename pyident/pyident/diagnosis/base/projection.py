@@ -83,7 +83,8 @@ def _solved(whitened: Sequence[Equations]) -> tuple[np.ndarray, np.ndarray]:
         for A, y in zip(e.A, e.y, strict=True):
             own = Triangle(len(scale))  # of the few columns that act there
             own.fold(A, y)
-            triangle.fold(own.full[:, :-1] / scale, own.full[:, -1])
+            R = own.full
+            triangle.fold(R[:, :-1] / scale, R[:, -1])
     R = triangle.full
     U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]

@@ -133,9 +133,10 @@ class Search:
         found = []
         for number, (family, at) in enumerate(self.families.members.items()):
             if family[:2] == (effect, joint):
-                each = {i: gain(self.base, self.families.columns[i], *self.families.bounds[i]) for i in at}
-                top = max(each, key=lambda i: each[i].energy)
-                start = self._found(self.examination.candidates[top], each[top], number)
+                X, limits = self.families.columns, self.families.bounds
+                each = gains(self.base, [X[i] for i in at], [limits[i] for i in at])
+                top, explained = max(zip(at, each, strict=True), key=lambda pair: pair[1].energy)
+                start = self._found(self.examination.candidates[top], explained, number)
                 found.append(self._refined(start, number))
         return max(found, key=lambda f: f.excess, default=None)
 
