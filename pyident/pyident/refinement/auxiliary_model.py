@@ -203,7 +203,8 @@ def _rounds(
         wanted = wanted.with_parameters(_changed(wanted.linear_parameters, step))
         if progress:
             progress((number + 1) / _ROUNDS)
-        if last.columns is not None and last.largest(step) <= _SETTLED:
+        measured = bool(np.isfinite(last.std).any())  # else nothing tells whether rounds get nearer
+        if not measured or (last.columns is not None and last.largest(step) <= _SETTLED):
             break
     assert settled is not None
     return settled
