@@ -17,12 +17,14 @@ from pyident.diagnosis.base.lateness import all_earlier, lateness
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
+from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
-from pyident.diagnosis.search.held_out import held_out
+from pyident.diagnosis.search.friction_by_log import friction_by_log
+from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search, search_of
-from pyident.diagnosis.search.selection import select
+from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
@@ -52,8 +54,7 @@ def diagnose(
     An interrupt (Ctrl-C) after the search gives what is known by then. Raises LogError.
     """
     search = searched(robot, logs, open_pool, lambda share: progress(0.8 * share), rules)
-    search = search.resting_on(())
-    found = _from_columns(search, heldout)
+    search, found = _from_columns(search.resting_on(()), heldout)
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
@@ -147,13 +148,38 @@ def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) 
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.
     """
-    search = search.resting_on(())
-    return _from_signatures(search, _from_columns(search, heldout), open_pool, heldout)
+    search, found = _from_columns(search.resting_on(()), heldout)
+    return _from_signatures(search, found, open_pool, heldout)
 
 
-def _from_columns(search: Search, heldout: Sequence[Log]) -> Diagnosis:
+def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagnosis]:
+    """What the laws come to, and the search that says so: that in which logs have their own friction,
+    where laws without it leave much more.
+    """
     held = held_out(search, heldout)
-    return conclusion(search, with_descriptions(search, select(search, held), held), held, heldout)
+    selection = _selected(search, held)
+    by_log = friction_by_log(search) if _exceeds(search, selection) else None
+    if by_log is not None:
+        again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
+        before, after = (
+            view.resting_on(chosen.candidates).remaining_on(rows)
+            for view, chosen in ((search, selection), (by_log.search, again))
+        )
+        if after <= (1 - search.rules.explained[0]) * before:
+            found = conclusion(by_log.search, again, held, heldout)
+            said, notes = f"{by_log.sentence} {found.sentence}", (by_log.note, *found.notes)
+            return by_log.search, replace(found, sentence=said, notes=notes)
+    return search, conclusion(search, selection, held, heldout)
+
+
+def _selected(search: Search, held: HeldOut) -> Selection:
+    return with_descriptions(search, select(search, held), held)
+
+
+def _exceeds(search: Search, selection: Selection) -> bool:
+    """Whether a selection leaves what stands out, or what slow noise may be."""
+    beside = search.resting_on(selection.candidates)
+    return beside.stands_out or bool(bands_in_doubt(search.examination, beside.base).any())
 
 
 def _from_signatures(

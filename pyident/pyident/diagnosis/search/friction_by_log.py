@@ -1,0 +1,111 @@
+"""Friction that is another in every log: a robot warms up, is greased, or is logged again months later.
+
+All logs share the model's parameters. What temperature makes of friction between two logs is then left in
+both, at every joint at once, and no law of the catalogue is it. So where something stands out, every joint
+whose friction differs from log to log gets its own in each of them (levels, slopes and offsets), and the
+laws are put to what that leaves. Within a log friction must be friction: differences whose coefficients
+change with the speed, the torque, the position or the direction stand in for something else, as in
+`constancy`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.joint import parameter_name
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
+from pyident.diagnosis.search.constancy import QUANTITIES
+from pyident.diagnosis.search.search import Search, search_of
+
+_WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time
+
+
+@dataclass(frozen=True)
+class FrictionByLog:
+    """What differs between logs.
+
+    search        among all candidates, every log with its own friction at these joints
+    joints        at which it does, from 1
+    differences   parameter -> per fitted log how much more it is than in the first one, in its unit
+    """
+
+    search: Search
+    joints: tuple[int, ...]
+    differences: dict[str, list[float]]
+
+    @property
+    def sentence(self) -> str:
+        *most, last = [str(k) for k in self.joints]
+        where = f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
+        return f"The friction of {where} differs from log to log. With its own in every log:"
+
+    @property
+    def note(self) -> str:
+        """By how much, and what to do."""
+        units, first = self.search.robot.units, self.search.examination.setting.logs[0].source
+        each = []
+        for name, (_, *others) in self.differences.items():
+            ends = dict.fromkeys(f"{x:+.2g}" for x in (min(others), max(others)))
+            each.append(f"{name} by {' to '.join(ends)} {units[name]}")
+        return (
+            f"against {first} the other logs differ in {', '.join(each)}: temperature does that, grease, or "
+            "time; record with the robot warm, or fit each log by itself, as a model has one value for all"
+        )
+
+
+def friction_by_log(search: Search) -> FrictionByLog | None:
+    """None where one log is fitted, or no joint's friction differs. The search must rest on nothing."""
+    ex = search.examination
+    joints = [k for k, _ in search.robot.numbered if _differs(search, k)]
+    if not joints:
+        return None
+    listed = [c for k in joints for c in _of_joint(search, k)]
+    wider = ex.base
+    for c in listed:
+        wider = extended(wider, search.columns(c))
+    limits = [bounds(search.robot, c) for c in ex.candidates]
+    own = replace(ex, base=wider, gains=gains(wider, ex.columns, limits))
+    found = gain(ex.base, joined([search.columns(c) for c in listed])).coefficients
+    differences: dict[str, list[float]] = {}
+    for c, more in zip(listed, found, strict=True):
+        name = parameter_name(c.joint, c.effect, c.effect)
+        differences.setdefault(name, [0.0] * len(ex.logs))[c.log or 0] = float(more)
+    return FrictionByLog(search_of(own), tuple(joints), differences)
+
+
+def _of_joint(search: Search, joint: int) -> list[Candidate]:
+    """The friction of a joint in every log but the first."""
+    present = search.robot.joints[joint - 1].values
+    names = [name for name in ("coulomb", "viscous", "offset") if name in present]
+    logs = range(1, len(search.examination.logs))
+    return [Candidate(name, joint, log=log) for log in logs for name in names]
+
+
+def _differs(search: Search, joint: int) -> bool:
+    """Whether a joint's own friction in each log takes most of what exceeds the floor there."""
+    listed, rules, ex = _of_joint(search, joint), search.rules, search.examination
+    row = joint - 1
+    left = search.remaining_on([row])
+    if not listed or left <= 0:
+        return False
+    X = joined([search.columns(c) for c in listed])
+    free = (np.full(len(listed), -np.inf), np.full(len(listed), np.inf))
+    taken = gain(ex.base, X).energy
+    if taken <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *free)):
+        return False
+    beside = extended(ex.base, X)
+    share = 1 - ex.beyond_floor(beside, [row]) / left
+    return share >= rules.explained[0] and all(
+        gain(beside, _split(search, listed, name)).energy <= rules.changes * left for name in _WITHIN
+    )
+
+
+def _split(search: Search, listed: Sequence[Candidate], quantity: str) -> Columns:
+    """The columns of friction in every log where a quantity lies above its median."""
+    logs, joint = search.examination.logs, listed[0].joint
+    values = [QUANTITIES[quantity](search.robot, log, joint - 1) for log in logs]
+    middle = np.median(np.concatenate(values))
+    high = [(v > middle).astype(float) for v in values]
+    return joined([columns(search.robot, c, logs, search.levels, high) for c in listed])
