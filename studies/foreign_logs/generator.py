@@ -166,18 +166,14 @@ def _geometry(
     n = power.shape[1]
     for _ in range(_DRAWS):
         error = large_error(rng, n)
-        as_filed = Oracle(_filed(oracle.machine, error)).state(state.time, state.q, state.v, a)
-        left = oracle.beyond(state, a, state.load - as_filed.load)
-        size = float((np.sqrt(np.mean(left**2, axis=0) / power.mean(axis=0))).max())
-        if _deviations(left, power, len(a)) > _READABLE:
+        file = Oracle(_filed(oracle.machine, error))  # all that its owner can fit with
+        as_filed = file.state(state.time, state.q, state.v, a)
+        force = state.load - as_filed.load
+        if file.deviations(as_filed, a, force, power) > _READABLE:
+            left = file.beyond(as_filed, a, force)
+            size = float((np.sqrt(np.mean(left**2, axis=0) / power.mean(axis=0))).max())
             return error, Truth("geometry", ((error.quantity, error.joint),), size, error.amount)
     raise _NotShown
-
-
-def _deviations(left: np.ndarray, power: np.ndarray, count: int) -> float:
-    """By which a trace (N', n) of a log of `count` samples exceeds noise; power: (frequencies, n) of it."""
-    S = np.square(np.abs(np.fft.rfft(left, axis=0)))  # of positive frequencies alone: half
-    return float(np.sqrt(2 * np.sum(S / power[: len(S)]) * count)) / len(left)
 
 
 def _filed(machine: Machine, error: Error) -> Machine:

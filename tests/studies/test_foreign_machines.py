@@ -79,6 +79,21 @@ def test_what_bodies_and_friction_can_do_is_nothing_beyond_them():
     assert np.abs(oracle.beyond(state, a, cable)).max() > 1e-3
 
 
+def test_deviations_are_those_of_the_best_estimate():
+    """Of white noise, alike at all joints, what bodies leave of a force; uneven noise lets them take more."""
+    machine, time, q, v, a = moved(1)
+    oracle = Oracle(machine)
+    state = oracle.state(time, q, v, a)
+    rng, n = np.random.default_rng(0), q.shape[1]
+    force = np.abs(q) * rng.uniform(0.5, 2, n)
+    even = np.full((len(time) // 2 + 1, n), 0.04)
+    left = np.linalg.norm(oracle.beyond(state, a, force)) / 0.2
+    assert oracle.deviations(state, a, force, even) == pytest.approx(left, rel=0.02)
+    uneven = even * np.geomspace(1, 100, n)
+    by_joint = np.linalg.norm(oracle.beyond(state, a, force) / np.sqrt(uneven[0]))
+    assert oracle.deviations(state, a, force, uneven) <= by_joint * 1.02
+
+
 def test_the_file_of_the_owner_has_the_error_that_is_to_be_found():
     machine, *_ = moved(2)
     robot = owners_file(machine, np.random.default_rng(0), (Error("origin[y]", 1, 2e-3),))

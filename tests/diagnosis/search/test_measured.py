@@ -42,12 +42,17 @@ def test_far_from_zero(size, counts):
     [
         None,
         Unseen(0.02, 0.02, 0.1, 0.9),  # two deviations
-        Unseen(0.02, 0.005, 0.1, 1.8),  # 1.4 times its size
-        Unseen(0.02, 0.005, 0.1, 0.2),  # 0.6 times
+        Unseen(0.02, 0.0005, 0.1, 1.8),  # 1.4 times its size
+        Unseen(0.02, 0.0005, 0.1, 0.2),  # 0.6 times
     ],
 )
 def test_held_out_logs_must_find_the_same(unseen):
     assert not measured(search(0.3), AXIS, unseen)
+
+
+def test_sizes_that_differ_by_chance_are_one_size():
+    """1.4 times the size, each known to some ten per cent."""
+    assert measured(search(0.3), AXIS, Unseen(0.02, 0.003, 0.1, 1.8))
 
 
 def test_a_law_needs_its_share_and_so_does_an_error_beside_what_stands_out():

@@ -43,9 +43,14 @@ class Unseen:
         """Standard deviations from zero of the size that these logs by themselves give the effects."""
         return self.share * (1 + 1 / self.kept) / self.std if self.kept > 0 else 0.0
 
-    def of_one_size(self, rules: SearchRules) -> bool:
-        """Whether what is missing there has about the size of what the effects take."""
-        return abs(self.kept - 1) <= rules.unseen
+    def of_one_size(self, rules: SearchRules, std: float = 0.0) -> bool:
+        """Whether what is missing there has about the size of what the effects take, or differs by chance.
+
+        std   of that size in the fitted logs, as a share of it
+        """
+        size = (1 + self.kept) / 2  # by these logs themselves, over that of the fitted ones
+        chance = np.hypot(size / max(self.deviations, 1e-300), std) if self.deviations else 0.0
+        return abs(size - 1) <= max(rules.unseen / 2, rules.again * chance)
 
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"

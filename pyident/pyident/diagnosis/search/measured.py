@@ -21,8 +21,10 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     rules = search.rules
     if unseen is None or not candidate.describes or search.stands_out:
         return False
-    again = unseen.deviations >= rules.again and unseen.of_one_size(rules)
-    return again and _deviations(search, candidate) >= rules.chance
+    if unseen.deviations < rules.again:
+        return False
+    fitted = _deviations(search, candidate)
+    return fitted >= rules.chance and unseen.of_one_size(rules, 1 / fitted)
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:

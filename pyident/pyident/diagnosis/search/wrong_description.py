@@ -92,10 +92,10 @@ def _beside(
         entry = admission(view, step.best, [step.best.candidate], held)
         if entry.reason or not entry.rows or not _small(view, step.best):
             break
-        if entry.measured and not steps and law.excess < view.rules.tie * step.best.excess:
+        exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
+        if entry.measured and not steps and not _instead(beside, law, step.best):
             named.append(step)
             continue
-        exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         doubt = changes_with(beside, step.best.candidate)
         if doubt or entry.share < view.rules.explained[0] or beside.stands_out:
             return named, (_told(view, step, entry, doubt),) if exceeds else ()
@@ -103,6 +103,13 @@ def _beside(
             break
         named.append(step)
     return named, ()
+
+
+def _instead(beside: Search, law: Found, error: Found) -> bool:
+    """Whether a law may be what is missing in place of an error: it takes as much, and little beside it."""
+    rules = beside.rules
+    as_much = law.excess >= rules.tie * error.excess
+    return as_much and beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
 
 
 def _exceeds(view: Search, entry: Admission) -> bool:
