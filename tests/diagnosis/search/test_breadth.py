@@ -13,6 +13,7 @@ from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
 
 ROUND, STRIBECK = 0.05, 0.1  # rad/s
+TEETH = 150.0  # per turn
 
 
 def rounded(q, v, load, time):
@@ -32,14 +33,26 @@ def loaded(q, v, load, time):
     return out
 
 
-def samples(friction, candidate: Candidate) -> str:
-    """What the candidate's gain rests on in two logs; the floor is what the fit leaves."""
+def toothed(q, v, load, time):
+    out = plain(q, v, load, time)
+    out[:, 1] += 0.3 * np.cos(TEETH * q[:, 1])
+    return out
+
+
+def samples(friction, candidate: Candidate, slow: float = 0.0, burst: bool = False) -> str:
+    """What the candidate's gain rests on in two logs; the floor is what the fit leaves.
+
+    slow   frequency below which the floor rises as that of noise behind a steep filter does [Hz]
+    burst  whether the second log is short and fast
+    """
     robot = arm()
-    logs = [made(robot, seed, friction, 20.0) for seed in range(2)]
+    second = (4.0, 4.0) if burst else (20.0, 1.0)  # s, and the pace
+    logs = [made(robot, seed, friction, *form) for seed, form in enumerate([(20.0, 1.0), second])]
     setting = set_up(robot, logs)
     raw = equations(robot, [condition(log, robot) for log in logs], [log.period for log in logs])
     level = 1 / setting.solution.weights
-    levels = [np.repeat(level[:, None], e.y.shape[1], axis=1) for e in raw]
+    rises = [1 + (slow / np.tile(np.maximum(e.band.frequencies, 0.1), 2)) ** 4 for e in raw]
+    levels = [level[:, None] * rise for rise in rises]
     data = [e.over(of) for e, of in zip(raw, levels, strict=True)]
     return block_of(setting.robot, data, levels, solve_base(data), [], candidate, RULES.search)
 
@@ -60,3 +73,9 @@ def test_a_coupling_that_is_friction_near_rest_rests_on_it():
 )
 def test_a_law_that_acts_where_it_explains_rests_on_no_sliver(friction, candidate):
     assert samples(friction, candidate) == ""
+
+
+def test_a_ripple_shows_where_the_joint_is_fast_and_noise_is_little():
+    """Its force is the same everywhere; over the floor it is not, and what it explains is no sliver of it."""
+    ripple = Candidate("torque_ripple", 2, (("order", TEETH),))
+    assert samples(toothed, ripple, slow=30.0, burst=True) == ""

@@ -10,13 +10,13 @@ its own force, is not what explains them. Presliding, Stribeck and others that a
 they lose the force as well.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns, motion_for, slopes
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Base, extended, fall_per_row, gain, solve_base
 from pyident.diagnosis.search.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
@@ -61,7 +61,7 @@ def block_of(
         listed = np.concatenate([x[u] for x, u in zip(by_sample, used, strict=True)])
         limit = float(np.quantile(listed, 1 - rules.block))
         kept = [(x <= limit).astype(float) for x in by_sample]
-        if _force_left(robot, logs, candidate, whole.coefficients, kept) < 1 - rules.block_force:
+        if _force_left(robot, logs, levels, candidate, whole.coefficients, kept) < 1 - rules.block_force:
             continue  # it acts there
         rest = _without(robot, logs, levels, kept)
         if _explained(robot, rest, levels, others, candidate) < (1 - rules.block_gain) * whole.energy:
@@ -97,19 +97,25 @@ def _without(
 def _force_left(
     robot: Robot,
     logs: Sequence[Equations],
+    levels: Sequence[np.ndarray],
     candidate: Candidate,
     coefficients: np.ndarray,
     kept: Sequence[np.ndarray],
 ) -> float:
-    """Share of a law's own force, in energy on the equation where it is largest, in the samples kept."""
-    whole: dict[int, float] = {}
-    left: dict[int, float] = {}
-    for log, keep in zip(logs, kept, strict=True):
-        of = slopes(robot, candidate, motion_for(robot, candidate, log.part.motion)).values()
-        for row in {row for by_row in of for row in by_row}:
-            force = sum(x * by_row.get(row, 0.0) for x, by_row in zip(coefficients, of, strict=True))
-            energy = np.square(force) * log.part.use[:, row]
-            whole[row] = whole.get(row, 0.0) + float(energy.sum())
-            left[row] = left.get(row, 0.0) + float(energy @ keep)
-    row = max(whole, key=lambda row: whole[row])
-    return left[row] / max(whole[row], 1e-300)
+    """Share of a law's own force, over the floor on the equation where it is largest, in the samples kept.
+
+    Over the floor, as its gain is: a ripple of one amplitude is fast where the joint is, and there the floor
+    may be low.
+    """
+    whole, left = (
+        [_energies(X, coefficients) for X in columns(robot, candidate, logs, levels, acting)]
+        for acting in (None, kept)
+    )
+    total = {row: sum(log.get(row, 0.0) for log in whole) for row in {row for log in whole for row in log}}
+    row = max(total, key=lambda row: total[row])
+    return sum(log.get(row, 0.0) for log in left) / max(total[row], 1e-300)
+
+
+def _energies(X: Mapping[int, np.ndarray], coefficients: np.ndarray) -> dict[int, float]:
+    """Row -> energy of a law's force in one log."""
+    return {row: float(np.square(x @ coefficients).sum()) for row, x in X.items()}
