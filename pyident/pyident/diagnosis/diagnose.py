@@ -167,8 +167,9 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
         )
         if after <= (1 - search.rules.explained[0]) * before:
             found = conclusion(by_log.search, again, held, heldout)
-            said, notes = f"{by_log.sentence} {found.sentence}", (by_log.note, *found.notes)
-            return by_log.search, replace(found, sentence=said, notes=notes)
+            note = by_log.note(search.resting_on(again.candidates))
+            said = f"{by_log.sentence} {found.sentence}"
+            return by_log.search, replace(found, sentence=said, notes=(note, *found.notes))
     return search, conclusion(search, selection, held, heldout)
 
 

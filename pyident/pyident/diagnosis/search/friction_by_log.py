@@ -26,14 +26,14 @@ _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up
 class FrictionByLog:
     """What differs between logs.
 
-    search        among all candidates, every log with its own friction at these joints
-    joints        at which it does, from 1
-    differences   parameter -> per fitted log how much more it is than in the first one, in its unit
+    search       among all candidates, every log with its own friction at these joints
+    joints       at which it does, from 1
+    candidates   the friction of these in every log but the first
     """
 
     search: Search
     joints: tuple[int, ...]
-    differences: dict[str, list[float]]
+    candidates: tuple[Candidate, ...]
 
     @property
     def sentence(self) -> str:
@@ -41,12 +41,22 @@ class FrictionByLog:
         where = f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
         return f"The friction of {where} differs from log to log. With its own in every log:"
 
-    @property
-    def note(self) -> str:
-        """By how much, and what to do."""
+    def differences(self, beside: Search) -> dict[str, list[float]]:
+        """Parameter -> per fitted log but the first how much more it is than there, in the parameter's unit.
+
+        beside   the search without this friction, which rests on what was named
+        """
+        found = gain(beside.base, joined([beside.columns(c) for c in self.candidates])).coefficients
+        out: dict[str, list[float]] = {}
+        for c, more in zip(self.candidates, found.tolist(), strict=True):
+            out.setdefault(parameter_name(c.joint, c.effect, c.effect), []).append(more)
+        return out
+
+    def note(self, beside: Search) -> str:
+        """By how much, and what to do. beside: as of `differences`."""
         units, first = self.search.robot.units, self.search.examination.setting.logs[0].source
         each = []
-        for name, (_, *others) in self.differences.items():
+        for name, others in self.differences(beside).items():
             ends = dict.fromkeys(f"{x:+.2g}" for x in (min(others), max(others)))
             each.append(f"{name} by {' to '.join(ends)} {units[name]}")
         return (
@@ -67,12 +77,7 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
         wider = extended(wider, search.columns(c))
     limits = [bounds(search.robot, c) for c in ex.candidates]
     own = replace(ex, base=wider, gains=gains(wider, ex.columns, limits))
-    found = gain(ex.base, joined([search.columns(c) for c in listed])).coefficients
-    differences: dict[str, list[float]] = {}
-    for c, more in zip(listed, found, strict=True):
-        name = parameter_name(c.joint, c.effect, c.effect)
-        differences.setdefault(name, [0.0] * len(ex.logs))[c.log or 0] = float(more)
-    return FrictionByLog(search_of(own), tuple(joints), differences)
+    return FrictionByLog(search_of(own), tuple(joints), tuple(listed))
 
 
 def _of_joint(search: Search, joint: int) -> list[Candidate]:
