@@ -42,7 +42,9 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         sentence=_in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
-        limits=tuple(x for x in limits(search) if not x.reason or (x.effect, x.joint) not in shown),
+        limits=tuple(
+            x for x in limits(search, beside, held) if not x.reason or (x.effect, x.joint) not in shown
+        ),
         rows=tuple(rows),
         excess=stages[0].over_floor,
         remaining=stages[-1].over_floor,

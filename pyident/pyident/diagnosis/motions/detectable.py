@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+from scipy.stats import norm
 
 from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
@@ -10,22 +11,50 @@ from pyident.diagnosis.base.candidates import Candidate, law_of, slopes, units_o
 from pyident.diagnosis.base.projection import Gain
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
 from pyident.diagnosis.result import Limit, Row
+from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.regression.candidate_columns import coverage
 from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
+_POWER = float(norm.ppf(0.8))  # standard deviations, so that 80 % are found
 _WHOLE = 100.0  # % of a row's own rms: no effect is larger
 
 
-def limits(search: Search) -> Iterator[Limit]:
-    """One per effect and joint of the search."""
-    ex = search.examination
+def limits(search: Search, beside: Search | None = None, held: HeldOut | None = None) -> Iterator[Limit]:
+    """One per effect and joint of the search.
+
+    beside   the search that rests on what was named;  held: held-out logs on which a name must hold
+    """
+    ex, beside, held = search.examination, beside or search, held or HeldOut(())
+    unseen = sum(e.y.shape[1] for e in held.equations)
+    ratio = sum(e.y.shape[1] for e in ex.logs) / unseen if unseen else 0.0
+    left: dict[tuple[int, ...], tuple[float, float]] = {}
     for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
         if c.log in (None, 0):
-            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], search.needed(number), search.rules)
+            rows = tuple(search.rows(c))
+            if rows not in left:
+                left[rows] = beside.remaining_on(rows), held.left(beside, rows)
+            least = max(search.needed(number), search.rules.material * search.floor_energy_on(rows))
+            needed = needed_gain(search.rules, least, *left[rows], ratio)
+            yield limit_of(search.robot, ex.logs[0], c, ex.gains[best], needed, search.rules)
+
+
+def needed_gain(rules: SearchRules, least: float, left: float, unseen: float, ratio: float) -> float:
+    """Gain of a law, in units of the floor, with which the gate lets four of five pass.
+
+    least    that it must have to be no chance, and to matter
+    left     energy beyond the floor on its equations, of which it must take a share;  unseen: the same of
+             held-out logs
+    ratio    number of fitted over that of held-out equations; 0: there are none
+    A gain of G has a standard deviation of 2 √G, and its root one of 1.
+    """
+    share = rules.explained[0]
+    beyond = unseen * ratio * rules.unseen / (1 - rules.unseen) - left / (1 - rules.unseen)
+    root = np.sqrt(max(least, left * share / (1 - share), beyond)) + _POWER
+    return float(max(root, 2 * (rules.chance + _POWER) * np.sqrt(ratio)) ** 2)
 
 
 def limit_of(

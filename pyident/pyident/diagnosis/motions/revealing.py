@@ -17,7 +17,7 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import gains_of, replicated, whitened
 from pyident.diagnosis.base.setting import Setting
-from pyident.diagnosis.motions.detectable import limit_of
+from pyident.diagnosis.motions.detectable import limit_of, needed_gain
 from pyident.diagnosis.result import Limit
 from pyident.diagnosis.search.search import Search
 from pyident.excitation.variants import variants
@@ -42,7 +42,8 @@ def revealing(
     asked = [
         (e, k) for e, k, log in search.families.members if (e, joint_name(k)) in hidden and log in (None, 0)
     ]
-    needed = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
+    least = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
+    needed = needed_gain(search.rules, least, left=0.0, unseen=0.0, ratio=1.0)  # one of two such logs
     setting = search.examination.setting
     plans = variants(setting.simulated, setting.logs[0])
     jobs = {name: workers.submit(_along, setting, plan, asked, needed) for name, plan in plans.items()}

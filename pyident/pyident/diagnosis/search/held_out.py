@@ -81,6 +81,14 @@ class HeldOut:
         found = [self._share(search, before, after, rows, anew) for anew in (False, True)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
 
+    def left(self, search: Search, rows: Sequence[int]) -> float:
+        """Energy beyond the floor that the search leaves on some equations of these logs; 0 without any."""
+        if not self.equations:
+            return 0.0
+        fitted, bands = _Fitted(search.chosen, *search.fitted(search.chosen)), bands_of(self.equations)
+        each = (self._residuals(search, fitted, anew) for anew in (False, True))
+        return min(search.examination.excess(left, bands, rows)[0] for left in each)
+
     def _share(
         self, search: Search, before: _Fitted, after: _Fitted, rows: Sequence[int], anew: bool
     ) -> Unseen:
