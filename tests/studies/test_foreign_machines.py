@@ -4,9 +4,11 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 from scipy.signal import butter, sosfiltfilt
+from studies.detection_limits.study import run as put_to_the_proof
 from studies.foreign_logs import study
 from studies.foreign_logs.cases import case_list
 from studies.foreign_logs.closed_loop import simulated
@@ -173,3 +175,12 @@ def test_a_diagnosis_ends_where_laws_of_a_set_are_exchanged_for_those_of_another
     heldout = as_log(machine.robot, machine.heldout, "held out")
     found = concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout])
     assert found.verdict != "nothing_detectable"
+
+
+def test_a_law_at_its_limit_is_put_into_a_quiet_log(tmp_path):
+    """Whether it is named or not, the sentence and the table say the same."""
+    result = put_to_the_proof(tmp_path, lambda _: None, seed=2101, cases=1, laws=1)
+    (found,) = pd.read_csv(tmp_path / "detection_limits.csv").to_dict("records")
+    assert 0 < found["share_percent"] < 100
+    assert found["named"] == (f"{found['effect']} at {found['joint']}" in found["sentence"])
+    assert result.rows[0]["value"].startswith(f"{int(found['named'])} of 1 ")
