@@ -19,9 +19,9 @@ from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.conclusion import conclusion
+from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
-from pyident.diagnosis.search.friction_by_log import friction_by_log
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection, select

@@ -7,7 +7,7 @@ import pytest
 from six_axis_logs import VISCOUS, arm, made, plain, three_laws
 
 from pyident.diagnosis.diagnose import concluded, searched
-from pyident.diagnosis.search.friction_by_log import friction_by_log
+from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.simulation.fmu_runs import runs_here
 
 
