@@ -17,14 +17,13 @@ from pyident.diagnosis.base.lateness import all_earlier, lateness
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
-from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search, search_of
-from pyident.diagnosis.search.selection import Selection, select
+from pyident.diagnosis.search.selection import Selection, notable, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
@@ -158,14 +157,12 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
     """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    by_log = friction_by_log(search) if _exceeds(search, selection) else None
+    beside, everywhere = search.resting_on(selection.candidates), range(len(search.robot.q))
+    by_log = friction_by_log(search) if notable(beside, everywhere) else None
     if by_log is not None:
         again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
-        before, after = (
-            view.resting_on(chosen.candidates).remaining_on(rows)
-            for view, chosen in ((search, selection), (by_log.search, again))
-        )
-        if after <= (1 - search.rules.explained[0]) * before:
+        after = by_log.search.resting_on(again.candidates).remaining_on(rows)
+        if after <= (1 - search.rules.explained[0]) * beside.remaining_on(rows):
             found = conclusion(by_log.search, again, held, heldout)
             note = by_log.note(search.resting_on(again.candidates))
             said = f"{by_log.sentence} {found.sentence}"
@@ -175,12 +172,6 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
 
 def _selected(search: Search, held: HeldOut) -> Selection:
     return with_descriptions(search, select(search, held), held)
-
-
-def _exceeds(search: Search, selection: Selection) -> bool:
-    """Whether a selection leaves what stands out, or what slow noise may be."""
-    beside = search.resting_on(selection.candidates)
-    return beside.stands_out or bool(bands_in_doubt(search.examination, beside.base).any())
 
 
 def _from_signatures(

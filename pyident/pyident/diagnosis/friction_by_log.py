@@ -16,7 +16,7 @@ import numpy as np
 from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
-from pyident.diagnosis.search.constancy import QUANTITIES
+from pyident.diagnosis.search.constancy import QUANTITIES, above_median
 from pyident.diagnosis.search.search import Search, search_of
 
 _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time
@@ -72,9 +72,7 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
     if not joints:
         return None
     listed = [c for k in joints for c in _of_joint(search, k)]
-    wider = ex.base
-    for c in listed:
-        wider = extended(wider, search.columns(c))
+    wider = search.with_further(listed).base
     limits = [bounds(search.robot, c) for c in ex.candidates]
     own = replace(ex, base=wider, gains=gains(wider, ex.columns, limits))
     return FrictionByLog(search_of(own), tuple(joints), tuple(listed))
@@ -109,8 +107,5 @@ def _differs(search: Search, joint: int) -> bool:
 
 def _split(search: Search, listed: Sequence[Candidate], quantity: str) -> Columns:
     """The columns of friction in every log where a quantity lies above its median."""
-    logs, joint = search.examination.logs, listed[0].joint
-    values = [QUANTITIES[quantity](search.robot, log, joint - 1) for log in logs]
-    middle = np.median(np.concatenate(values))
-    high = [(v > middle).astype(float) for v in values]
-    return joined([columns(search.robot, c, logs, search.levels, high) for c in listed])
+    high = above_median(search, listed[0].joint, QUANTITIES[quantity])
+    return joined([columns(search.robot, c, search.examination.logs, search.levels, high) for c in listed])

@@ -53,10 +53,14 @@ def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
     Where that is less than what the law itself takes, as a floor that is too high at other frequencies makes
     it, of the latter.
     """
-    logs = search.examination.logs
-    values = [quantity(search.robot, log, candidate.joint - 1) for log in logs]
-    middle = np.median(np.concatenate(values))
-    high = [(v > middle).astype(float) for v in values]
+    logs, high = search.examination.logs, above_median(search, candidate.joint, quantity)
     X = columns(search.robot, candidate, logs, search.levels, high)
     own = search.without(candidate).gain_of(candidate).energy
     return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), own, 1e-300)
+
+
+def above_median(search: Search, joint: int, quantity: Quantity) -> list[np.ndarray]:
+    """Per log (N,): 1 where a joint's quantity lies above its median over all logs, else 0. joint: from 1."""
+    values = [quantity(search.robot, log, joint - 1) for log in search.examination.logs]
+    middle = np.median(np.concatenate(values))
+    return [(v > middle).astype(float) for v in values]

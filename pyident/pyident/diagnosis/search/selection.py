@@ -104,14 +104,14 @@ def _group(
         imitators |= faults
         first = _firmer(first, why)
         best = group or best
-        if not _notable(view, rows):
+        if not notable(view, rows):
             break
         if best and not view.with_further(_candidates(best)).standing_out[list(rows)].any():
             break
     return best, None if best else first, imitators
 
 
-def _notable(view: Search, rows: Sequence[int]) -> bool:
+def notable(view: Search, rows: Sequence[int]) -> bool:
     """Whether equations leave so much that more than one effect may be missing there."""
     exceeds = view.standing_out | bands_in_doubt(view.examination, view.base).any(axis=1)
     return bool(exceeds[list(rows)].any())
