@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from analytic_joint import INERTIA, analytic_log, free_joint
 
+from flexmodels.effects import CATALOGUE
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import solve_base
@@ -98,3 +99,21 @@ def test_the_orders_of_friction_stand_out_where_it_is_turned_as_the_motion_is():
 def test_noise_has_no_order():
     found = _peaks(lambda q, _: 0 * q)
     assert found.steady == found.friction == []
+
+
+def test_a_torque_is_a_ripple_where_the_joint_passes_a_whole_period_of_it():
+    found = _peaks(lambda q, _: 0 * q)
+    turns = replace(found, whole=7.3)
+    ripple, friction = CATALOGUE["torque_ripple"], CATALOGUE["position_dependent_friction"]
+    tried = {law.name: [v["order"] for v in turns.beside(_grid(law), law)] for law in (ripple, friction)}
+    assert min(tried["torque_ripple"]) == 7.3
+    assert max(tried["torque_ripple"]) == 30
+    assert min(tried["position_dependent_friction"]) == 1
+    assert found.whole == pytest.approx(
+        2 * np.pi / np.ptp(analytic_log(seconds=24.0).frame["joint1.e"]), rel=0.02
+    )
+    assert replace(found, whole=np.inf).beside(_grid(ripple), ripple) == []
+
+
+def _grid(law) -> list[dict[str, float]]:
+    return [{"order": order} for order in law.order.grid]

@@ -16,6 +16,7 @@ _TRIALS = 60
 _SIMPLICES = (0.2, -0.05)  # of the range: first edges of the simplex
 _PER_TURN = 1.0  # between a periodic law's order and its neighbours: the next period is another law
 _PRECISION = 0.01  # of the range between neighbours
+_AT_LOWEST = 1.02  # times the lowest order
 
 
 def refined(
@@ -49,13 +50,23 @@ def refined(
     return candidate(best)
 
 
+def wants_no_period(robot: Robot, candidate: Candidate, listed: Sequence[Candidate]) -> bool:
+    """Whether a periodic torque's best order is the lowest: less than a period fits better, as of a spring."""
+    law = law_of(robot, candidate)
+    if law.order is None or law.is_friction:
+        return False
+    orders = [dict(c.values)[law.order.name] for c in listed if c.family == candidate.family]
+    return dict(candidate.values)[law.order.name] <= _AT_LOWEST * min(orders)
+
+
 def _range(
     robot: Robot, candidate: Candidate, listed: Sequence[Candidate]
 ) -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
     """Names, values, lower and upper ends of the nonlinear parameters: the ends are the grid's neighbours."""
     grid = np.array([[v for _, v in c.values] for c in listed if c.family == candidate.family])
     start, low, high = [], [], []
-    for j, parameter in enumerate(law_of(robot, candidate).nonlinear):
+    law = law_of(robot, candidate)
+    for j, parameter in enumerate(law.nonlinear):
         value = candidate.values[j][1]
         others = np.unique(np.append(grid[:, j], value))
         at = int(np.searchsorted(others, value))
@@ -64,6 +75,7 @@ def _range(
         above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
         if parameter.periodic:
             below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
+            below = below if law.is_friction else max(below, others[0])  # its lowest shows a whole period
         start.append(value)
         low.append(max(below, parameter.lower))
         high.append(min(above, parameter.upper))

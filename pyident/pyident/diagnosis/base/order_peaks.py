@@ -1,6 +1,7 @@
 """Periods of a joint's turn that stand out of a residual: where a search for periodic laws should begin.
 
-Gears, bearings and motors repeat hundreds of times a turn, too finely for a grid that knows nothing. The
+Gears, bearings and motors repeat hundreds of times a turn, too finely for a grid that knows nothing; and a
+torque of which the joint does not pass a whole period is a spring or a hose as well as a ripple. The
 residual of a joint's equation is held against cos nφ and sin nφ of its angle for every order n that the
 motion resolves and the sampling can follow; an order counts against the median of its neighbours, and
 against all that were tried. Waves of friction turn round with the motion.
@@ -28,17 +29,28 @@ class Orders:
     """Of a joint, per turn, or per 2 pi metres of a slider; the strongest first.
 
     steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
+    whole       the order of one period within the angles that the joint passes; inf: no period shows
     """
 
     steady: list[float]
     friction: list[float]
+    whole: float
 
     def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
-        """The grid of a law's nonlinear values, and if it is periodic these orders, too."""
+        """The grid of a law's nonlinear values, and if it is periodic these orders, too.
+
+        Friction is friction however slowly it changes along the range; of a torque a whole period must show.
+        """
         if law.order is None:
             return list(grid)
-        further = self.friction if law.is_friction else self.steady
-        return [*grid, *({**grid[0], law.order.name: order} for order in further)]
+        name = law.order.name
+        if law.is_friction:
+            return [*grid, *({**grid[0], name: order} for order in self.friction)]
+        if not np.isfinite(self.whole):
+            return []
+        least = max(law.order.lower, self.whole)
+        above = [values for values in grid if values[name] > least]
+        return [*above, *({**grid[0], name: order} for order in (least, *self.steady))]
 
 
 def order_peaks(
@@ -53,7 +65,9 @@ def order_peaks(
         orders = _orders(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, rules)
         steady = [r[:, k - 1] for r in left]
         turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
-        found[k] = Orders(*(_peaks(r, angles, orders, rules) for r in (steady, turning)))
+        peaks = (_peaks(r, angles, orders, rules) for r in (steady, turning))
+        shows = _span(angles) >= 2 * np.pi / rules.highest
+        found[k] = Orders(*peaks, 2 * np.pi / _span(angles) if shows else np.inf)
     return found
 
 
@@ -61,12 +75,17 @@ def _orders(
     angles: Sequence[np.ndarray], speeds: np.ndarray, period: float, rules: PeriodicRules
 ) -> np.ndarray:
     """Those that the motion resolves and the sampling follows; may be none."""
-    span = max(float(np.ptp(q)) for q in angles)
+    span = _span(angles)
     moving = speeds[speeds > 0.1 * speeds.max()] if speeds.max() > 0 else speeds[:0]
     if span <= 0 or not len(moving):
         return np.zeros(0)
     top = min(rules.highest, rules.fastest * np.pi / period / float(np.median(moving)))
     return np.arange(max(rules.lowest, 4 * np.pi / span), top, 2 * np.pi / span / _PER_PEAK)
+
+
+def _span(angles: Sequence[np.ndarray]) -> float:
+    """Of the angles of several logs, the widest range of one."""
+    return max(float(np.ptp(q)) for q in angles)
 
 
 def _peaks(

@@ -7,7 +7,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, proper
-from pyident.diagnosis.base.nonlinear_values import refined
+from pyident.diagnosis.base.nonlinear_values import refined, wants_no_period
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
@@ -280,6 +280,8 @@ class Search:
 
         better = refined(self.robot, found.candidate, listed, explained)
         taken = self.gain_of(better)
+        if wants_no_period(self.robot, better, listed):
+            return self._found(better, replace(taken, energy=0.0), family)
         return self._found(better, taken, family) if self._proper(better, taken) else found
 
 
