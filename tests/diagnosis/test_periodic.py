@@ -8,6 +8,8 @@ from analytic_joint import INERTIA, analytic_log, free_joint
 
 from flexmodels.effects import CATALOGUE
 from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.nonlinear_values import of_whole_periods
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
@@ -117,3 +119,13 @@ def test_a_torque_is_a_ripple_where_the_joint_passes_a_whole_period_of_it():
 
 def _grid(law) -> list[dict[str, float]]:
     return [{"order": order} for order in law.order.grid]
+
+
+def test_a_slow_torque_hides_no_ripple():
+    """Of these orders 2, 4 and 6 follow a slow torque, and 12 a ripple."""
+    ripples = [Candidate("torque_ripple", 1, (("order", order),)) for order in (6.0, 4.0, 2.0, 12.0, 14.0)]
+    kept = of_whole_periods(free_joint(), ripples, [20.0, 80.0, 90.0, 40.0, 5.0])
+    assert [(c.values[0][1], i) for c, i in kept] == [(12.0, 3), (14.0, 4)]
+    assert of_whole_periods(free_joint(), ripples[:3], [20.0, 80.0, 90.0]) == []
+    friction = [Candidate("position_dependent_friction", 1, c.values) for c in ripples[:3]]
+    assert [i for _, i in of_whole_periods(free_joint(), friction, [20.0, 80.0, 90.0])] == [2, 1, 0]

@@ -50,8 +50,25 @@ def refined(
     return candidate(best)
 
 
+def of_whole_periods(
+    robot: Robot, listed: Sequence[Candidate], energies: Sequence[float]
+) -> list[tuple[Candidate, int]]:
+    """Of a family's candidates, with their numbers, the strongest first, those that a period may be seen of.
+
+    energies   (C) what each explains. Of a periodic torque the lowest order is no candidate, nor is what lies
+    on its flank, as far as the energy only falls: a slow torque hides no ripple that way.
+    """
+    at, law = list(range(len(listed))), law_of(robot, listed[0])
+    if law.order is not None and not law.is_friction:
+        name = law.order.name
+        at.sort(key=lambda i: dict(listed[i].values)[name])
+        rises = (n for n in range(1, len(at)) if energies[at[n]] >= energies[at[n - 1]])
+        at = at[next(rises, len(at)) :]
+    return [(listed[i], i) for i in sorted(at, key=lambda i: -energies[i])]
+
+
 def wants_no_period(robot: Robot, candidate: Candidate, listed: Sequence[Candidate]) -> bool:
-    """Whether a periodic torque's best order is the lowest: less than a period fits better, as of a spring."""
+    """Whether a periodic torque's best order is the lowest: less than a period fits better, like a spring."""
     law = law_of(robot, candidate)
     if law.order is None or law.is_friction:
         return False

@@ -7,7 +7,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, proper
-from pyident.diagnosis.base.nonlinear_values import refined, wants_no_period
+from pyident.diagnosis.base.nonlinear_values import of_whole_periods, refined, wants_no_period
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
@@ -117,7 +117,7 @@ class Search:
         each = gains(self.base, self.families.columns, self.families.bounds)
         found = []
         for number, at in enumerate(self.families.members.values()):
-            candidate, explained = self._best_proper(at, each)
+            candidate, explained = self._best_proper(at, [each[i] for i in at])
             found.append(self._found(candidate, explained, number))
         joints = {f.candidate.joint for f in found}
         top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
@@ -135,19 +135,20 @@ class Search:
             if family[:2] == (effect, joint):
                 X, limits = self.families.columns, self.families.bounds
                 each = gains(self.base, [X[i] for i in at], [limits[i] for i in at])
-                top, explained = max(zip(at, each, strict=True), key=lambda pair: pair[1].energy)
-                start = self._found(self.examination.candidates[top], explained, number)
-                found.append(self._refined(start, number))
+                for candidate, i in self._by_gain(at, each)[:1]:
+                    found.append(self._refined(self._found(candidate, each[i], number), number))
         return max(found, key=lambda f: f.excess, default=None)
 
     def _best_proper(self, family: Sequence[int], each: Sequence[Gain]) -> tuple[Candidate, Gain]:
         """A family's best candidate whose values make it what its name says; without one it gains nothing."""
-        by_gain = sorted(family, key=lambda i: -each[i].energy)
-        candidates = self.examination.candidates
-        for i in by_gain:
-            if self._proper(candidates[i], each[i]):
-                return candidates[i], each[i]
-        return candidates[by_gain[0]], replace(each[by_gain[0]], energy=0.0)
+        for candidate, i in self._by_gain(family, each):
+            if self._proper(candidate, each[i]):
+                return candidate, each[i]
+        return self.examination.candidates[family[0]], replace(each[0], energy=0.0)
+
+    def _by_gain(self, family: Sequence[int], each: Sequence[Gain]) -> list[tuple[Candidate, int]]:
+        listed = [self.examination.candidates[i] for i in family]
+        return of_whole_periods(self.robot, listed, [g.energy for g in each])
 
     def drives(self, further: Sequence[Candidate]) -> float:
         """Energy that friction puts in at the first's joint, over what it takes, beside all the others."""
