@@ -64,7 +64,8 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     rules, rows = search.rules, main_rows(search, lead.candidate)
     p_value, share = search.p_value(lead), share_on(search, candidates, rows)
     unseen = held.share(search, candidates, rows)
-    reason, counted = "", p_value <= rules.level and measured(search, candidates[0], unseen)
+    counted = p_value <= rules.level and lead.candidate.describes and measured(search, candidates[0], unseen)
+    reason = ""
     if p_value > rules.level:
         reason = f"replicas without it show as much (p = {p_value:.2g})"
     elif counted:

@@ -14,14 +14,13 @@ from pyident.diagnosis.search.search import Search
 
 
 def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> bool:
-    """Whether the value of a candidate, of the robot's description, counts without a share of the excess.
+    """Whether the value of a candidate counts without a share of the excess: of errors of the robot file, and
+    of laws that are their rivals.
 
     unseen   what it takes of held-out logs; none: it does not count
     """
     rules = search.rules
-    if unseen is None or not candidate.describes or search.stands_out:
-        return False
-    if unseen.deviations < rules.again:
+    if unseen is None or search.stands_out or unseen.deviations < rules.again:
         return False
     fitted = _deviations(search, candidate)
     return fitted >= rules.chance and unseen.of_one_size(rules, 1 / fitted)

@@ -4,7 +4,7 @@ They are ranked among themselves once the laws are chosen. One that explains wha
 its tie, or takes its place if it explains more. Then the best one beside what stands is named if it takes as
 much as a name needs. Where the logs hardly exceed the floor, held-out logs must show it far beyond chance and
 at its size: a gain of a torque takes what no replica shows of almost any log. Where nothing stands out and no
-law explains as much, an error is named that both measure (see `measured`).
+law is named, an error is that both measure (see `measured`), in a tie with a law that both measure, too.
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
@@ -23,6 +23,7 @@ from pyident.diagnosis.base.candidates import Candidate, bounds, described, unit
 from pyident.diagnosis.search.constancy import changes_with
 from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Found, Search, Step, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import place_name
@@ -93,8 +94,8 @@ def _beside(
         if entry.reason or not entry.rows or not _small(view, step.best):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
-        if entry.measured and not steps and not _instead(beside, law, step.best):
-            named.append(step)
+        if entry.measured and not steps:
+            named.append(_with_law(view, step, law, held) if _instead(beside, law, step.best) else step)
             continue
         doubt = changes_with(beside, step.best.candidate)
         if doubt or entry.share < view.rules.explained[0] or beside.stands_out:
@@ -110,6 +111,15 @@ def _instead(beside: Search, law: Found, error: Found) -> bool:
     rules = beside.rules
     as_much = law.excess >= rules.tie * error.excess
     return as_much and beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
+
+
+def _with_law(view: Search, errors: Step, law: Found, held: HeldOut) -> Step:
+    """Errors with the law that may stand in their place, if held-out logs show it as they show those."""
+    unseen = held.share(view, [law.candidate], main_rows(view, law.candidate))
+    if not measured(view, law.candidate, unseen):
+        return errors
+    first = law.excess > errors.best.excess / view.rules.tie
+    return replace(errors, tie=(law, *errors.tie) if first else (*errors.tie, law))
 
 
 def _exceeds(view: Search, entry: Admission) -> bool:
