@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.search import gate, wrong_description
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.measured import measured
+from pyident.diagnosis.search.search import Step
 from pyident.rules.rules import RULES
 
 AXIS = Candidate("axis[y]", 2)
@@ -55,6 +57,40 @@ def test_sizes_that_differ_by_chance_are_one_size():
     assert measured(search(0.3), AXIS, Unseen(0.02, 0.003, 0.1, 1.8))
 
 
-def test_a_law_needs_its_share_and_so_does_an_error_beside_what_stands_out():
-    assert not measured(search(0.3), Candidate("stribeck", 2), SEEN_AGAIN)
+def test_an_error_needs_its_share_beside_what_stands_out():
     assert not measured(search(0.3, stands_out=True), AXIS, SEEN_AGAIN)
+
+
+SPRING = Candidate("joint_spring", 2)
+
+
+def _found(candidate: Candidate, energy: float) -> Any:
+    return SimpleNamespace(candidate=candidate, excess=energy, gain=SimpleNamespace(energy=energy))
+
+
+@pytest.mark.parametrize(
+    ("unseen", "spring", "tie"),
+    [
+        (SEEN_AGAIN, 95.0, [AXIS, SPRING]),
+        (SEEN_AGAIN, 130.0, [SPRING, AXIS]),
+        (Unseen(0.02, 0.02, 0.1, 0.9), 95.0, [AXIS]),  # held-out logs do not show the spring
+    ],
+)
+def test_an_error_is_in_a_tie_with_a_law_that_held_out_logs_show_too(unseen, spring, tie, monkeypatch):
+    monkeypatch.setattr(wrong_description, "main_rows", lambda *_: (1,))
+    held: Any = SimpleNamespace(share=lambda *_: unseen)
+    errors = Step((_found(AXIS, 100.0),), 0.05, ())
+    step = wrong_description._with_law(search(0.3), errors, _found(SPRING, spring), held)
+    assert [f.candidate for f in step.tie] == tie
+
+
+def test_a_law_alone_needs_its_share(monkeypatch):
+    """What an error of the robot file counts by is not enough for a law."""
+    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
+    monkeypatch.setattr(gate, "share_on", lambda *_: 0.01)
+    held: Any = SimpleNamespace(share=lambda *_: SEEN_AGAIN, holds=lambda *_: True)
+    view = search(0.3)
+    view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0
+    view.floor_energy_on = lambda _: 1.0
+    reasons = [gate.admission(view, _found(c, 100.0), [c], held).reason for c in (AXIS, SPRING)]
+    assert reasons == ["", "it takes 1 % of what exceeds the floor there"]

@@ -65,9 +65,12 @@ def order_peaks(
         orders = _orders(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, rules)
         steady = [r[:, k - 1] for r in left]
         turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
-        peaks = (_peaks(r, angles, orders, rules) for r in (steady, turning))
         shows = _span(angles) >= 2 * np.pi / rules.highest
-        found[k] = Orders(*peaks, 2 * np.pi / _span(angles) if shows else np.inf)
+        found[k] = Orders(
+            steady=_peaks(steady, angles, orders, rules),
+            friction=_peaks(turning, angles, orders, rules),
+            whole=2 * np.pi / _span(angles) if shows else np.inf,
+        )
     return found
 
 
