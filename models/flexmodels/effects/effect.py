@@ -142,6 +142,11 @@ class Effect:
         """The parameter that counts the law's periods per turn, None where the law is not periodic."""
         return next((p for p in self.parameters if p.periodic), None)
 
+    @property
+    def order_of_torque(self) -> Parameter | None:
+        """`order`, but of friction None: that is friction however slowly it changes along the range."""
+        return None if self.is_friction else self.order
+
     @cached_property
     def expressions(self) -> tuple[Expr, ...]:
         """Everything that the law computes: its forces and the rates of its states."""

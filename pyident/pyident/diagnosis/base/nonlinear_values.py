@@ -58,10 +58,9 @@ def of_whole_periods(
     energies   (C) what each explains. Of a periodic torque the lowest order is no candidate, nor is what lies
     on its flank, as far as the energy only falls: a slow torque hides no ripple that way.
     """
-    at, law = list(range(len(listed))), law_of(robot, listed[0])
-    if law.order is not None and not law.is_friction:
-        name = law.order.name
-        at.sort(key=lambda i: dict(listed[i].values)[name])
+    at, order = list(range(len(listed))), law_of(robot, listed[0]).order_of_torque
+    if order is not None:
+        at.sort(key=lambda i: dict(listed[i].values)[order.name])
         rises = (n for n in range(1, len(at)) if energies[at[n]] >= energies[at[n - 1]])
         at = at[next(rises, len(at)) :]
     return [(listed[i], i) for i in sorted(at, key=lambda i: -energies[i])]
@@ -69,11 +68,11 @@ def of_whole_periods(
 
 def wants_no_period(robot: Robot, candidate: Candidate, listed: Sequence[Candidate]) -> bool:
     """Whether a periodic torque's best order is the lowest: less than a period fits better, like a spring."""
-    law = law_of(robot, candidate)
-    if law.order is None or law.is_friction:
+    order = law_of(robot, candidate).order_of_torque
+    if order is None:
         return False
-    orders = [dict(c.values)[law.order.name] for c in listed if c.family == candidate.family]
-    return dict(candidate.values)[law.order.name] <= _AT_LOWEST * min(orders)
+    orders = [dict(c.values)[order.name] for c in listed if c.family == candidate.family]
+    return dict(candidate.values)[order.name] <= _AT_LOWEST * min(orders)
 
 
 def _range(
@@ -92,7 +91,8 @@ def _range(
         above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
         if parameter.periodic:
             below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
-            below = below if law.is_friction else max(below, others[0])  # its lowest shows a whole period
+        if parameter is law.order_of_torque:
+            below = max(below, others[0])  # the lowest shows a whole period
         start.append(value)
         low.append(max(below, parameter.lower))
         high.append(min(above, parameter.upper))

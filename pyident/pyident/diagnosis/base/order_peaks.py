@@ -44,7 +44,7 @@ class Orders:
         if law.order is None:
             return list(grid)
         name = law.order.name
-        if law.is_friction:
+        if law.order_of_torque is None:
             return [*grid, *({**grid[0], name: order} for order in self.friction)]
         if not np.isfinite(self.whole):
             return []
