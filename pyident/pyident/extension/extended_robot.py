@@ -9,7 +9,7 @@ from flexmodels.coordinate import of_joint
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import gain, solve_base
-from pyident.diagnosis.base.residual_over_floor import whitened
+from pyident.diagnosis.base.residual_over_floor import levels_of, whitened
 from pyident.extension.ask import Asked
 from pyident.regression.descriptions import (
     DESCRIPTIONS,
@@ -75,10 +75,10 @@ def _correction(robot: Robot, asked: Asked) -> Correction:
     amount, std = float(asked.found.gain.coefficients[0]), float(asked.found.gain.std[0])
     for _ in range(_ROUNDS):
         here = corrected(start, c.joint, c.effect, amount)
-        data = whitened(here, logs, examination.floor)
+        data = whitened(here, logs, examination.floors)
         base = solve_base(data)
         here = here.with_parameters(dict(zip(here.linear_parameters, base.p.tolist(), strict=True)))
-        levels = [examination.floor.at(e.band) for e in data]
+        levels = levels_of(examination.floors, data)
         step = gain(base, columns(here, Candidate(c.effect, c.joint), data, levels), *bounds(here, c))
         change, std = float(step.coefficients[0]), float(step.std[0])
         amount += change

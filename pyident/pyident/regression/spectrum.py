@@ -88,6 +88,19 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
     return Floor(longest.frequencies, np.maximum(rms, 1e-12 * rms.max()))
 
 
+def floors(bands: Sequence[Band], residuals: Sequence[np.ndarray], logs: int) -> list[Floor]:
+    """Of every log for itself: a fast motion leaves more than a slow one. Replicas of all logs in turn."""
+    return [floor(bands[i::logs], residuals[i::logs]) for i in range(logs)]
+
+
+def pooled(levels: Sequence[Floor]) -> Floor:
+    """What logs leave on average, for a log of which nothing is known."""
+    longest = max(levels, key=lambda level: level.frequencies[-1])
+    at = longest.frequencies
+    squares = [[np.interp(at, level.frequencies, row**2) for row in level.rms] for level in levels]
+    return Floor(at, np.sqrt(np.mean(squares, axis=0)))
+
+
 def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)

@@ -110,7 +110,7 @@ def search_of(
     floor: Any = Floor(np.array([0.0, 20.0]), np.ones((1, 2)))
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual[None]])
     examined: Any = ([], [], [], nothing, [], np.zeros((1, len(count))), replicas[:, None], count)
-    examination = Examination(setting, floor, [], base, *examined)
+    examination = Examination(setting, [floor], [], base, *examined)
     vars(examination)["bands"] = [in_bands]
     families: Any = None
     return Search(examination, families, base)

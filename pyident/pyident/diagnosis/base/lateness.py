@@ -69,7 +69,7 @@ def _in_motion(ex: Examination) -> list[np.ndarray]:
 
 def _moved(ex: Examination, late: float) -> list[Equations]:
     robot = ex.setting.robot
-    return whitened(robot, all_earlier(robot, ex.setting.logs, late), ex.floor)
+    return whitened(robot, all_earlier(robot, ex.setting.logs, late), ex.floors)
 
 
 def _energy(ex: Examination, late: float, moving: Sequence[np.ndarray]) -> float:

@@ -23,7 +23,7 @@ from pyident.diagnosis.base.projection import (
 )
 from pyident.diagnosis.base.setting import Setting, replicas_of, together
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, Equations, Floor, equations, floor
+from pyident.regression.spectrum import Band, Equations, Floor, equations, floors, pooled
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
@@ -39,6 +39,7 @@ Listing = Callable[[Robot, Sequence[Equations], np.ndarray, PeriodicRules], list
 class Examination:
     """Data and B replicas, analysed alike.
 
+    floors              of each log
     candidates, columns, gains   what could be added, and what each would explain of the data's residual
     replica_gains       (B, C) the same of the replicas' residuals: the method's own trace
     replica_residuals   (B) per log (n, E)
@@ -47,7 +48,7 @@ class Examination:
     """
 
     setting: Setting
-    floor: Floor
+    floors: list[Floor]
     logs: list[Equations]
     base: Base
     candidates: list[Candidate]
@@ -122,9 +123,14 @@ class Examination:
         middle = (edges[:-1] + edges[1:]) / 2
         return np.maximum(self.setting.continued[:, None] / np.maximum(middle, 1e-300), 1.0) ** 2
 
+    @cached_property
+    def floor(self) -> Floor:
+        """Of a log that is none of these."""
+        return pooled(self.floors)
+
     @property
     def levels(self) -> list[np.ndarray]:
-        return [self.floor.at(log.band) for log in self.logs]
+        return levels_of(self.floors, self.logs)
 
 
 def examine(
@@ -144,13 +150,13 @@ def examine(
             bands += found
             residuals += left
         progress(0.5 * (i + 1) / len(jobs))
-    level = floor(bands, residuals)
-    level, data, base = balanced(level, whitened(robot, logs, level))
+    own_floors = floors(bands, residuals, len(logs))
+    own_floors, data, base = balanced(own_floors, whitened(robot, logs, own_floors))
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
-    jobs = [workers.submit(_judged, robot, made, level, own) for made in replicas]
-    columns, limits = _columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data])
+    jobs = [workers.submit(_judged, robot, made, own_floors, own) for made in replicas]
+    columns, limits = _columns_and_bounds(robot, listed, data, levels_of(own_floors, data))
     explained = gains(base, columns, limits)
     judged = []
     for i, job in enumerate(jobs):
@@ -165,15 +171,15 @@ def examine(
     mean_square, number = energy(data, base)
     replica_energy = np.array([e for _, _, e in judged])
     found = explained, replica_gains, left, mean_square, replica_energy, number
-    return Examination(setting, level, data, base, listed, columns, *found)
+    return Examination(setting, own_floors, data, base, listed, columns, *found)
 
 
-def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equations], Base]:
-    """Floor, equations and their base with no equation heavier than what it leaves allows.
+def balanced(levels: Sequence[Floor], data: Sequence[Equations]) -> tuple[list[Floor], list[Equations], Base]:
+    """Floors, equations and their base with no equation heavier than what it leaves allows.
 
     An equation that lacks something would else bend the parameters of all others to its own ends.
     """
-    ratio = np.ones(len(level.rms))
+    ratio = np.ones(len(levels[0].rms))
     whitened_data = list(data)
     base = solve_base(whitened_data)
     for _ in range(_BALANCING):
@@ -183,7 +189,7 @@ def balanced(level: Floor, data: Sequence[Equations]) -> tuple[Floor, list[Equat
         ratio = ratio * scale
         whitened_data = [e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in whitened_data]
         base = solve_base(whitened_data)
-    return Floor(level.frequencies, level.rms * ratio[:, None]), whitened_data, base
+    return [Floor(f.frequencies, f.rms * ratio[:, None]) for f in levels], whitened_data, base
 
 
 def replicated(
@@ -208,8 +214,7 @@ def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.
     for last in (*[False] * rounds, True):
         left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]
         if not last:
-            own = floor(bands, left)
-            levels = [own.at(band) for band in bands]
+            levels = levels_of(floors(bands, left, len(bands)), found)
     return bands, left
 
 
@@ -223,12 +228,12 @@ def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> l
 
 
 def _judged(
-    _: Simulator, robot: Robot, logs: Sequence[Log], level: Floor, listed: Sequence[Candidate]
+    _: Simulator, robot: Robot, logs: Sequence[Log], levels: Sequence[Floor], listed: Sequence[Candidate]
 ) -> tuple[list[float], list[np.ndarray], np.ndarray]:
     """Gains, residual and its energy in a replica."""
-    data = whitened(robot, logs, level)
+    data = whitened(robot, logs, levels)
     base = solve_base(data)
-    explained = [g.energy for g in gains_of(robot, data, base, level, listed)]
+    explained = [g.energy for g in gains_of(robot, data, base, levels, listed)]
     return explained, base.residual, energy(data, base)[0]
 
 
@@ -262,16 +267,26 @@ def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equat
     return [e.over(level) for e, level in zip(logs, levels, strict=True)]
 
 
-def whitened(robot: Robot, logs: Sequence[Log], level: Floor) -> list[Equations]:
-    """The equations of logs over the floor."""
-    return [e.over(level.at(e.band)) for e in _equations(robot, logs)]
+def whitened(robot: Robot, logs: Sequence[Log], levels: Sequence[Floor]) -> list[Equations]:
+    """The equations of logs, each over its floor."""
+    found = _equations(robot, logs)
+    return _over(found, levels_of(levels, found))
+
+
+def levels_of(levels: Sequence[Floor], data: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E) floors of its equations."""
+    return [level.at(e.band) for level, e in zip(levels, data, strict=True)]
 
 
 def gains_of(
-    robot: Robot, data: Sequence[Equations], base: Base, level: Floor, listed: Sequence[Candidate]
+    robot: Robot,
+    data: Sequence[Equations],
+    base: Base,
+    levels: Sequence[Floor],
+    listed: Sequence[Candidate],
 ) -> list[Gain]:
     """What each candidate would explain of the base's residual."""
-    return gains(base, *_columns_and_bounds(robot, listed, data, [level.at(e.band) for e in data]))
+    return gains(base, *_columns_and_bounds(robot, listed, data, levels_of(levels, data)))
 
 
 def bands_of(logs: Sequence[Equations]) -> list[np.ndarray]:

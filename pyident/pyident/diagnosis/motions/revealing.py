@@ -71,12 +71,12 @@ def _along(
     except SimulationError:
         return []
     level = floor([b for _, bands, _ in made for b in bands], [r for *_, left in made for r in left])
-    (along,) = whitened(robot, made[0][0], level)
+    (along,) = whitened(robot, made[0][0], [level])
     base, found = solve_base([along]), []
     for effect, joint in asked:
         grid = nonlinear_grid(robot, joint, effect, [along.part.motion])
         listed = [Candidate(effect, joint, tuple(values.items())) for values in grid]
-        gains = gains_of(robot, [along], base, level, listed)
+        gains = gains_of(robot, [along], base, [level], listed)
         best = min(range(len(listed)), key=lambda i: float(gains[i].alone.min()))
         found.append(limit_of(robot, along, listed[best], gains[best], needed, setting.rules.search))
     return found

@@ -28,7 +28,8 @@ class Unseen:
     excess itself, in floors. Where hardly anything exceeds it, of the least that would count.
 
     With the residual r of the effects and s what they take, the energy falls by Σ (r + s)² − r², and the
-    noise in r makes that vary by 4 Σ s² r².
+    noise in r makes that vary by 4 Σ s² r². Parameters of the fitted logs, known as well as their noise lets
+    them, shift r by a sum over these logs' equations, which varies likewise.
 
     kept   the fall over Σ s²: 1 where s is what was missing, whatever its size, and below 0 where s is wrong
     """
@@ -78,7 +79,8 @@ class HeldOut:
         before, after = (
             _Fitted(chosen, *search.fitted(chosen)) for chosen in (search.chosen, [*search.chosen, *further])
         )
-        found = [self._share(search, before, after, rows, anew) for anew in (False, True)]
+        beside = search.with_further(further)
+        found = [self._share(beside, before, after, rows, carried) for carried in (True, False)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
 
     def left(self, search: Search, rows: Sequence[int]) -> float:
@@ -90,15 +92,21 @@ class HeldOut:
         return min(search.examination.excess(left, bands, rows)[0] for left in each)
 
     def _share(
-        self, search: Search, before: _Fitted, after: _Fitted, rows: Sequence[int], anew: bool
+        self, search: Search, before: _Fitted, after: _Fitted, rows: Sequence[int], carried: bool
     ) -> Unseen:
-        """anew: with parameters of the model that each log has for itself."""
+        """carried: with the model's parameters of the fitted logs, not with those each log has for itself.
+
+        search: with the effects.
+        """
         listed = list(rows)
-        left, rest = (self._residuals(search, fitted, anew) for fitted in (before, after))
+        left, rest = (self._residuals(search, fitted, not carried) for fitted in (before, after))
         pairs = [(b[listed], a[listed]) for b, a in zip(left, rest, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
-        variance = 4 * sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
+        variance = sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
+        if carried:
+            variance += self._of_parameters(search.base, [b - a for b, a in pairs], listed)
+        variance *= 4
         excess, floor = search.examination.excess(left, bands_of(self.equations), rows)
         scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
         return Unseen(
@@ -107,6 +115,16 @@ class HeldOut:
             excess / max(floor, 1e-300),
             fall / max(taken, 1e-300),
         )
+
+    def _of_parameters(self, base: Base, taken: Sequence[np.ndarray], rows: list[int]) -> float:
+        """Variance of Σ s r by the noise in the parameters of the fitted logs; s: taken, (n, E) per log."""
+        slope = sum(
+            np.einsum("cep,ce->p", log.A[rows], s) for log, s in zip(self.equations, taken, strict=True)
+        )
+        along = base.directions.T @ np.asarray(slope)
+        weights = [basis[:, :, : len(along)] @ along for basis in base.basis]
+        pairs = zip(weights, base.residual, strict=True)
+        return sum(float((np.square(w) * np.square(r)).sum()) for w, r in pairs)
 
     @cached_property
     def _bases(self) -> list[Base]:
@@ -133,7 +151,7 @@ def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
     """Raises LogError."""
     ex = search.examination
     moved = all_earlier(ex.setting.robot, logs, ex.setting.late)
-    return HeldOut(tuple(whitened(ex.setting.robot, moved, ex.floor)))
+    return HeldOut(tuple(whitened(ex.setting.robot, moved, [ex.floor] * len(moved))))
 
 
 def _left_of(

@@ -18,16 +18,21 @@ from pyident.rules.search import SearchRules
 
 @dataclass(frozen=True)
 class Found:
-    """A candidate at its best nonlinear values. `pretended`: its family's mean gain in replicas; z: score."""
+    """A candidate at its best nonlinear values. pretended, spread: of its family's gain in replicas."""
 
     candidate: Candidate
     gain: Gain
     pretended: float
-    z: float
+    spread: float
 
     @property
     def excess(self) -> float:
         return self.gain.energy - self.pretended
+
+    @property
+    def z(self) -> float:
+        """Score: how many spreads it takes more than replicas pretend."""
+        return self.excess / self.spread
 
     @property
     def freedom(self) -> int:
@@ -171,7 +176,10 @@ class Search:
 
     def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
         """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
-        least = min(self.rules.tie * best.excess, best.excess - self.rules.chance**2)
+        by_chance = self.rules.chance * max(
+            self.rules.chance, best.spread
+        )  # of noise, and of replicas' gains
+        least = min(self.rules.tie * best.excess, best.excess - by_chance)
         near = [
             f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= self.rules.level
         ]
@@ -267,10 +275,8 @@ class Search:
         )
 
     def _found(self, candidate: Candidate, explained: Gain, family: int) -> Found:
-        mean = float(self.families.mean[family])
-        return Found(
-            candidate, explained, mean, (explained.energy - mean) / float(self.families.spread[family])
-        )
+        mean, spread = float(self.families.mean[family]), float(self.families.spread[family])
+        return Found(candidate, explained, mean, spread)
 
     def _refined(self, found: Found, family: int) -> Found:
         """The same candidate with its nonlinear values between those of the grid."""

@@ -96,9 +96,9 @@ class _Judge:
     def __init__(self, search: Search, heldout: Sequence[Log], open_pool: OpenPool):
         self.search, self.open_pool = search, open_pool
         ex = search.examination
-        self.setting, self.level, self.heldout = ex.setting, ex.floor, tuple(heldout)
+        self.setting, self.floors, self.heldout = ex.setting, (ex.floors, ex.floor), tuple(heldout)
         self.data = ex.base.residual
-        self.other = _elsewhere(self.setting.robot, self.heldout, self.level, ex.base.p)
+        self.other = _elsewhere(self.setting.robot, self.heldout, ex.floor, ex.base.p)
 
     def trace(self, candidate: Candidate) -> Trace | None:
         """None where the model with the law cannot be simulated."""
@@ -107,7 +107,7 @@ class _Judge:
         try:
             with self.open_pool(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)
-                arguments = setting, self.setting.robot, self.level, others
+                arguments = setting, self.setting.robot, self.floors, others
                 job = workers.submit(_signatures, *arguments, range(_REPLICAS))
                 own, other, energies = zip(*job.result(), strict=True)
         except SimulationError:
@@ -146,7 +146,7 @@ def _signatures(
     fmu: Simulator,
     setting: Setting,
     plain: Robot,
-    level: Floor,
+    floors: tuple[Sequence[Floor], Floor],
     others: Sequence[Repeat],
     seeds: Sequence[int],
 ) -> list[tuple[Residuals, Residuals, np.ndarray]]:
@@ -155,9 +155,9 @@ def _signatures(
     other = replicas_of(fmu, setting, others, [seed + _REPLICAS for seed in seeds])
     found = []
     for fitted, unseen in zip(own, other, strict=True):
-        data = whitened(plain, fitted, level)
+        data = whitened(plain, fitted, floors[0])
         base = solve_base(data)
-        found.append((base.residual, _elsewhere(plain, unseen, level, base.p), energy(data, base)[0]))
+        found.append((base.residual, _elsewhere(plain, unseen, floors[1], base.p), energy(data, base)[0]))
     return found
 
 
@@ -169,7 +169,7 @@ def _distance(data: Residuals, signatures: Sequence[Residuals] = ()) -> float:
 
 def _elsewhere(plain: Robot, logs: Sequence[Log], level: Floor, p: np.ndarray) -> Residuals:
     """Residuals in logs to which p was not fitted."""
-    return [e.y - e.A @ p for e in whitened(plain, logs, level)]
+    return [e.y - e.A @ p for e in whitened(plain, logs, [level] * len(logs))]
 
 
 def law_values(trace: Trace) -> tuple[dict[str, float], dict[str, float]]:

@@ -87,7 +87,7 @@ def waves(
     """
     found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))
     fitted = identified(robot, found.reduced, found.solution).robot
-    data = whitened(fitted, logs, level)
+    data = whitened(fitted, logs, [level] * len(logs))
     base = solve_base(data)
     laws = _fitted_laws(fitted, data, base, level, progress)
     names = [log.source for log in (*logs, *unseen)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, whitened
+from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, levels_of, whitened
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess, spline_gains
@@ -64,21 +64,21 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
 
 def _pretended_by_replicas(examination: Examination, workers: Workers, row: int, count: int) -> np.ndarray:
     """(count, variables) energies that the splines explain of replicas."""
-    arguments = examination.setting, examination.floor, row
+    arguments = examination.setting, examination.floors, row
     seeds = range(_FIRST_SEED, _FIRST_SEED + count)
     jobs = [workers.submit(_pretended, *arguments, group) for group in together(seeds)]
     return np.array([gains for job in jobs for gains in job.result()])
 
 
 def _pretended(
-    fmu: Simulator, setting: Setting, level: Floor, row: int, seeds: Sequence[int]
+    fmu: Simulator, setting: Setting, floors: Sequence[Floor], row: int, seeds: Sequence[int]
 ) -> list[np.ndarray]:
     """The energies of each replica."""
     found = []
     for made in judged_replicas(fmu, setting, seeds):
-        data = whitened(setting.robot, made, level)
+        data = whitened(setting.robot, made, floors)
         listed = variables(setting.robot, data, row)
-        levels = [level.at(e.band) for e in data]
+        levels = levels_of(floors, data)
         base = extended(solve_base(data), constant_columns(data, levels, row))
         found.append(spline_gains(base, listed, data, levels, row))
     return found
