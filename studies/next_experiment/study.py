@@ -31,7 +31,7 @@ SPREAD = 0.1
 NOISE = 1e-5  # rad, of every encoder
 LOGS = range(7, 13)  # seeds of the noise of each rival's logs
 LAWS = ("stribeck", "presliding", "nonlinear_viscous", "load_dependent_friction", "asymmetric_coulomb",
-        "backlash", "nonlinear_stiffness", "gravity_spring", "torque_ripple")  # fmt: skip
+        "backlash", "hardening_stiffness", "gravity_spring", "torque_ripple")  # fmt: skip
 LARGER, SETTLED, WITHIN = 5.0, 5.0, 0.2
 
 
@@ -78,8 +78,8 @@ def drawn(robot: Robot, count: int) -> Iterator[Case]:
 
 def _sized(robot: Robot, who: Suspect, log: Log) -> Suspect:
     extended = having(robot, who, log)
-    first = extended.joints[who.joint - 1].law(who.effect).linear[0].name
-    return replace(who, size=extended.parameters[parameter_name(who.joint, who.effect, first)])
+    size = extended.joints[who.joint - 1].law(who.effect).size.name
+    return replace(who, size=extended.parameters[parameter_name(who.joint, who.effect, size)])
 
 
 def scored(case: Case) -> dict[str, object]:

@@ -7,8 +7,11 @@ import pandas as pd
 import pytest
 from test_criterion import DURATION, PERIOD, SIGMA, cosine, level, smooth_joint
 
+from flexmodels.experiment import identification
+from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
 from pyident.excitation.criterion import along
+from pyident.excitation.rehearsal import rehearsal
 from pyident.excitation.separation.rivals import Rivals, Suspect, having
 from pyident.logs.log import Log
 
@@ -86,6 +89,21 @@ def test_an_effect_of_unknown_size_is_small_beside_the_torque():
     assert 0.02 < share < 0.06
     sized = having(smooth_joint(), replace(ODD, size=-2.5), log)
     assert sized.parameters["joint1.nonlinear_viscous.quadratic"] == -2.5
+
+
+@pytest.mark.parametrize("size", [None, 1e-4])
+def test_backlash_is_sized_by_its_gap(size):
+    """Within which nearly the whole stiffness is missing: less would be no backlash."""
+    robot = load_robot("four_link")
+    with rehearsal(robot) as own:
+        log = own.log(identification(robot, duration=2.0))
+    extended = having(robot, Suspect("backlash", 2, size), log)
+    found = extended.joints[1].values["backlash"]
+    twist = float(np.sqrt(np.mean(log.frame["joint2.eps[1]"] ** 2)))
+    assert found["gap"] == pytest.approx(size or 0.1 * twist, rel=0.05)
+    assert found["stiffness"] == pytest.approx(0.9 * robot.parameters["joint2.k[1]"])
+    law = extended.joints[1].law("backlash")
+    assert law.size.name == "gap"
 
 
 def test_a_law_that_is_there_already_is_refused():

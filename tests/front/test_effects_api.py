@@ -54,6 +54,12 @@ def test_a_law_that_is_no_number_is_refused():
         law(LEVEL.symbol * de * sympy.zoo).check()
 
 
+def test_a_law_is_sized_by_one_of_its_parameters():
+    own = replace(law(LEVEL.symbol * de), sized_by="width")
+    with pytest.raises(EffectError, match="no parameter width"):
+        own.check()
+
+
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_every_documented_function_is_known_and_has_its_value(function):
     arguments = (de, 1) if function in ("Min", "Max") else (de**2 + 1,) if function == "sqrt" else (de,)

@@ -23,6 +23,8 @@ class Parameter:
     grid    values that a search tries first; a parameter enters its law nonlinearly if and only if it has one
     scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`
     periodic  whether it counts the law's periods per turn of the joint; a law has one such parameter at most
+    usual   its value where nothing is known, in the joint's base parameters (Symbol("k[1]")); None: whatever
+            makes the law as large as is asked for
     """
 
     name: str
@@ -33,6 +35,7 @@ class Parameter:
     grid: tuple[float, ...] = ()
     scale: Symbol | None = None
     periodic: bool = False
+    usual: Any = None
 
     @property
     def symbol(self) -> Symbol:
@@ -91,6 +94,7 @@ class Effect:
     excess_over effect on top of which it comes: a diagnosis proposes it only where that one acts already
     proper      condition on its parameters and the joint's base parameters (Symbol("k[1]")) without which
                 the values found are no such effect: a gap that takes little of the stiffness is no backlash
+    sized_by    name of the parameter that makes it a large or a small one; none: its first linear one
     needs, coverage   what a log must contain, in words and where it is simple as a condition
     confounders       effects of the catalogue and base parameters that look alike
     experiment        the motion that separates them
@@ -107,6 +111,7 @@ class Effect:
     turning: bool = False
     excess_over: str = ""
     proper: Any = None
+    sized_by: str = ""
     needs: str = ""
     coverage: Coverage | None = None
     confounders: tuple[str, ...] = ()
@@ -136,6 +141,11 @@ class Effect:
     def nonlinear(self) -> tuple[Parameter, ...]:
         """Parameters that enter in any other way."""
         return tuple(p for p in self.parameters if not p.linear)
+
+    @property
+    def size(self) -> Parameter:
+        """The parameter that makes the effect a large or a small one."""
+        return next((p for p in self.parameters if p.name == self.sized_by), self.linear[0])
 
     @property
     def order(self) -> Parameter | None:
@@ -213,6 +223,8 @@ class Effect:
             raise EffectError(
                 f"effect {self.name}: one parameter with a grid may be periodic, not {', '.join(periods)}"
             )
+        if self.sized_by and self.size.name != self.sized_by:
+            raise EffectError(f"effect {self.name} has no parameter {self.sized_by} to be sized by")
         coordinates = {signals.e, *signals.eps.values(), signals.beyond.e}
         known = {p.symbol for p in self.parameters} | {s.symbol for s in self.states}
         for name in {str(q) for q in set(self.forces) - coordinates}:

@@ -51,7 +51,7 @@ hardening_stiffness = Effect(
     experiment="static loads or slow multisines of two amplitudes or more",
 )
 
-_stiffness = Parameter("stiffness", "N.m/rad", lower=0)
+_stiffness = Parameter("stiffness", "N.m/rad", lower=0, usual=0.9 * _k[1].symbol)
 _gap = Parameter("gap", "rad", start=1e-4, lower=0, grid=(0.1, 0.2, 0.4, 0.8), scale=eps[1])
 
 backlash = Effect(
@@ -60,6 +60,7 @@ backlash = Effect(
     forces={eps[1]: -_stiffness.symbol * Max(-_gap.symbol, Min(eps[1], _gap.symbol))},
     parameters=(_stiffness, _gap),
     proper=_stiffness.symbol > _k[1].symbol / 2,
+    sized_by="gap",
     citation="Nordin and Gutman 2002; Ruderman, Hoffmann and Bertram 2009",
     needs="torque reversals of the drive: 5 % of the samples within the gap",
     coverage=Coverage(Abs(eps[1]) < _gap.symbol, 0.05),

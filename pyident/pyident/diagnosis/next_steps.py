@@ -67,8 +67,8 @@ def _designed(robot: Robot, finding: Finding) -> str:
     rivals = []
     for named in finding.tie[:2]:
         joint = joint_number(named.joint)
-        first = robot.joints[joint - 1].law(named.effect).linear[0].name
-        rivals.append(f"{named.effect}@{joint}={named.values[first]:.4g}")
+        size = robot.joints[joint - 1].law(named.effect).size.name
+        rivals.append(f"{named.effect}@{joint}={named.values[size]:.4g}")
     return f"`pyident excite MODEL --separate {' '.join(rivals)} -o plan.parquet` designs a motion for it"
 
 

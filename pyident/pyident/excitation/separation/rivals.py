@@ -15,10 +15,10 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.weak_form import condition
 from pyident.excitation.criterion import Along
+from pyident.excitation.separation.sizes import values_of
 from pyident.logs.log import Log
-from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
+from pyident.regression.candidate_columns import nonlinear_grid
 
-_SIZE = 0.05  # rms of an effect of unknown size, of the rms torque or moment on its row
 _SUSPECT = re.compile(r"([a-z_]+)@([0-9]{1,4})(?:=(.+))?")
 _LARGEST = 1e12  # of any effect, in SI units
 _CUT = 1e-10  # of the largest eigenvalue of a scaled Gram matrix: below is arithmetic
@@ -26,7 +26,7 @@ _CUT = 1e-10  # of the largest eigenvalue of a scaled Gram matrix: below is arit
 
 @dataclass(frozen=True)
 class Suspect:
-    """An effect at a joint (from 1). size: of its first linear parameter, None where nothing is known."""
+    """An effect at a joint (from 1). size: of the parameter it is sized by, None where nothing is known."""
 
     effect: str
     joint: int
@@ -62,22 +62,7 @@ def having(robot: Robot, who: Suspect, log: Log) -> Robot:
         raise RobotError(f"robot {robot.name} has {who.name} already; give a model without it")
     extended = robot.with_effect(who.joint, who.effect)
     law = extended.joints[who.joint - 1].law(who.effect)
-    part = condition(log, robot)
-    grid = nonlinear_grid(robot, who.joint, who.effect, [part.motion])
-    chosen = grid[len(grid) // 2]
-    sizes = dict(chosen)
-    columns = effect_columns(robot, who.joint, who.effect, part.motion, chosen)
-    for p in law.linear:
-        row, force = max(columns[p.name].items(), key=lambda item: float(np.mean(item[1] ** 2)))
-        stiffness = robot.q[row].stiffness
-        own = part.target[:, row]
-        if stiffness is not None:
-            own = robot.parameters[stiffness] * part.motion.q[:, row]
-        rms = float(np.sqrt(np.mean(force**2)))
-        natural = _SIZE * float(np.sqrt(np.mean(own**2))) / max(rms, 1e-300) / len(law.linear)
-        sizes[p.name] = min(max(natural, p.lower), p.upper)
-    if who.size is not None:
-        sizes[law.linear[0].name] = who.size
+    sizes = values_of(robot, law, who.joint, condition(log, robot), who.size)
     return extended.with_parameters({parameter_name(who.joint, who.effect, n): v for n, v in sizes.items()})
 
 
