@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
 
-from pyident.simulation.sensor_noise import _shared, sensor_noise
+from pyident.simulation.sensor_noise import _raised, _shared, sensor_noise
 
 
 def _estimate(**noise):
@@ -43,6 +43,23 @@ def test_sensors_of_a_kind_whose_patterns_agree_are_none_of_them_read_as_silent(
         power = patterns.sum(axis=1) * rng.chisquare(30, 32) / 30
         least.append(_shared(power, patterns, [["joint1.eps[1]", "joint1.eps[2]"]]).min())
     assert min(least) > 0.5
+
+
+def test_short_logs_are_not_read_too_quiet():
+    """Powers of few frequencies scatter by a fifth; relative to themselves they would read 12 % low."""
+    rng = np.random.default_rng(1)
+    course = np.repeat(np.linspace(1.0, 5.0, 8)[None], 12, axis=0)
+    found = []
+    for _ in range(40):
+        patterns = np.stack([course * rng.chisquare(50, course.shape) / 50 for _ in range(12)], axis=-1)
+        patterns = patterns * np.eye(12)[:, None]  # every sensor has a row of its own
+        power = (course * rng.chisquare(50, course.shape) / 50).ravel()
+        flat = patterns.reshape(-1, 12)
+        shared = _shared(power, flat, [[f"joint{k}.e" for k in range(12)]])
+        found.append((shared.mean(), (shared * _raised(power, flat @ shared)).mean()))
+    low, raised = np.mean(found, axis=0)
+    assert low < 0.92
+    assert raised == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize("at", [0.0, 0.3])

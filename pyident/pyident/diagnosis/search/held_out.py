@@ -143,7 +143,7 @@ class HeldOut:
         Where these hold hardly anything to explain, what the effects take must be there, and not by chance.
         """
         if unseen.excess < rules.unseen_excess:
-            return unseen.kept >= rules.unseen and unseen.share > rules.chance * unseen.std
+            return unseen.kept >= rules.unseen and unseen.deviations >= rules.chance
         return unseen.share >= rules.unseen * fitted_share and unseen.share > unseen.std
 
 
