@@ -139,7 +139,7 @@ def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[st
 
 
 def _raised(power: np.ndarray, told: np.ndarray) -> float:
-    """By what all variances fall short: powers that scatter by a fifth, told relative to themselves, read low.
+    """By what all variances fall short: powers that scatter by a fifth read low, each relative to itself.
 
     Sums over the band scatter little, and the middle of the equations is none that lacks something else.
     """
