@@ -28,6 +28,7 @@ CASES = 8
 DURATION = 8.0  # s, of every motion
 SECONDS = 60.0  # of each search
 SPREAD = 0.1
+FLOOR = None  # four_link's own experiment, with which it is compared, goes below its base
 NOISE = 1e-5  # rad, of every encoder
 LOGS = range(7, 13)  # seeds of the noise of each rival's logs
 LAWS = ("stribeck", "presliding", "nonlinear_viscous", "load_dependent_friction", "asymmetric_coulomb",
@@ -88,7 +89,7 @@ def scored(case: Case) -> dict[str, object]:
     words = [f"{who.name}={who.size!r}" for who in case.pair]
     try:
         planned = pi.excite(case.robot, separate=words, duration=DURATION, noise=noise, spread=SPREAD,
-                            seconds=SECONDS, seed=case.seed)  # fmt: skip
+                            floor=FLOOR, seconds=SECONDS, seed=case.seed)  # fmt: skip
     except (RobotError, SimulationError) as error:
         return {"case": case.name, "failure": str(error)}
     assert planned.promise is not None
