@@ -34,6 +34,10 @@ def contest_of(*pair: Suspect | None):
 def test_suspects_are_read_and_wrong_ones_refused():
     assert suspect("stribeck@2") == Suspect("stribeck", 2)
     assert suspect("backlash@3=1e-4") == Suspect("backlash", 3, 1e-4)
+    both = suspect("stribeck@2=3.1,velocity=0.1")
+    assert both == Suspect("stribeck", 2, 3.1, (("velocity", 0.1),))
+    with pytest.raises(RobotError, match="a size is not zero"):
+        suspect("stribeck@2=level=1e13")
     with pytest.raises(RobotError, match="EFFECT@JOINT"):
         suspect("backlash")
 

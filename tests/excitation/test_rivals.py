@@ -10,10 +10,13 @@ from test_criterion import DURATION, PERIOD, SIGMA, cosine, level, smooth_joint
 from flexmodels.experiment import identification
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
+from pyident.conditioning.weak_form import condition
+from pyident.diagnosis.result import Named
 from pyident.excitation.criterion import along
 from pyident.excitation.rehearsal import rehearsal
-from pyident.excitation.separation.rivals import Rivals, Suspect, having
+from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
 from pyident.logs.log import Log
+from pyident.regression.candidate_columns import effect_columns
 
 QUADRATIC, HALF = -0.8, 0.3  # N m s2/rad2, N m s/rad
 SPEED = 0.4 * np.pi  # largest [rad/s]
@@ -104,6 +107,23 @@ def test_backlash_is_sized_by_its_gap(size):
     assert found["stiffness"] == pytest.approx(0.9 * robot.parameters["joint2.k[1]"])
     law = extended.joints[1].law("backlash")
     assert law.size.name == "gap"
+
+
+def test_all_that_a_diagnosis_found_of_a_law_is_taken():
+    """Two parameters of one size each would cancel in a counterbalance's torque."""
+    log, found = driven(), {"stiffness": 9.5, "preload": 8.25, "ratio": 0.375, "phase": 1.5}
+    named = Named("gravity_spring", "joint1", found, {}, {}, 100.0)
+    extended = having(smooth_joint(), suspect(named.suspect), log)
+    assert extended.joints[0].values["gravity_spring"] == found
+    unknown = having(smooth_joint(), suspect("gravity_spring@1=ratio=0.4"), log)
+    columns = effect_columns(unknown, 1, "gravity_spring", condition(log, unknown).motion)
+    values = unknown.joints[0].values["gravity_spring"]
+    torque = sum(values[name] * rows[0] for name, rows in columns.items())
+    share = np.sqrt(np.mean(torque**2) / np.mean(log.frame["joint1.tau"] ** 2))
+    assert share == pytest.approx(0.05, rel=0.05)
+    assert values["ratio"] == 0.4
+    with pytest.raises(RobotError, match="no parameter 'size'; they are stiffness, preload, ratio, phase"):
+        having(smooth_joint(), suspect("gravity_spring@1=size=3"), log)
 
 
 def test_a_law_that_is_there_already_is_refused():

@@ -154,15 +154,16 @@ def test_what_to_measure_next_follows_from_the_diagnosis(bench):
         assert "backlash" not in tab.words  # these logs would have shown it
         await tab.click("plan-1")
         job = begun(bench, "plan")
-        assert job.arguments[1:3] == (("asymmetric_coulomb@1", "joint_spring@1"), "")
+        assert job.arguments[1:3] == (("asymmetric_coulomb@1=coulomb=1.5", "joint_spring@1=coulomb=1.5"), "")
         bench.cancel("plan")
         await tab.settle()
         await tab.click("plan-2")
         assert begun(bench, "plan").arguments[1:3] == ((), "payload@1")
 
     visit(bench, steps, View("next"))
+    both = "asymmetric_coulomb@1=coulomb=1.5 joint_spring@1=coulomb=1.5"
     assert [c.partition(" --json")[0] for c in bench.project.commands] == [
-        "pyident excite robot.toml --separate asymmetric_coulomb@1 joint_spring@1 -o plan.csv",
+        f"pyident excite robot.toml --separate {both} -o plan.csv",
         "pyident excite robot.toml --reveal payload@1 -o plan.csv",
     ]
     assert bench.project.roles == {"plan.csv": "leave out"}

@@ -40,7 +40,7 @@ def with_experiments(
         if len(finding.tie) < 2 or any(n.describes for n in finding.tie[:2]):
             continue
         others = [f.tie[0] for f in findings if f is not finding]
-        offer = f"{finding.experiment}; {_designed(search.robot, finding)}"
+        offer = f"{finding.experiment}; {_designed(finding)}"
         try:
             sentence = _separating(search, finding, others, open_pool, progress)
         except (RobotError, LogError, SimulationError):
@@ -62,13 +62,9 @@ def with_revealing(
         return found  # no experiment to vary: the laws' own words stay
 
 
-def _designed(robot: Robot, finding: Finding) -> str:
+def _designed(finding: Finding) -> str:
     """How to get the motion that separates a tie as a file."""
-    rivals = []
-    for named in finding.tie[:2]:
-        joint = joint_number(named.joint)
-        size = robot.joints[joint - 1].law(named.effect).size.name
-        rivals.append(f"{named.effect}@{joint}={named.values[size]:.4g}")
+    rivals = [named.suspect for named in finding.tie[:2]]
     return f"`pyident excite MODEL --separate {' '.join(rivals)} -o plan.parquet` designs a motion for it"
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from flexmodels.coordinate import joint_number
 from pyident.regression.descriptions import describes
 
 VerdictName = Literal["nothing_detectable", "missing_effect", "unexplained", "cannot_tell"]
@@ -35,6 +36,12 @@ class Named:
     def describes(self) -> bool:
         """Whether it is an error of the robot file, not a law."""
         return describes(self.effect)
+
+    @property
+    def suspect(self) -> str:
+        """The law with its values, as `excite` takes it."""
+        values = ",".join(f"{name}={value:.4g}" for name, value in self.values.items())
+        return f"{self.effect}@{joint_number(self.joint)}={values}"
 
 
 @dataclass(frozen=True)

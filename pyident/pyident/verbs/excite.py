@@ -69,7 +69,7 @@ def excite(
     """A motion that determines the parameters best, or tells two effects apart, or shows one.
 
     model       as in `identify`; its own parameters predict what the motion takes
-    separate    two of `EFFECT@JOINT` (or `EFFECT@JOINT=SIZE`) that should be told apart
+    separate    two of `EFFECT@JOINT` that should be told apart, `=SIZE` or `=PARAMETER=VALUE,...` after it
     reveal      one of them that should be seen
     criterion   of an identification: `information` in the sensors' noise, or `condition` of the regressor
     duration    [s];  rate  [Hz] of the plan, none: the controller's

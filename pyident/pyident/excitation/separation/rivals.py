@@ -26,11 +26,16 @@ _CUT = 1e-10  # of the largest eigenvalue of a scaled Gram matrix: below is arit
 
 @dataclass(frozen=True)
 class Suspect:
-    """An effect at a joint (from 1). size: of the parameter it is sized by, None where nothing is known."""
+    """An effect at a joint (from 1).
+
+    size     of the parameter it is sized by, None where nothing is known
+    values   parameter and value, of others that are known
+    """
 
     effect: str
     joint: int
     size: float | None = None
+    values: tuple[tuple[str, float], ...] = ()
 
     @property
     def name(self) -> str:
@@ -38,17 +43,21 @@ class Suspect:
 
 
 def suspect(text: str) -> Suspect:
-    """`stribeck@2` or `backlash@3=1e-4`. Raises RobotError."""
+    """`stribeck@2`, `backlash@3=1e-4` or `stribeck@2=level=3,velocity=0.1`. Raises RobotError."""
     parts = _SUSPECT.fullmatch(text.strip())
     try:
         if parts is None:
             raise ValueError
-        size = None if parts[3] is None else float(parts[3])
+        pairs = [part.rpartition("=") for part in (parts[3] or "").split(",") if part]
+        given = {name.strip(): float(number) for name, _, number in pairs}
     except ValueError:
-        raise RobotError(f"{text!r} is not EFFECT@JOINT or EFFECT@JOINT=SIZE, such as stribeck@2") from None
-    if size is not None and not 0 < abs(size) < _LARGEST:
-        raise RobotError(f"{text!r}: a size is not zero and below {_LARGEST:g} in SI units")
-    return Suspect(parts[1], int(parts[2]), size)
+        raise RobotError(
+            f"{text!r} is not EFFECT@JOINT, such as stribeck@2, with =SIZE or =PARAMETER=VALUE,... after it"
+        ) from None
+    size = given.pop("", None)
+    if (size == 0) or not all(abs(x) < _LARGEST for x in (size or 1.0, *given.values())):
+        raise RobotError(f"{text!r}: a size is not zero, and every value is below {_LARGEST:g} in SI units")
+    return Suspect(parts[1], int(parts[2]), size, tuple(given.items()))
 
 
 def having(robot: Robot, who: Suspect, log: Log) -> Robot:
@@ -62,7 +71,11 @@ def having(robot: Robot, who: Suspect, log: Log) -> Robot:
         raise RobotError(f"robot {robot.name} has {who.name} already; give a model without it")
     extended = robot.with_effect(who.joint, who.effect)
     law = extended.joints[who.joint - 1].law(who.effect)
-    sizes = values_of(robot, law, who.joint, condition(log, robot), who.size)
+    known = dict(who.values) if who.size is None else dict(who.values) | {law.size.name: who.size}
+    for name in set(known) - {p.name for p in law.parameters}:
+        listed = ", ".join(p.name for p in law.parameters)
+        raise RobotError(f"{who.effect} has no parameter {name!r}; they are {listed}")
+    sizes = values_of(robot, law, who.joint, condition(log, robot), known)
     return extended.with_parameters({parameter_name(who.joint, who.effect, n): v for n, v in sizes.items()})
 
 

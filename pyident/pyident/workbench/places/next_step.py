@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from nicegui import ui
 
+from flexmodels.coordinate import joint_number
 from pyident.workbench.places.tab import Tab
 
 _SHOWN = 8  # laws that these logs cannot show
@@ -89,14 +90,10 @@ def _questions(diagnosis: Any) -> Iterator[tuple[str, tuple[str, ...], str]]:
         pair = [law for law in finding.tie[:2] if not law.describes]
         if len(pair) > 1:
             names = " or ".join(f"{law.effect} at {law.joint}" for law in pair)
-            yield f"{names}? {finding.experiment}", tuple(map(_at, pair)), ""
+            yield f"{names}? {finding.experiment}", tuple(law.suspect for law in pair), ""
     for limit in [x for x in diagnosis.limits if x.reason][:_SHOWN]:
-        yield f"{limit.effect} at {limit.joint} cannot be seen: {limit.reason}", (), _at(limit)
-
-
-def _at(law: Any) -> str:
-    """A law as `excite` names it."""
-    return f"{law.effect}@{law.joint.removeprefix('joint')}"
+        asked = f"{limit.effect}@{joint_number(limit.joint)}"
+        yield f"{limit.effect} at {limit.joint} cannot be seen: {limit.reason}", (), asked
 
 
 def _reports(page: Tab) -> None:
