@@ -47,11 +47,12 @@ class Unseen:
     def of_one_size(self, rules: SearchRules, std: float = 0.0) -> bool:
         """Whether what is missing there has about the size of what the effects take, or differs by chance.
 
+        By chance or not, less than half of it or half more again is another size.
         std   of that size in the fitted logs, as a share of it
         """
         size = (1 + self.kept) / 2  # by these logs themselves, over that of the fitted ones
         chance = np.hypot(size / max(self.deviations, 1e-300), std) if self.deviations else 0.0
-        return abs(size - 1) <= max(rules.unseen / 2, rules.again * chance)
+        return abs(size - 1) <= min(max(rules.unseen / 2, rules.again * chance), rules.unseen)
 
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
