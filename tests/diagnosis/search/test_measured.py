@@ -46,6 +46,7 @@ def test_far_from_zero(size, counts):
         Unseen(0.02, 0.02, 0.1, 0.9),  # two deviations
         Unseen(0.02, 0.0005, 0.1, 1.8),  # 1.4 times its size
         Unseen(0.02, 0.0005, 0.1, 0.2),  # 0.6 times
+        Unseen(0.02, 0.006, 0.1, 2.6),  # 1.8 times, though each is known to a fifth only
     ],
 )
 def test_held_out_logs_must_find_the_same(unseen):
