@@ -9,7 +9,7 @@ from flexmodels.coordinate import of_joint
 from flexmodels.robot import Robot, RobotError
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import gain, solve_base
-from pyident.diagnosis.base.residual_over_floor import levels_of, whitened
+from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.extension.ask import Asked
 from pyident.regression.descriptions import (
     DESCRIPTIONS,
@@ -18,6 +18,7 @@ from pyident.regression.descriptions import (
     place_name,
     value_of,
 )
+from pyident.regression.spectrum import levels_of
 
 _ROUNDS = 5  # of Gauss and Newton
 _SETTLED = 1e-3  # of the correction

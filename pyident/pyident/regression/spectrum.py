@@ -101,6 +101,11 @@ def pooled(levels: Sequence[Floor]) -> Floor:
     return Floor(at, np.sqrt(np.mean(squares, axis=0)))
 
 
+def levels_of(levels: Sequence[Floor], data: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E) floors of its equations."""
+    return [level.at(e.band) for level, e in zip(levels, data, strict=True)]
+
+
 def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)

@@ -23,7 +23,7 @@ from pyident.diagnosis.base.projection import (
 )
 from pyident.diagnosis.base.setting import Setting, replicas_of, together
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, Equations, Floor, equations, floors, pooled
+from pyident.regression.spectrum import Band, Equations, Floor, equations, floors, levels_of, pooled
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
@@ -273,17 +273,8 @@ def whitened(robot: Robot, logs: Sequence[Log], levels: Sequence[Floor]) -> list
     return _over(found, levels_of(levels, found))
 
 
-def levels_of(levels: Sequence[Floor], data: Sequence[Equations]) -> list[np.ndarray]:
-    """Per log (n, E) floors of its equations."""
-    return [level.at(e.band) for level, e in zip(levels, data, strict=True)]
-
-
 def gains_of(
-    robot: Robot,
-    data: Sequence[Equations],
-    base: Base,
-    levels: Sequence[Floor],
-    listed: Sequence[Candidate],
+    robot: Robot, data: Sequence[Equations], base: Base, levels: Sequence[Floor], listed: Sequence[Candidate]
 ) -> list[Gain]:
     """What each candidate would explain of the base's residual."""
     return gains(base, *_columns_and_bounds(robot, listed, data, levels_of(levels, data)))

@@ -12,12 +12,12 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, levels_of, whitened
+from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, whitened
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
-from pyident.regression.spectrum import Floor
+from pyident.regression.spectrum import Floor, levels_of
 from pyident.simulation.simulator import Simulator, Workers
 
 _FIRST_SEED = 1_000_000
