@@ -5,7 +5,7 @@ import pytest
 from analytic_joint import analytic_log, free_joint
 
 from pyident.conditioning.weak_form import condition
-from pyident.regression.spectrum import Band, Floor, equations, floor
+from pyident.regression.spectrum import Band, Floor, equations, floor, floors, pooled
 
 
 def test_the_transform_is_unitary():
@@ -53,3 +53,14 @@ def test_the_equations_hold_for_the_true_parameters():
     halved = whole.over(np.full_like(whole.y, 2.0))
     np.testing.assert_allclose(halved.A, whole.A / 2)
     np.testing.assert_allclose(halved.y, whole.y / 2)
+
+
+def test_every_log_has_a_floor_of_its_own_and_another_their_mean_power():
+    """Two replicas of a quiet and a loud log, in turn."""
+    bands = [Band(400, 100, 0.01)] * 4
+    rng = np.random.default_rng(0)
+    residuals = [size * rng.standard_normal((1, 200)) for size in (1.0, 3.0, 1.0, 3.0)]
+    quiet, loud = floors(bands, residuals, 2)
+    assert np.sqrt(np.mean(quiet.rms**2)) == pytest.approx(1.0, rel=0.1)
+    assert np.sqrt(np.mean(loud.rms**2)) == pytest.approx(3.0, rel=0.1)
+    assert np.sqrt(np.mean(pooled([quiet, loud]).rms ** 2)) == pytest.approx(np.sqrt(5), rel=0.1)

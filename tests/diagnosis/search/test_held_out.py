@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.rules.rules import RULES
@@ -56,3 +57,18 @@ def test_a_share_on_unseen_logs_must_stand_beside_the_fitted_one(unseen, fitted,
 def test_what_held_out_logs_alone_say_of_a_size(kept, deviations):
     """The fall is Σ 2rs - s², and rs has half its deviation: 0.4 and 0.1 of the excess."""
     assert Unseen(0.4, 0.1, 0.1, kept).deviations == pytest.approx(deviations)
+
+
+def test_what_fitted_logs_leave_open_of_the_parameters_counts():
+    """Against the scatter of Σ s A p over fits to noise, which is all that there is to fit."""
+    rng = np.random.default_rng(0)
+    A, elsewhere = rng.standard_normal((2, 60, 3)), rng.standard_normal((2, 40, 3))
+    taken = rng.standard_normal((1, 40))
+    held = HeldOut((cast(Any, SimpleNamespace(A=elsewhere)),))
+    said, found = [], []
+    for _ in range(400):
+        fitted = cast(Any, SimpleNamespace(A=A, y=rng.standard_normal((2, 60))))
+        base = solve_base([fitted])
+        said.append(held._of_parameters(base, [taken], [1]))
+        found.append(float((taken * (elsewhere[[1]] @ base.p)).sum()))
+    assert np.mean(said) == pytest.approx(np.var(found), rel=0.2)
