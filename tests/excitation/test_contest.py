@@ -38,8 +38,9 @@ def test_suspects_are_read_and_wrong_ones_refused():
     assert both == Suspect("stribeck", 2, 3.1, (("velocity", 0.1),))
     with pytest.raises(RobotError, match="a size is not zero"):
         suspect("stribeck@2=level=1e13")
-    with pytest.raises(RobotError, match="EFFECT@JOINT"):
-        suspect("backlash")
+    for wrong in ("backlash", "stribeck@2=,", "stribeck@2=3,4", "stribeck@2=level=3,level=4"):
+        with pytest.raises(RobotError, match="EFFECT@JOINT"):
+            suspect(wrong)
 
 
 def test_logs_of_another_robot_differ_by_what_was_promised():

@@ -48,6 +48,7 @@ class Unseen:
         """Whether what is missing there has about the size of what the effects take, or differs by chance.
 
         By chance or not, less than half of it or half more again is another size.
+
         std   of that size in the fitted logs, as a share of it
         """
         size = (1 + self.kept) / 2  # by these logs themselves, over that of the fitted ones

@@ -176,9 +176,8 @@ class Search:
 
     def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
         """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
-        by_chance = self.rules.chance * max(
-            self.rules.chance, best.spread
-        )  # of noise, and of replicas' gains
+        widest = max(self.rules.chance, best.spread)  # of what noise does to a gain, and of gains in replicas
+        by_chance = self.rules.chance * widest
         least = min(self.rules.tie * best.excess, best.excess - by_chance)
         near = [
             f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= self.rules.level

@@ -48,14 +48,16 @@ def suspect(text: str) -> Suspect:
     try:
         if parts is None:
             raise ValueError
-        pairs = [part.rpartition("=") for part in (parts[3] or "").split(",") if part]
+        pairs = [part.rpartition("=") for part in parts[3].split(",")] if parts[3] else []
         given = {name.strip(): float(number) for name, _, number in pairs}
+        if len(given) < len(pairs):
+            raise ValueError
     except ValueError:
         raise RobotError(
             f"{text!r} is not EFFECT@JOINT, such as stribeck@2, with =SIZE or =PARAMETER=VALUE,... after it"
         ) from None
     size = given.pop("", None)
-    if (size == 0) or not all(abs(x) < _LARGEST for x in (size or 1.0, *given.values())):
+    if size == 0 or not all(abs(x) < _LARGEST for x in (size or 1.0, *given.values())):
         raise RobotError(f"{text!r}: a size is not zero, and every value is below {_LARGEST:g} in SI units")
     return Suspect(parts[1], int(parts[2]), size, tuple(given.items()))
 
