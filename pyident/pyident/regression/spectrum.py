@@ -89,7 +89,7 @@ def floor(bands: Sequence[Band], residuals: Sequence[np.ndarray]) -> Floor:
 
 
 def floors(bands: Sequence[Band], residuals: Sequence[np.ndarray], logs: int) -> list[Floor]:
-    """Of every log for itself: a fast motion leaves more than a slow one. Replicas of all logs in turn."""
+    """Of every log for itself, as a fast motion leaves more than a slow one; its replicas (n, E) in turn."""
     return [floor(bands[i::logs], residuals[i::logs]) for i in range(logs)]
 
 
