@@ -7,7 +7,7 @@ file names no cutoff, the motion is therefore taken as a low pass leaves it whos
 nears the noise. The torques keep all their frequencies.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from pyident.conditioning.rest import without_steps
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
+from pyident.regression.spectrum import Equations, equations
 from pyident.simulation.sensor_noise import channel_noise
 from pyident.simulation.smooth_motion import blurred, ends_of, reached, smooth
 
@@ -29,6 +30,12 @@ def denoised(robot: Robot, log: Log) -> Conditioned:
 def denoised_every_sample(robot: Robot, log: Log) -> Conditioned:
     """As `condition_every_sample`. Raises LogError."""
     return _without_noise(robot, log, condition_every_sample)
+
+
+def denoised_equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
+    """Every log's, transformed. Raises LogError."""
+    parts = [denoised_every_sample(robot, log) for log in logs]
+    return equations(robot, parts, [log.period for log in logs])
 
 
 def corners(robot: Robot, log: Log) -> np.ndarray:

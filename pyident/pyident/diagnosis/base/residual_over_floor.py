@@ -8,8 +8,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
-from pyident.diagnosis.base.denoised import denoised_every_sample, denoises
-from pyident.diagnosis.base.discrepancy import inexact
+from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -18,16 +17,15 @@ from pyident.diagnosis.base.projection import (
     gains,
     gains_over,
     others_of,
-    residuals_of,
     solve_base,
 )
-from pyident.diagnosis.base.setting import Setting, replicas_of, together
+from pyident.diagnosis.base.replicas import replicated
+from pyident.diagnosis.base.setting import Setting, together
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, Equations, Floor, equations, floors, levels_of, pooled
+from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_of, pooled
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
-_WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
 _BALANCING = 4  # rounds, after which weights change by less than a per cent
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
@@ -192,41 +190,6 @@ def balanced(levels: Sequence[Floor], data: Sequence[Equations]) -> tuple[list[F
     return [Floor(f.frequencies, f.rms * ratio[:, None]) for f in levels], whitened_data, base
 
 
-def replicated(
-    fmu: Simulator, setting: Setting, seeds: Sequence[int]
-) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
-    """Per replica its logs, their bands and the residuals (n, bins) that the regression leaves of each.
-
-    With one weight for all frequencies the noise of encoders, which differences amplify, would bend the
-    parameters at high ones, and what that leaves at low ones would be a floor that drowns the physics there.
-    So the weights are of what the replica leaves at each frequency, found in rounds.
-    """
-    return [(made, *left_of(setting, made)) for made in judged_replicas(fmu, setting, seeds)]
-
-
-def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
-    """Per log its band and what the regression leaves there, (n, E) [N m]."""
-    flat = 1 / np.maximum(setting.solution.weights, 1e-300)
-    found = _equations(setting.robot, logs)
-    bands, left = [e.band for e in found], []
-    levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in found]
-    rounds = _WEIGHTINGS if denoises(setting.robot) else 0
-    for last in (*[False] * rounds, True):
-        left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]
-        if not last:
-            levels = levels_of(floors(bands, left, len(bands)), found)
-    return bands, left
-
-
-def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[list[Log]]:
-    """Logs as the setting's robot would have made them, per seed, with what no model is exact to."""
-    share, count = setting.rules.replicas.inexact, len(setting.repeats)
-    return [
-        [inexact(setting.robot, log, share, count * seed + i) for i, log in enumerate(made)]
-        for seed, made in zip(seeds, replicas_of(fmu, setting, setting.repeats, seeds), strict=True)
-    ]
-
-
 def _judged(
     _: Simulator, robot: Robot, logs: Sequence[Log], levels: Sequence[Floor], listed: Sequence[Candidate]
 ) -> tuple[list[float], list[np.ndarray], np.ndarray]:
@@ -258,19 +221,10 @@ def _columns_and_bounds(
     return list(columns_of(robot, listed, data, levels)), [bounds(robot, c) for c in listed]
 
 
-def _equations(robot: Robot, logs: Sequence[Log]) -> list[Equations]:
-    parts = [denoised_every_sample(robot, log) for log in logs]
-    return equations(robot, parts, [log.period for log in logs])
-
-
-def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
-    return [e.over(level) for e, level in zip(logs, levels, strict=True)]
-
-
 def whitened(robot: Robot, logs: Sequence[Log], levels: Sequence[Floor]) -> list[Equations]:
     """The equations of logs, each over its floor."""
-    found = _equations(robot, logs)
-    return _over(found, levels_of(levels, found))
+    found = denoised_equations(robot, logs)
+    return [e.over(level) for e, level in zip(found, levels_of(levels, found), strict=True)]
 
 
 def gains_of(

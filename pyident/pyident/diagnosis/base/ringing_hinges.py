@@ -15,7 +15,7 @@ import numpy as np
 
 from flexmodels.inputs import SimulationError
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.residual_over_floor import judged_replicas, left_of
+from pyident.diagnosis.base.replicas import judged_replicas, left_of
 from pyident.diagnosis.base.setting import Setting
 from pyident.logs.log import Log
 from pyident.refinement.instruments.instrumental_covariance import ringing

@@ -12,7 +12,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.projection import Base, extended, solve_base
-from pyident.diagnosis.base.residual_over_floor import Examination, judged_replicas, whitened
+from pyident.diagnosis.base.replicas import judged_replicas
+from pyident.diagnosis.base.residual_over_floor import Examination, whitened
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess, spline_gains

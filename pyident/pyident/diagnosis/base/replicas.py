@@ -1,0 +1,71 @@
+"""Replicas, logs that the fitted model itself would have made, and what a regression leaves of them.
+
+What is left depends on the weights. With one weight for all frequencies the noise of encoders, which
+differences amplify and which no residual is but a part of the columns, bends the parameters at high
+frequencies, and what that leaves at low ones would be a floor that drowns the physics there: of flexible
+robots a hundred times what the right parameters leave.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pyident.diagnosis.base.denoised import denoised_equations, denoises
+from pyident.diagnosis.base.discrepancy import inexact
+from pyident.diagnosis.base.projection import residuals_of
+from pyident.diagnosis.base.setting import Setting, replicas_of
+from pyident.logs.log import Log
+from pyident.regression.spectrum import Band, Equations, floors, levels_of
+from pyident.simulation.simulator import Simulator
+
+_WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
+
+
+def replicated(
+    fmu: Simulator, setting: Setting, seeds: Sequence[int]
+) -> list[tuple[list[Log], list[Band], list[np.ndarray]]]:
+    """Per replica its logs, their bands and what is left of each, (n, E) [N m].
+
+    Of simulated ones the parameters are known: what these leave is the noise of each equation, in its
+    residual and in its columns. Along a measured motion they are drawn, and a regression tells.
+    """
+    left = left_by_own if setting.simulates else left_of
+    return [(made, *left(setting, made)) for made in judged_replicas(fmu, setting, seeds)]
+
+
+def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[list[Log]]:
+    """Logs as the setting's robot would have made them, per seed, with what no model is exact to."""
+    share, count = setting.rules.replicas.inexact, len(setting.repeats)
+    return [
+        [inexact(setting.robot, log, share, count * seed + i) for i, log in enumerate(made)]
+        for seed, made in zip(seeds, replicas_of(fmu, setting, setting.repeats, seeds), strict=True)
+    ]
+
+
+def left_by_own(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
+    """Per log its band and what the parameters of the setting's robot leave there, (n, E) [N m]."""
+    found = denoised_equations(setting.robot, logs)
+    p = np.array(list(setting.robot.linear_parameters.values()))
+    return [e.band for e in found], [e.y - e.A @ p for e in found]
+
+
+def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
+    """Per log its band and what the regression leaves there, (n, E) [N m].
+
+    Where the motion is without its noise, the weights are of what the log leaves at each frequency, found in
+    rounds.
+    """
+    flat = 1 / np.maximum(setting.solution.weights, 1e-300)
+    found = denoised_equations(setting.robot, logs)
+    bands, left = [e.band for e in found], []
+    levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in found]
+    rounds = _WEIGHTINGS if denoises(setting.robot) else 0
+    for last in (*[False] * rounds, True):
+        left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]
+        if not last:
+            levels = levels_of(floors(bands, left, len(bands)), found)
+    return bands, left
+
+
+def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
+    return [e.over(level) for e, level in zip(logs, levels, strict=True)]
