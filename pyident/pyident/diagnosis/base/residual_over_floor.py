@@ -26,7 +26,8 @@ from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_o
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
-_BALANCING = 4  # rounds, after which weights change by less than a per cent
+_BALANCED = 0.01  # change of a weight below which balancing ends
+_BALANCING = 50  # rounds at most
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -184,9 +185,11 @@ def balanced(levels: Sequence[Floor], data: Sequence[Equations]) -> tuple[list[F
         count = sum(r.shape[1] for r in base.residual)
         left = np.sqrt(sum(np.square(r).sum(axis=1) for r in base.residual) / count)
         scale = np.maximum(ratio * left, 1.0) / ratio
-        ratio = ratio * scale
+        if np.all(np.abs(np.log(scale)) < _BALANCED):
+            break
         whitened_data = [e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in whitened_data]
         base = solve_base(whitened_data)
+        ratio = ratio * scale
     return [Floor(f.frequencies, f.rms * ratio[:, None]) for f in levels], whitened_data, base
 
 
