@@ -1,0 +1,60 @@
+"""Floors of replicas, and the balance of equations of which one lacks something."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from two_link_logs import in_process, loaded, made_log, two_link
+
+from pyident.diagnosis.base.replicas import left_of, replicated
+from pyident.diagnosis.base.residual_over_floor import balanced
+from pyident.diagnosis.base.setting import set_up, unbiased, workers_of
+from pyident.regression.spectrum import Band, Equations, Floor, floors
+from pyident.simulation.replica import Repeat
+
+
+def test_noise_of_encoders_is_no_floor_at_low_frequencies(tmp_path):
+    """A regression with one weight for all frequencies lets it bend the parameters, where physics is."""
+    robot = two_link()
+    with loaded(robot, tmp_path) as fmu:
+        quiet = made_log(fmu, robot, 0)
+    setting = set_up(robot, [_noisier(quiet, 2e-5)])
+    with workers_of(setting, in_process) as workers:
+        setting = unbiased(setting, workers)
+        ((logs, bands, left),) = workers.submit(replicated, setting, [1]).result()
+    assert all(isinstance(r, Repeat) for r in setting.repeats)
+    own, flat = (floors(bands, of, 1)[0] for of in (left, left_of(setting, logs)[1]))
+    low = [_rms(level, 0.2, 1.0) for level in (own, flat)]
+    between = _rms(own, 2.0, 4.0)
+    assert (low[0] < 3 * between).all()
+    assert (low[1] > 5 * low[0]).any()
+
+
+def _noisier(log: Any, sigma: float) -> Any:
+    rng = np.random.default_rng(1)
+    frame = log.frame.copy()
+    for name in ("joint1.e", "joint2.e"):
+        frame[name] += sigma * rng.standard_normal(len(frame))
+    return type(log)(frame, log.source)
+
+
+def _rms(level: Floor, low: float, high: float) -> np.ndarray:
+    inside = (level.frequencies >= low) & (level.frequencies < high)
+    return np.sqrt(np.mean(level.rms[:, inside] ** 2, axis=1))
+
+
+@pytest.mark.parametrize("lacks", [10.0, 1e4])
+def test_an_equation_that_lacks_something_leaves_its_neighbours_alone(lacks):
+    """Two equations share parameters, one has a force of `lacks` floors that none of them makes."""
+    rng, bins = np.random.default_rng(0), 400
+    A = rng.standard_normal((2, 2 * bins, 4))
+    p = np.array([3.0, -2.0, 1.0, 5.0])
+    missing = np.abs(rng.standard_normal(2 * bins)) + 0.5 * A[1, :, 0]
+    y = A @ p + rng.standard_normal((2, 2 * bins))
+    y[1] += lacks * missing
+    data = Equations(None, Band(4 * bins, bins, 0.01), A, y)  # pyright: ignore[reportArgumentType]
+    flat = Floor(np.array([0.0, 50.0]), np.ones((2, 2)))
+    levels, _, base = balanced([flat], [data])
+    assert np.square(base.residual[0][0]).mean() == pytest.approx(1.0, abs=0.15)
+    assert levels[0].rms[0] == pytest.approx([1.0, 1.0], rel=0.05)
+    assert base.p == pytest.approx(p, abs=0.2)
