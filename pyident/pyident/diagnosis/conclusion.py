@@ -7,10 +7,11 @@ import numpy as np
 
 from flexmodels.coordinate import joint_name
 from pyident.conditioning.standing import standing_in
-from pyident.diagnosis.base.candidates import law_of, units_of
+from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
+from pyident.diagnosis.coefficients import gain_beside
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
@@ -73,8 +74,9 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
     )
     rows = main_rows(view, step.best.candidate)
     unseen = held.share(view, step.candidates, rows)
+    beside = [*view.chosen, *step.orders]
     return Finding(
-        tie=tuple(named(search, f) for f in step.tie),
+        tie=tuple(_together(search, f, beside) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
         share_percent=max(100 * share_on(view, step.candidates, rows), 0.0),
@@ -82,6 +84,15 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
         experiment=asked_for(search.robot, [f.candidate for f in step.tie]),
     )
+
+
+def _together(search: Search, found: Found, others: Sequence[Candidate]) -> Named:
+    """A candidate as it is reported, with the coefficients that it has beside others."""
+    if found.candidate.describes:
+        return named(search, found)
+    own = gain_beside(search, others, found.candidate)
+    coefficients = replace(found.gain, coefficients=own.coefficients, std=own.std)
+    return named(search, replace(found, gain=coefficients))
 
 
 def named(search: Search, found: Found) -> Named:

@@ -109,7 +109,7 @@ def search_of(
     count, nothing = in_bands.sum(axis=0), np.zeros((20, 0))
     floor: Any = Floor(np.array([0.0, 20.0]), np.ones((1, 2)))
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual[None]])
-    examined: Any = ([], [], [], nothing, [], np.zeros((1, len(count))), replicas[:, None], count)
+    examined: Any = ([], [], [], nothing, [], np.zeros((1, len(count))), replicas[:, None], count, np.ones(1))
     examination = Examination(setting, [floor], [], base, *examined)
     vars(examination)["bands"] = [in_bands]
     families: Any = None

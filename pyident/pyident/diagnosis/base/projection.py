@@ -64,27 +64,34 @@ class Gain:
 
 def solve_base(whitened: Sequence[Equations]) -> Base:
     """Least squares over all logs."""
-    p, directions = _solved(whitened)
+    p, directions = solution_of(triangles(whitened))
     return Base(p, directions, [e.A @ directions for e in whitened], [e.y - e.A @ p for e in whitened])
 
 
 def residuals_of(whitened: Sequence[Equations]) -> list[np.ndarray]:
     """Per log (n, E), what the base's least squares leaves."""
-    p, _ = _solved(whitened)
+    p, _ = solution_of(triangles(whitened))
     return [e.y - e.A @ p for e in whitened]
 
 
-def _solved(whitened: Sequence[Equations]) -> tuple[np.ndarray, np.ndarray]:
-    """`p` and `directions` of a base."""
-    scale = np.sqrt(sum(np.einsum("cep,cep->p", e.A, e.A) for e in whitened))
+def triangles(whitened: Sequence[Equations]) -> list[np.ndarray]:
+    """Per equation the triangle (P + 1, P + 1) of [A, y] over all logs."""
+    found = []
+    for row in range(len(whitened[0].y)):
+        own = Triangle(whitened[0].A.shape[2])  # of the few columns that act there
+        for e in whitened:
+            own.fold(e.A[row], e.y[row])
+        found.append(own.full)
+    return found
+
+
+def solution_of(rows: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """`p` (P,) and `directions` (P, R) of a base, from its equations' triangles."""
+    scale = np.sqrt(sum(np.square(R[:, :-1]).sum(axis=0) for R in rows))
     scale[scale == 0] = 1.0
     triangle = Triangle(len(scale))
-    for e in whitened:
-        for A, y in zip(e.A, e.y, strict=True):
-            own = Triangle(len(scale))  # of the few columns that act there
-            own.fold(A, y)
-            R = own.full
-            triangle.fold(R[:, :-1] / scale, R[:, -1])
+    for R in rows:
+        triangle.fold(R[:, :-1] / scale, R[:, -1])
     R = triangle.full
     U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.balance import balanced
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
 from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
@@ -26,8 +27,6 @@ from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_o
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
-_BALANCED = 0.01  # change of a weight below which balancing ends
-_BALANCING = 50  # rounds at most
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched
 
 Progress = Callable[[float], None]
@@ -44,6 +43,7 @@ class Examination:
     replica_residuals   (B) per log (n, E)
     energy              (n, bands) mean square of the data's residual over the floor
     replica_energy      (B, n, bands) the same of the replicas' residuals
+    raised              (n,) factor of each equation's floors, by what it lacks (see `balanced`)
     """
 
     setting: Setting
@@ -58,6 +58,7 @@ class Examination:
     energy: np.ndarray
     replica_energy: np.ndarray
     count: np.ndarray
+    raised: np.ndarray
 
     def of_others(self, listed: Sequence[Candidate]) -> "Examination":
         """The same data and replicas with other candidates, all of them along the data's motion."""
@@ -150,7 +151,8 @@ def examine(
             residuals += left
         progress(0.5 * (i + 1) / len(jobs))
     own_floors = floors(bands, residuals, len(logs))
-    own_floors, data, base = balanced(own_floors, whitened(robot, logs, own_floors))
+    data, base, raised = balanced(whitened(robot, logs, own_floors))
+    own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
@@ -169,28 +171,8 @@ def examine(
     replica_gains[:, shared] = of_shared
     mean_square, number = energy(data, base)
     replica_energy = np.array([e for _, _, e in judged])
-    found = explained, replica_gains, left, mean_square, replica_energy, number
+    found = explained, replica_gains, left, mean_square, replica_energy, number, raised
     return Examination(setting, own_floors, data, base, listed, columns, *found)
-
-
-def balanced(levels: Sequence[Floor], data: Sequence[Equations]) -> tuple[list[Floor], list[Equations], Base]:
-    """Floors, equations and their base with no equation heavier than what it leaves allows.
-
-    An equation that lacks something would else bend the parameters of all others to its own ends.
-    """
-    ratio = np.ones(len(levels[0].rms))
-    whitened_data = list(data)
-    base = solve_base(whitened_data)
-    for _ in range(_BALANCING):
-        count = sum(r.shape[1] for r in base.residual)
-        left = np.sqrt(sum(np.square(r).sum(axis=1) for r in base.residual) / count)
-        scale = np.maximum(ratio * left, 1.0) / ratio
-        if np.all(np.abs(np.log(scale)) < _BALANCED):
-            break
-        whitened_data = [e.over(np.repeat(scale[:, None], e.y.shape[1], axis=1)) for e in whitened_data]
-        base = solve_base(whitened_data)
-        ratio = ratio * scale
-    return [Floor(f.frequencies, f.rms * ratio[:, None]) for f in levels], whitened_data, base
 
 
 def _judged(

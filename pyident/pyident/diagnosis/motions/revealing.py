@@ -15,7 +15,8 @@ from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import solve_base
-from pyident.diagnosis.base.residual_over_floor import gains_of, replicated, whitened
+from pyident.diagnosis.base.replicas import replicated
+from pyident.diagnosis.base.residual_over_floor import gains_of, whitened
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.motions.detectable import limit_of, needed_gain
 from pyident.diagnosis.result import Limit

@@ -175,19 +175,23 @@ class Search:
         return proper(self.robot, candidate, explained.coefficients.tolist(), parameters)
 
     def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
-        """A ranking with `best` and those that cannot be told from it at its head, the simplest first."""
+        """A ranking with `best` and those that cannot be told from it at its head, the simplest first.
+
+        Laws of a machine are seldom quite the catalogue's, so that another may explain nearly as much as the
+        best. Where the best leaves nothing, chance is all that may part them.
+        """
         widest = max(self.rules.chance, best.spread)  # of what noise does to a gain, and of gains in replicas
         by_chance = self.rules.chance * widest
-        least = min(self.rules.tie * best.excess, best.excess - by_chance)
-        near = [
-            f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= self.rules.level
-        ]
+        surely, level, apart = best.excess - by_chance, self.rules.level, self.rules.apart
+        least = min(self.rules.tie * best.excess, surely)
+        near = [f for f in ranked if f is not best and f.excess >= least]
         tie = [best]
         if near:
             beside = extended(self.base, self.columns(best.candidate))
-            tie += [
-                f for f in near if self.gain_of(f.candidate, beside).energy < self.rules.apart * f.gain.energy
-            ]
+            left = self.examination.beyond_floor(beside, self.rows(best.candidate))
+            near = [f for f in near if f.excess >= surely or left > by_chance]
+            kept = [self.gain_of(f.candidate, beside).energy < apart * f.gain.energy for f in near]
+            tie += [f for f, one in zip(near, kept, strict=True) if one and self.p_value(f) <= level]
         tie = self._simplest_first(tie)
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 

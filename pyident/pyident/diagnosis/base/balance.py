@@ -1,0 +1,76 @@
+"""Weights of the equations of a model that lacks something in some of them.
+
+What is missing in one equation bends the parameters that it shares with others, so that all of them leave
+more than their floors. The floor of each is therefore multiplied by a factor, at least one, which is found
+with the parameters as the most likely one where the residual of every equation is normal with a variance of
+its own: fit and variances in turn, each of which raises the likelihood. It has several maxima, since a misfit
+may be moved from one equation to its neighbours. So the search sets out from no suspicion, then from each
+equation as the one that is wrong, then from two of them, as long as the best becomes more likely.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyident.diagnosis.base.projection import Base, solution_of, solve_base, triangles
+from pyident.regression.spectrum import Equations
+
+_RESTS = 0.01  # change of a factor below which it rests
+_ROUNDS = 50  # at most
+_SUSPECTED = 1e4  # factor of an equation that counts for nothing
+_BETTER = 0.01  # log-likelihood per equation by which another maximum is better
+
+
+@dataclass(frozen=True)
+class _Maximum:
+    """raised (n,) factors of floors;  unlikely: their negative log-likelihood per equation."""
+
+    raised: np.ndarray
+    unlikely: float
+
+
+def balanced(
+    data: Sequence[Equations], start: np.ndarray | None = None
+) -> tuple[list[Equations], Base, np.ndarray]:
+    """Equations over their raised floors, their base, and the factors (n,).
+
+    start   factors (n,) from which alone to set out; none: from every suspicion
+    """
+    rows, count = triangles(data), sum(e.y.shape[1] for e in data)
+    best = _maximum(rows, count, np.ones(len(rows)) if start is None else start)
+    suspected: list[int] = []
+    while start is None and len(suspected) < len(rows) - 1:
+        trials = {i: _maximum(rows, count, _suspecting(len(rows), [*suspected, i])) for i in range(len(rows))}
+        worst = min(trials, key=lambda i: trials[i].unlikely)
+        if trials[worst].unlikely > best.unlikely - _BETTER:
+            break
+        best, suspected = trials[worst], [*suspected, worst]
+    lighter = [e.over(np.repeat(best.raised[:, None], e.y.shape[1], axis=1)) for e in data]
+    return lighter, solve_base(lighter), best.raised
+
+
+def _suspecting(count: int, rows: Sequence[int]) -> np.ndarray:
+    """Factors with which some equations count for nothing, and all others fully."""
+    raised = np.ones(count)
+    raised[list(rows)] = _SUSPECTED
+    return raised
+
+
+def _maximum(rows: Sequence[np.ndarray], count: int, raised: np.ndarray) -> _Maximum:
+    """The maximum above some factors. rows: triangles of equations;  count: of each one's samples."""
+    for _ in range(_ROUNDS):
+        left = _left(rows, raised) / np.sqrt(count)
+        new = np.maximum(left, 1.0)
+        rests = np.all(np.abs(np.log(new / raised)) < _RESTS)
+        raised = new
+        if rests:
+            break
+    left = _left(rows, raised) / np.sqrt(count)
+    return _Maximum(raised, float(np.sum(np.log(raised) + 0.5 * np.square(left / raised))))
+
+
+def _left(rows: Sequence[np.ndarray], raised: np.ndarray) -> np.ndarray:
+    """(n,) norm of what each equation leaves at its own floor."""
+    p, _ = solution_of([R / factor for R, factor in zip(rows, raised, strict=True)])
+    return np.array([np.linalg.norm(R[:, :-1] @ p - R[:, -1]) for R in rows])
