@@ -1,23 +1,27 @@
 """The last things made of the same objects, for what a search asks for again and again."""
 
-from collections import deque
-from collections.abc import Callable
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
 
 class Recent(Generic[T]):
-    """Keeps the `most` made last, and with them the objects that they were made of."""
+    """Keeps the `most` asked for last, and with them the objects that they were made of."""
 
     def __init__(self, most: int):
-        self._kept: deque[tuple[tuple[object, ...], object, T]] = deque(maxlen=most)
+        self._most = most
+        self._kept: OrderedDict[Hashable, tuple[tuple[object, ...], T]] = OrderedDict()
 
-    def of(self, objects: tuple[object, ...], make: Callable[[], T], key: object = None) -> T:
+    def of(self, objects: tuple[object, ...], make: Callable[[], T], key: Hashable = None) -> T:
         """What `make` gives, or gave for these very objects and an equal key."""
-        for known, known_key, made in tuple(self._kept):
-            if known_key == key and all(a is b for a, b in zip(known, objects, strict=True)):
-                return made
+        place = (*map(id, objects), key)  # of objects that are kept, so that no other gets their address
+        if place in self._kept:
+            self._kept.move_to_end(place)
+            return self._kept[place][1]
         made = make()
-        self._kept.append((objects, key, made))
+        self._kept[place] = objects, made
+        if len(self._kept) > self._most:
+            self._kept.popitem(last=False)
         return made

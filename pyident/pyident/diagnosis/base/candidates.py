@@ -2,6 +2,7 @@
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -21,7 +22,7 @@ from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
 from pyident.rules.periodic import PeriodicRules
 
-_descriptions: Recent[dict[int, np.ndarray]] = Recent(512)
+_as_they_act: Recent[dict[int, np.ndarray]] = Recent(512)
 _with_torques: Recent[Motion] = Recent(16)
 _TOGETHER = 16  # candidates whose columns are transformed at once
 
@@ -161,8 +162,7 @@ def columns(
     out = []
     for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
         if candidate.log in (None, i):
-            factor = np.ones(len(log.part.target)) if acting is None else acting[i]
-            out.append(_columns(robot, candidate, log, level, factor))
+            out.append(_columns(robot, candidate, log, level, None if acting is None else acting[i]))
         else:
             out.append({0: np.zeros((log.y.shape[1], len(bounds(robot, candidate)[0])))})
     return out
@@ -217,17 +217,14 @@ def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict
 
 
 def _columns(
-    robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, factor: np.ndarray
+    robot: Robot, candidate: Candidate, log: Equations, level: np.ndarray, acting: np.ndarray | None
 ) -> dict[int, np.ndarray]:
-    if candidate.describes and factor.all():  # costs far more than a law, and is asked for as often
+    if acting is None:
         whole = np.ones(len(log.part.target))
-        raw = _descriptions.of(
-            (robot, log.part),
-            lambda: _transformed(robot, candidate, log.part, log.band, whole),
-            candidate,
-        )
+        make = partial(_transformed, robot, candidate, log.part, log.band, whole)
+        raw = _as_they_act.of((robot, log.part), make, candidate)
     else:
-        raw = _transformed(robot, candidate, log.part, log.band, factor)
+        raw = _transformed(robot, candidate, log.part, log.band, acting)
     return {row: X / level[row][:, None] for row, X in raw.items()}
 
 
