@@ -30,8 +30,8 @@ def hidden() -> Robot:
     return two_link().with_effect(2, "asymmetric_coulomb").with_parameters(values)
 
 
-def made_log(fmu: LoadedFmu, robot: Robot, seed: int, seconds: float = 10.0) -> Log:
-    """Swings under a multisine, 2 and 1 µrad of noise."""
+def made_log(fmu: LoadedFmu, robot: Robot, seed: int, seconds: float = 10.0, louder: float = 1.0) -> Log:
+    """Swings under a multisine, 2 and 1 µrad of noise, or `louder` times that."""
     rng = np.random.default_rng(seed)
     time = np.arange(round(seconds / _PERIOD)) * _PERIOD
     swing = [1 - np.cos(2 * np.pi * time / (period + 0.3 * seed)) for period in (2.7, 3.4)]
@@ -41,7 +41,7 @@ def made_log(fmu: LoadedFmu, robot: Robot, seed: int, seconds: float = 10.0) -> 
         for _ in range(2)
     ]
     plan = Experiment(time, 0.6 * np.column_stack(swing), np.column_stack(waves) * (4.0, 1.5))
-    noise = {c: 2e-6 if c.endswith(".e") else 1e-6 for c in robot.coordinates}
+    noise = {c: louder * (2e-6 if c.endswith(".e") else 1e-6) for c in robot.coordinates}
     log = Repeat(Log(fmu.simulate(plan), f"log {seed}"), plan).replica(
         fmu.simulate, robot.parameters, noise, seed
     )
