@@ -41,7 +41,8 @@ def balanced(
     best = _maximum(rows, count, np.ones(len(rows)) if start is None else start)
     suspected: list[int] = []
     while start is None and len(suspected) < len(rows) - 1:
-        trials = {i: _maximum(rows, count, _suspecting(len(rows), [*suspected, i])) for i in range(len(rows))}
+        others = [i for i in range(len(rows)) if i not in suspected]
+        trials = {i: _maximum(rows, count, _suspecting(len(rows), [*suspected, i])) for i in others}
         worst = min(trials, key=lambda i: trials[i].unlikely)
         if trials[worst].unlikely > best.unlikely - _BETTER:
             break

@@ -1,9 +1,8 @@
 """Replicas, logs that the fitted model itself would have made, and what a regression leaves of them.
 
-What is left depends on the weights. With one weight for all frequencies the noise of encoders, which
-differences amplify and which no residual is but a part of the columns, bends the parameters at high
-frequencies, and what that leaves at low ones would be a floor that drowns the physics there: of flexible
-robots a hundred times what the right parameters leave.
+What is left depends on the weights. The noise of encoders, which differences amplify, is in the columns too;
+with one weight for all frequencies it bends the parameters at high ones. What that leaves at low ones would
+be a floor that drowns the physics there: of flexible robots a hundred times what the right parameters leave.
 """
 
 from collections.abc import Sequence
