@@ -67,8 +67,17 @@ def _maximum(rows: Sequence[np.ndarray], count: int, raised: np.ndarray) -> _Max
         raised = new
         if rests:
             break
-    left = _left(rows, raised) / np.sqrt(count)
-    return _Maximum(raised, float(np.sum(np.log(raised) + 0.5 * np.square(left / raised))))
+    return _Maximum(raised, _unlikely(_left(rows, raised) / np.sqrt(count)))
+
+
+def _unlikely(left: np.ndarray) -> float:
+    """left (n,): what each equation leaves of its own floor.
+
+    One that leaves more has got a variance of its own. One that leaves less is as unlikely as its energy is
+    by its floor's noise, a chi square: equations without a torque are fitted best by no parameters at all.
+    """
+    below = np.maximum(np.minimum(left, 1.0), 1e-300)
+    return float(np.sum(np.log(np.maximum(left, 1.0)) - np.log(below) + (np.square(below) - 1) / 2))
 
 
 def _left(rows: Sequence[np.ndarray], raised: np.ndarray) -> np.ndarray:
