@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from two_link_logs import in_process, loaded, made_log, two_link
 
-from pyident.diagnosis.base.balance import balanced
+from pyident.diagnosis.base.balance import _unlikely, balanced
 from pyident.diagnosis.base.replicas import left_of, replicated
 from pyident.diagnosis.base.setting import set_up, unbiased, workers_of
 from pyident.regression.spectrum import Band, Equations, Floor, floors
@@ -58,3 +58,10 @@ def test_an_equation_that_lacks_something_leaves_its_neighbours_alone(lacks):
     assert raised[0] == pytest.approx(1.0, rel=0.05)
     assert raised[1] > 0.5 * lacks
     assert base.p == pytest.approx(p, abs=0.2)
+
+
+def test_equations_below_their_floor_are_no_better_than_at_it():
+    """Equations without a torque leave nothing where all parameters are zero."""
+    assert _unlikely(np.array([1.0, 1.0])) == pytest.approx(0.0)
+    assert _unlikely(np.array([5.0, 1.0])) == pytest.approx(np.log(5.0))
+    assert _unlikely(np.array([1.0, 0.1])) > _unlikely(np.array([5.0, 1.0]))
