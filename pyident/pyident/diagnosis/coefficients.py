@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyident.diagnosis.base.balance import balanced
+from pyident.diagnosis.base.balance import raised_floors
 from pyident.diagnosis.base.candidates import Candidate, bounds
 from pyident.diagnosis.base.projection import Columns, Gain, extended, gain, joined, solve_base
 from pyident.diagnosis.search.search import Search
@@ -20,9 +20,9 @@ def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidat
     """A candidate's gain and coefficients in the data, beside others and the model's own parameters."""
     ex = search.examination
     every = [_times(search.columns(c), ex.raised) for c in (*others, candidate)]
-    plain = [e.over(np.repeat(1 / ex.raised[:, None], e.y.shape[1], axis=1)) for e in ex.logs]
-    _, _, raised = balanced(_wider(plain, joined(every)), ex.raised)
-    base = solve_base([e.over(np.repeat(raised[:, None], e.y.shape[1], axis=1)) for e in plain])
+    plain = [e.over(1 / ex.raised[:, None]) for e in ex.logs]
+    raised = raised_floors(_wider(plain, joined(every)), ex.raised)
+    base = solve_base([e.over(raised[:, None]) for e in plain])
     *beside, own = (_times(columns, 1 / raised) for columns in every)
     for columns in beside:
         base = extended(base, columns)

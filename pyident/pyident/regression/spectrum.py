@@ -67,7 +67,7 @@ class Equations:
     y: np.ndarray
 
     def over(self, level: np.ndarray) -> "Equations":
-        """Divided by the level (n, E) of each equation."""
+        """Divided by the level of each equation, (n, E), or (n, 1) for all of a row."""
         return Equations(self.part, self.band, self.A / level[:, :, None], self.y / level)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from two_link_logs import in_process, loaded, made_log, two_link
 
-from pyident.diagnosis.base.balance import _unlikely, balanced
+from pyident.diagnosis.base.balance import _unlikely, raised_floors
+from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.replicas import left_of, replicated
 from pyident.diagnosis.base.setting import set_up, unbiased, workers_of
 from pyident.regression.spectrum import Band, Equations, Floor, floors
@@ -53,7 +54,8 @@ def test_an_equation_that_lacks_something_leaves_its_neighbours_alone(lacks):
     y = A @ p + rng.standard_normal((2, 2 * bins))
     y[1] += lacks * missing
     data = Equations(None, Band(4 * bins, bins, 0.01), A, y)  # pyright: ignore[reportArgumentType]
-    _, base, raised = balanced([data])
+    raised = raised_floors([data])
+    base = solve_base([data.over(raised[:, None])])
     assert np.square(base.residual[0][0]).mean() == pytest.approx(1.0, abs=0.15)
     assert raised[0] == pytest.approx(1.0, rel=0.05)
     assert raised[1] > 0.5 * lacks

@@ -13,27 +13,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.diagnosis.base.projection import Base, solution_of, solve_base, triangles
+from pyident.diagnosis.base.projection import solution_of, triangles
 from pyident.regression.spectrum import Equations
 
 _RESTS = 0.01  # change of a factor below which it rests
 _ROUNDS = 50  # at most
 _SUSPECTED = 1e4  # factor of an equation that counts for nothing
-_BETTER = 0.01  # log-likelihood per equation by which another maximum is better
+_BETTER = 0.01  # by which another maximum is less unlikely
 
 
 @dataclass(frozen=True)
 class _Maximum:
-    """raised (n,) factors of floors;  unlikely: their negative log-likelihood per equation."""
+    """raised (n,) factors of floors;  unlikely: as `_unlikely` has it."""
 
     raised: np.ndarray
     unlikely: float
 
 
-def balanced(
-    data: Sequence[Equations], start: np.ndarray | None = None
-) -> tuple[list[Equations], Base, np.ndarray]:
-    """Equations over their raised floors, their base, and the factors (n,).
+def raised_floors(data: Sequence[Equations], start: np.ndarray | None = None) -> np.ndarray:
+    """(n,) the factor of each equation's floor.
 
     start   factors (n,) from which alone to set out; none: from every suspicion
     """
@@ -47,8 +45,7 @@ def balanced(
         if trials[worst].unlikely > best.unlikely - _BETTER:
             break
         best, suspected = trials[worst], [*suspected, worst]
-    lighter = [e.over(np.repeat(best.raised[:, None], e.y.shape[1], axis=1)) for e in data]
-    return lighter, solve_base(lighter), best.raised
+    return best.raised
 
 
 def _suspecting(count: int, rows: Sequence[int]) -> np.ndarray:

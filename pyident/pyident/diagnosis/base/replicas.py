@@ -28,7 +28,7 @@ def replicated(
     Of simulated ones the parameters are known: what these leave is the noise of each equation, in its
     residual and in its columns. Along a measured motion they are drawn, and a regression tells.
     """
-    left = left_by_own if setting.simulates else left_of
+    left = _left_by_own if setting.simulates else left_of
     return [(made, *left(setting, made)) for made in judged_replicas(fmu, setting, seeds)]
 
 
@@ -41,7 +41,7 @@ def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> l
     ]
 
 
-def left_by_own(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
+def _left_by_own(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.ndarray]]:
     """Per log its band and what the parameters of the setting's robot leave there, (n, E) [N m]."""
     found = denoised_equations(setting.robot, logs)
     p = np.array(list(setting.robot.linear_parameters.values()))
@@ -57,7 +57,7 @@ def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.
     flat = 1 / np.maximum(setting.solution.weights, 1e-300)
     found = denoised_equations(setting.robot, logs)
     bands, left = [e.band for e in found], []
-    levels = [np.repeat(flat[:, None], e.y.shape[1], axis=1) for e in found]
+    levels = [flat[:, None]] * len(found)
     rounds = _WEIGHTINGS if denoises(setting.robot) else 0
     for last in (*[False] * rounds, True):
         left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]

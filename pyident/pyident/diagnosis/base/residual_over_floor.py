@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.balance import balanced
+from pyident.diagnosis.base.balance import raised_floors
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
 from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
@@ -43,7 +43,7 @@ class Examination:
     replica_residuals   (B) per log (n, E)
     energy              (n, bands) mean square of the data's residual over the floor
     replica_energy      (B, n, bands) the same of the replicas' residuals
-    raised              (n,) factor of each equation's floors, by what it lacks (see `balanced`)
+    raised              (n,) factor of each equation's floors, by what it lacks (see `raised_floors`)
     """
 
     setting: Setting
@@ -151,7 +151,10 @@ def examine(
             residuals += left
         progress(0.5 * (i + 1) / len(jobs))
     own_floors = floors(bands, residuals, len(logs))
-    data, base, raised = balanced(whitened(robot, logs, own_floors))
+    plain = whitened(robot, logs, own_floors)
+    raised = raised_floors(plain)
+    data = [e.over(raised[:, None]) for e in plain]
+    base = solve_base(data)
     own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)

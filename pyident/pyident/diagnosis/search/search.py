@@ -184,14 +184,13 @@ class Search:
         by_chance = self.rules.chance * widest
         surely, level, apart = best.excess - by_chance, self.rules.level, self.rules.apart
         least = min(self.rules.tie * best.excess, surely)
-        near = [f for f in ranked if f is not best and f.excess >= least]
+        near = [f for f in ranked if f is not best and f.excess >= least and self.p_value(f) <= level]
         tie = [best]
         if near:
             beside = extended(self.base, self.columns(best.candidate))
             left = self.examination.beyond_floor(beside, self.rows(best.candidate))
             near = [f for f in near if f.excess >= surely or left > by_chance]
-            kept = [self.gain_of(f.candidate, beside).energy < apart * f.gain.energy for f in near]
-            tie += [f for f, one in zip(near, kept, strict=True) if one and self.p_value(f) <= level]
+            tie += [f for f in near if self.gain_of(f.candidate, beside).energy < apart * f.gain.energy]
         tie = self._simplest_first(tie)
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
