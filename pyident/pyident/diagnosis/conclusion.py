@@ -79,11 +79,18 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         tie=tuple(_together(search, f, beside) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
-        share_percent=max(100 * share_on(view, step.candidates, rows), 0.0),
+        share_percent=100 * _share_of_excess(view, step.candidates, rows),
         heldout_gain_percent=None if unseen is None else 100 * unseen.share,
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
         experiment=asked_for(search.robot, [f.candidate for f in step.tie]),
     )
+
+
+def _share_of_excess(view: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
+    """What a finding takes of what exceeds the floor; of so little that none would be named for it: 0."""
+    if view.remaining_on(rows) < view.rules.material * view.floor_energy_on(rows):
+        return 0.0
+    return max(share_on(view, candidates, rows), 0.0)
 
 
 def _together(search: Search, found: Found, others: Sequence[Candidate]) -> Named:

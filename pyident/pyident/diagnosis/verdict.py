@@ -44,7 +44,7 @@ def sentence_of(
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
     each = [
-        f"{' or '.join(_said(n) for n in f.tie)} ({_share(f)}){_UNTOLD if len(f.tie) > 1 else ''}"
+        f"{' or '.join(_said(n) for n in f.tie)} ({taken_by(f)}){_UNTOLD if len(f.tie) > 1 else ''}"
         for f in findings
     ]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
@@ -74,7 +74,8 @@ def _said(named: Named) -> str:
     return f"{place} of the robot file by about {value:.2g} {named.units[name]}"
 
 
-def _share(finding: Finding) -> str:
+def taken_by(finding: Finding) -> str:
+    """What it takes of what exceeds the floor, in words."""
     if finding.share_percent < _HARDLY:
         return "hardly more than the floor, but held-out data show it alike"
     share = f"{min(finding.share_percent, 100.0):.0f} % of what exceeds the floor there"

@@ -15,7 +15,12 @@ class SearchRules:
     """What a candidate must show to be named."""
 
     level: float = rule(LEVEL, "chance of a name when nothing is missing", "the usual level", "convention")
-    material: float = rule(0.005, "floor's energy that a gain reaches", "less is not worth a name", _TUNING)
+    material: float = rule(
+        0.02,
+        "floor's energy that a gain reaches",
+        "less is not worth a name: the error falls by less than a hundredth",
+        "by reason, after torques logged 0.1 samples early were named as delays at single joints",
+    )
     explained: tuple[float, ...] = rule(
         (0.4, 0.65, 0.8),
         "excess on its equations that a set of one, two, three or more effects takes away",

@@ -233,7 +233,8 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
     held = "-" if finding.heldout_gain_percent is None else f"{finding.heldout_gain_percent:.0f} %"
     values = ", ".join(said_value(best, name) for name in best.values)
     names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
-    return names, f"{finding.share_percent:.0f} %", held, values
+    share = f"{finding.share_percent:.0f} %" if finding.share_percent else "-"
+    return names, share, held, values
 
 
 def said_value(named: Any, parameter: str) -> str:

@@ -157,6 +157,7 @@ def _no_ranking(page: Tab, compared: Any) -> str:
 
 
 def _finding(page: Tab, number: int, finding: Any) -> None:
+    from pyident.diagnosis.verdict import taken_by
     from pyident.verbs.judged import said_value
 
     with ui.card().classes("w-full").props(f'data-testid="finding-{number + 1}"'):
@@ -169,9 +170,7 @@ def _finding(page: Tab, number: int, finding: Any) -> None:
                 ui.label(f"{named.effect} at {named.joint}{of}").classes("font-bold")
                 ui.label(values).classes("text-sm")
                 add_button(page, named, f"add-{number + 1}-{i + 1}", "Correct it" if of else "Add")
-        held = finding.heldout_gain_percent
-        on_unseen = "" if held is None else f", {held:.0f} % of the error on data that were not fitted"
-        ui.label(f"takes {finding.share_percent:.0f} % of what exceeds the floor{on_unseen}")
+        ui.label(f"takes {taken_by(finding)}")
         if finding.experiment:
             ui.label(f"To separate: {finding.experiment}").classes("text-sm")
 
