@@ -172,9 +172,9 @@ def _longest(true: np.ndarray) -> int:
 
 def _unsigned(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """A torque that comes down to zero again and again and never goes below: its magnitude."""
-    low = np.abs(x) < 0.02 * np.abs(x).max()
-    inside = runs(low.astype(int))
-    touches = sum(bool(low[s]) for s in inside.start)
+    size = np.abs(x) / max(float(np.abs(x).max()), 1e-300)
+    away = size[(size < 0.02) | (size > 0.2)] > 0.2  # noise about zero touches it once
+    touches = int(np.sum(away[:-1] & ~away[1:]))
     if (x.min() >= 0 or x.max() <= 0) and touches >= 4:
         yield _defect("doubtful", "unsigned", log, name, f"comes to zero {touches} times and never changes "
                       f"its sign; it looks like a magnitude: record the signed torque")  # fmt: skip

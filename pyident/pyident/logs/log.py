@@ -208,5 +208,5 @@ def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) ->
         i = int(uneven[0]) if len(uneven) else 0
         raise LogError(
             f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {first + i + 2} where "
-            f"the period is {period:.6g} s; cut the log there or resample it to a uniform period"
+            f"the period is {period:.6g} s; cut the log there, or let `pyident log import` resample it"
         )

@@ -13,10 +13,13 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
 from pyident.conditioning.rest import away_from_rest, without_steps
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
+from pyident.rules.periodic import PeriodicRules
+from pyident.rules.rules import RULES
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
@@ -71,10 +74,12 @@ def along(
     p: np.ndarray,
     covariance: np.ndarray | None = None,
     known: Mapping[str, float] | None = None,
+    periodic: PeriodicRules = RULES.periodic,
 ) -> AlongMotion:
     """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact.
 
     known   signal -> standard deviation of its noise, which is white; none: it is measured in the channels
+    periodic   by which waves over a joint's angle are told from noise
     """
     measured = log.signals(robot.coordinates)
     tau = log.signals(robot.torques)
@@ -94,7 +99,7 @@ def along(
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
     blurs = [blurred(corner) for corner in corners]
-    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), blurs)
+    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), blurs, periodic)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
 
@@ -106,6 +111,7 @@ def _torque_noise(
     p: np.ndarray,
     repeats: float | None,
     blurs: Sequence[int],
+    periodic: PeriodicRules,
 ) -> dict[str, NoiseSpectrum]:
     """Torque -> its noise.
 
@@ -119,11 +125,17 @@ def _torque_noise(
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         moving = without_steps(moving, motion.ddq[:, k], blurs[k])
         moving[:ends], moving[-ends:] = False, False
-        known = bridged(left[:, k], moving) if moving.any() else left[:, k]
-        found = None if repeats else between_reversals(known, moving, log.period)
+        rest = left[:, k]
+        if moving.any():
+            if not repeats:
+                highest, angle = highest_of(robot.joints[k], periodic), motion.q[:, k]
+                orders = orders_within([angle], np.abs(speed), log.period, highest, periodic)
+                rest = without_waves(rest, angle, speed, moving, orders, periodic)
+            rest = bridged(rest, moving)
+        found = None if repeats else between_reversals(rest, moving, log.period)
         if repeats:
-            found = repeated_spectrum(known, repeats, log.period)
-        out[name] = found or NoiseSpectrum.white(channel_noise(known), log.period)
+            found = repeated_spectrum(rest, repeats, log.period)
+        out[name] = found or NoiseSpectrum.white(channel_noise(rest), log.period)
     return out
 
 

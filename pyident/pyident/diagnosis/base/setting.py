@@ -91,7 +91,7 @@ def set_up(
     fitted = _along_model(robot, reduced, solution)
     known = [None if denoises(robot) else sensor_noise(fitted, [log], solution.p) for log in logs]
     paths = tuple(
-        along(fitted, log, solution.p, solution.covariance, noise)
+        along(fitted, log, solution.p, solution.covariance, noise, rules.periodic)
         for log, noise in zip(logs, known, strict=True)
     )
     each = [{name: spectrum.std for name, spectrum in path.noise.items()} for path in paths]
