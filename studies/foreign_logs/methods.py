@@ -1,6 +1,6 @@
 """What is asked of a method: the owner's robot file and logs in, names of effects and joints out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,12 +22,12 @@ Method = Callable[[Robot, list[Log], list[Log]], list[Name]]  # robot, logs to f
 class Answer:
     """verdict   `unexplained` says that something is missing which has no name
     ties      of every finding the names that cannot be told apart, the best first
-    amount    of the first name's error of the description [m or rad], else None
+    amounts   of the names of the first finding: the error of the description [m or rad], else None
     """
 
     verdict: str
     ties: list[list[Name]]
-    amount: float | None = None
+    amounts: Sequence[float | None] = ()
 
 
 def all_answers(robot: Robot, fit: list[Log], heldout: list[Log]) -> dict[str, Answer]:
@@ -35,8 +35,8 @@ def all_answers(robot: Robot, fit: list[Log], heldout: list[Log]) -> dict[str, A
     search = searched(robot, fit, runs_here)
     found = concluded(search, runs_here, heldout)
     ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
-    amount = found.findings[0].tie[0].values.get("correction") if found.findings else None
-    answers = {"diagnosis": Answer(found.verdict, ties, None if amount is None else float(amount))}
+    first = found.findings[0].tie if found.findings else ()
+    answers = {"diagnosis": Answer(found.verdict, ties, [n.values.get("correction") for n in first])}
     for name, method in (METHODS | {"LASSO": lasso}).items():
         answers[name] = named(method(search))
     return answers

@@ -104,7 +104,7 @@ def _read(folder: Path, case: Case) -> Scored:
     said = json.loads((folder / "answers" / f"{case.id}.json").read_text(encoding="utf-8"))
     sealed = json.loads((folder / "sealed" / f"{case.id}.json").read_text(encoding="utf-8"))
     answers = {
-        name: Answer(a["verdict"], [[(e, k) for e, k in tie] for tie in a["ties"]], a["amount"])
+        name: Answer(a["verdict"], [[(e, k) for e, k in tie] for tie in a["ties"]], a["amounts"])
         for name, a in said["answers"].items()
     }
     truth = tuple(

@@ -114,8 +114,10 @@ def test_more_cases_begin_with_the_same_and_a_case_is_the_same_again():
     assert not one.fit["q1"].equals(one.heldout["q1"])
 
 
-def shifted(amount: float) -> Answer:
-    return Answer("missing_effect", [[("origin[x]", 1)]], amount)
+def shifted(*amounts: float | None) -> Answer:
+    """A tie of other errors of the robot file, and the shift as its last."""
+    tie = [*(("encoder_zero", k + 1) for k in range(len(amounts) - 1)), ("origin[x]", 1)]
+    return Answer("missing_effect" if len(tie) == 1 else "cannot_tell", [tie], amounts)
 
 
 def test_answers_are_counted():
@@ -131,6 +133,7 @@ def test_answers_are_counted():
         Scored("strong", False, (spring,), {}, "LogError: no"),
         Scored("geometry", False, (shift,), {"diagnosis": shifted(2.3e-3)}),
         Scored("geometry", False, (shift,), {"diagnosis": shifted(2.5e-3)}),
+        Scored("geometry", False, (shift,), {"diagnosis": shifted(2e-3, 2.1e-3)}),
         Scored("outside", False, (), {"diagnosis": Answer("unexplained", [])}),
     ]  # fmt: skip
     value = {r["what"]: r["value"].split(" (")[0] for r in table(cases, ["diagnosis"])}
@@ -139,9 +142,10 @@ def test_answers_are_counted():
     assert value["strong: in the first tie"] == "1 of 2"
     assert value["strong: strictly first"] == "0 of 2"
     assert value["single: confidently wrong"] == "1 of 2"
-    assert value["geometry: named, value within 20 %"] == "1 of 2"
+    assert value["geometry: named, value within 20 %"] == "1 of 3"
+    assert value["geometry: in the first tie, value within 20 %"] == "2 of 3"
     assert value["outside: unexplained or a fair alias"] == "1 of 1"
-    assert value["cases that failed"] == "1 of 9"
+    assert value["cases that failed"] == "1 of 10"
 
 
 def nothing(robot, fit, heldout):

@@ -3,7 +3,8 @@
 An axis that is turned by a fifth of a degree may explain a hundredth of a residual, and over thousands of
 samples be certain all the same. Shares of the excess say nothing there; its value does: it is far from zero
 in the fitted logs, and held-out logs, which move otherwise, find the same one. Standard deviations are those
-of coloured noise, from the residual at the very frequencies where the error acts (White 1980).
+of coloured noise, from the residual at the very frequencies where the error acts (White 1980). Positions that
+had to be moved in time are where they belong to a fiftieth of a sample, which is more than such an error.
 """
 
 import numpy as np
@@ -20,7 +21,8 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     unseen   what it takes of held-out logs; none: it does not count
     """
     rules = search.rules
-    if unseen is None or search.stands_out or unseen.deviations < rules.again:
+    moved = search.examination.setting.late != 0.0
+    if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
     fitted = _deviations(search, candidate)
     return fitted >= rules.chance and unseen.of_one_size(rules, 1 / fitted)
