@@ -1,10 +1,11 @@
 """Counts answers against truths, a table per method."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from statsmodels.stats.proportion import proportion_confint
 
+from pyident.regression.descriptions import describes
 from pyident.sweep.studies import row
 
 from .generator import Truth
@@ -72,6 +73,9 @@ def _rows(cases: Sequence[Scored], method: str, prefix: str) -> list[dict[str, s
         share("geometry: in the first tie, value within 20 %", [_measured(c, a, True) for c, a in geometry]),
         share("outside: unexplained or a fair alias", [_honest(c, a) for c, a in of("outside")], 85),
         share("outside: confidently wrong", [_wrong(c, a) for c, a in of("outside")], 5, most=True),
+        share("of all findings with one name: right", _true(said, lambda tie: len(tie) == 1)),
+        share("of all findings in a tie: the truth among them", _true(said, lambda tie: len(tie) > 1)),
+        share("of all findings of the robot file: right", _true(said, lambda tie: describes(tie[0][0]))),
     ]
 
 
@@ -102,6 +106,13 @@ def _wrong(case: Scored, answer: Answer) -> bool:
     """A finding none of whose names is right, or no answer at all."""
     names = right(case.truth) | set(case.besides)
     return answer.verdict == "failed" or any(not names & set(tie) for tie in answer.ties)
+
+
+def _true(said: Sequence[tuple[Scored, Answer]], counted: Callable[[Sequence[Name]], bool]) -> list[bool]:
+    """Of every finding of one kind whether any of its names is true."""
+    return [
+        bool((right(c.truth) | set(c.besides)) & set(tie)) for c, a in said for tie in a.ties if counted(tie)
+    ]
 
 
 def _measured(case: Scored, answer: Answer, tied: bool = False) -> bool:

@@ -145,6 +145,9 @@ def test_answers_are_counted():
     assert value["geometry: named, value within 20 %"] == "1 of 3"
     assert value["geometry: in the first tie, value within 20 %"] == "2 of 3"
     assert value["outside: unexplained or a fair alias"] == "1 of 1"
+    assert value["of all findings with one name: right"] == "3 of 4"
+    assert value["of all findings in a tie: the truth among them"] == "2 of 2"
+    assert value["of all findings of the robot file: right"] == "3 of 3"
     assert value["cases that failed"] == "1 of 10"
 
 
