@@ -74,6 +74,18 @@ def test_a_wrapped_angle_is_told():
     assert "jumps by a turn" in defect.sentence
 
 
+@pytest.mark.parametrize("sticks", [True, False])
+def test_a_hinge_may_jump_where_a_motor_sticks_and_nowhere_else(sticks):
+    """A motor brakes evenly, stands still, and the load on its hinge is gone; or it goes on as it was."""
+    at, end = 1200, TIME[1200]
+    angle = np.where(end > TIME, -0.5 * (TIME - end) ** 2, 0.0) if sticks else ANGLE
+    after = np.maximum(TIME - end, 0.0)
+    ringing = 1e-4 * np.exp(-40 * after) * np.cos(300 * after)
+    hinge = 1e-4 * np.sin(0.5 * TIME) + np.where(np.arange(len(TIME)) >= at, ringing - 1e-4, 0.0)
+    found = list(jumps(one_joint(), logged(**{"joint1.e": angle}), "joint1.eps[1]", hinge))
+    assert [d.kind for d in found] == ([] if sticks else ["jump"])
+
+
 def test_a_smooth_channel_has_neither_jumps_nor_spikes():
     assert not list(jumps(one_joint(), logged(), "joint1.e", ANGLE))
     assert not list(spikes(logged(), "joint1.tau", 5 + np.cos(2 * TIME)))

@@ -1,10 +1,10 @@
 """Positions that jump and torques that stick out for a sample: lost counts, lost rows, wrapped angles."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from flexmodels.coordinate import joint_number
+from flexmodels.coordinate import is_motor, joint_number
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.checks.quantisation import noise_of, step_of
@@ -12,24 +12,24 @@ from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
 
+_REACH = 4  # samples of a fourth difference
+
 
 def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Fourth differences of x (N,) that stick out: a jump stands in four, in a ratio of 1, -3, 3, -1."""
+    """Fourth differences of x (N,) that stick out: a jump stands in four, in a ratio of 1, -3, 3, -1.
+
+    Where a motor sticks, or breaks away, its acceleration jumps, and hinges jump and ring with it.
+    """
     joint = robot.joints[joint_number(name) - 1]
     turns = np.diff(x) / (2 * np.pi)
     wrapped = np.flatnonzero((np.abs(turns) > 0.9) & (np.abs(turns) < 1.1))
     if joint.kind == "revolute" and len(wrapped) and np.median(np.abs(turns)) < CHANNELS.whole_turns:
         yield _turn(log, name, int(wrapped[0]))
         return
-    fourth = np.abs(np.diff(x, 4))
-    scale = 1.4826 * float(np.median(fourth))
-    bound = max(
-        LOG_CHECKS.odd * scale,
-        LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)),
-        CHANNELS.encoder_steps * step_of(x),
-    )
-    bent = CHANNELS.bent_ends
-    high = bent + np.flatnonzero(fourth[bent:-bent] > bound)
+    high = _odd_places(x)
+    if len(high) and not is_motor(name):
+        motors = [c for c in robot.coordinates if is_motor(c) and c in log.frame]
+        high = high[~_near([_odd_places(log.frame[c].to_numpy(float)) for c in motors], high)]
     if not len(high):
         return
     from scipy.ndimage import median_filter  # here and below: much memory, for few logs
@@ -49,6 +49,25 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     yield Defect("gross" if gross else "doubtful", "jump", name,
                  f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; a count was "
                  f"lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
+
+
+def _odd_places(x: np.ndarray) -> np.ndarray:
+    """Where fourth differences of x (N,) stick out."""
+    fourth = np.abs(np.diff(x, 4))
+    scale = 1.4826 * float(np.median(fourth))
+    bound = max(
+        LOG_CHECKS.odd * scale,
+        LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)),
+        CHANNELS.encoder_steps * step_of(x),
+    )
+    bent = CHANNELS.bent_ends
+    return bent + np.flatnonzero(fourth[bent:-bent] > bound)
+
+
+def _near(events: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:
+    """Whether each of some places comes at an event or soon after one."""
+    after = places[:, None] - np.concatenate(events)[None, :]
+    return np.any((after >= -_REACH) & (after <= CHANNELS.ringing), axis=1)
 
 
 def _turn(log: Log, name: str, at: int) -> Defect:

@@ -27,7 +27,7 @@ def highest_of(joint: Joint, rules: PeriodicRules) -> float:
 def orders_within(
     angles: Sequence[np.ndarray], speeds: np.ndarray, period: float, highest: float, rules: PeriodicRules
 ) -> np.ndarray:
-    """Those that the motion resolves and the sampling follows; may be none."""
+    """(F,) orders per turn that the motion resolves and the sampling follows; may be none."""
     span = span_of(angles)
     moving = speeds[speeds > 0.1 * speeds.max()] if speeds.max() > 0 else speeds[:0]
     if span <= 0 or not len(moving):

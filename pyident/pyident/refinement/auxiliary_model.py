@@ -22,7 +22,6 @@ from pyident.estimation.identify import (
     disagreements,
     identified,
     near,
-    soft_hinges,
     without_intervals,
 )
 from pyident.estimation.instrumental_variables import (
@@ -33,9 +32,9 @@ from pyident.estimation.instrumental_variables import (
     unknown,
 )
 from pyident.estimation.least_squares import Solution
-from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.instruments.fixed_point import FixedPoint
+from pyident.refinement.instruments.following import Followed, Followers, NotFollowedError
 from pyident.refinement.instruments.instrumental_covariance import (
     ringing,
     with_covariance,
@@ -50,11 +49,9 @@ from pyident.refinement.instruments.simulated_rows import (
     every,
     in_memory,
     rows_of,
-    simulable,
-    simulations,
 )
 from pyident.refinement.instruments.stand_in import driven, smoothed
-from pyident.refinement.instruments.starts import Begun, begun, missed, nearest
+from pyident.refinement.instruments.starts import Begun, begun, nearest
 from pyident.refinement.remove_bias import seen
 from pyident.regression.bodies import reads_load
 from pyident.simulation.replica import Repeat, repeats
@@ -66,13 +63,8 @@ _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _TINY = np.finfo(float).tiny
-_FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 
 Progress = Callable[[float], None]
-
-
-class NotFollowedError(Exception):
-    """The simulated model does not follow the logs: it is no instrument."""
 
 
 def identify_by_instruments(
@@ -177,20 +169,25 @@ def _rounds(
     steps: FixedPoint | None = None
     last: _Round | None = None
     settled: _Round | None = None
+    before: Robot | None = None
+    followers = Followers(start, again, workers, prior)
     for number in range(_ROUNDS):
         found = last.solution if last else best.solution
         try:
-            put_in, frames = _simulated(start, again, workers, wanted, found, prior)
+            made = followers.towards(wanted, found, before)
         except SimulationError:
             if last is None or driven(robot):
                 raise
             break  # nothing of a simulation but its instruments is in the estimate: the last ones do
+        if steps is not None:
+            steps.went(made.share)
+        before = wanted = made.wanted
         if reads_load(robot):
             robot = robot.with_parameters(wanted.linear_parameters)
             data = gathered(partial(in_memory, robot), [d.part for d in data])
         near = number >= _NEAR or (last is not None and last.largest(last.gap) <= _SETTLED)
         logs = Repeated(robot, data, again, start.plain.reduced)
-        last = _round(logs, frames, put_in, wanted, last, workers if near else None)
+        last = _round(logs, made, last, workers if near else None)
         if last.columns is not None and steps is None:
             steps = FixedPoint(np.eye(len(last.gap)), last.std)
         if (
@@ -214,43 +211,13 @@ def _changed(values: Mapping[str, float], step: np.ndarray) -> dict[str, float]:
     return {name: v + s for (name, v), s in zip(values.items(), step.tolist(), strict=True)}
 
 
-def _simulated(
-    start: Begun,
-    again: Sequence[Repeat],
-    workers: Workers,
-    wanted: Robot,
-    found: Solution,
-    prior: Robot | None,
-) -> tuple[dict[str, float], list[pd.DataFrame]]:
-    """The parameters nearest those wanted that can be simulated, and each log's motion under them."""
-    names, values = start.plain.reduced.columns, np.array(list(wanted.linear_parameters.values()))
-    hinges = {} if prior is None else soft_hinges(names, replace(found, p=values), prior)
-    quiet = simulable(start.robot, names, values, hinges)
-    put_in = wanted.parameters | dict(zip(names, quiet.tolist(), strict=True))
-    try:
-        return put_in, simulations(again, workers, put_in)
-    except SimulationError:
-        possible = consistent(start.robot, start.plain.reduced, replace(found, p=quiet), prior)
-        put_in |= dict(zip(names, possible.tolist(), strict=True))
-        return put_in, simulations(again, workers, put_in)
-
-
-def _round(
-    logs: Repeated,
-    frames: list[pd.DataFrame],
-    put_in: Mapping[str, float],
-    wanted: Robot,
-    before: _Round | None,
-    workers: Workers | None,
-) -> _Round:
+def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Workers | None) -> _Round:
     """What the logs say with the simulation as instrument; workers: to measure its columns.
 
-    Raises NotFollowedError, SimulationError.
+    Raises SimulationError.
     """
-    share = max(missed(r, frame) for r, frame in zip(logs.again, frames, strict=True))
-    if not share < _FOLLOWS:
-        raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
-    values = np.array(list(wanted.linear_parameters.values()))
+    put_in, frames = made.put_in, made.frames
+    values = np.array(list(made.wanted.linear_parameters.values()))
     quiet = np.array([put_in[name] for name in logs.reduced.columns])
     rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
     if driven(logs.robot):

@@ -39,6 +39,13 @@ def toothed(q, v, load, time):
     return out
 
 
+def churned(q, v, load, time):
+    """Oil: the square of the speed differs from a straight line at full speed most of all."""
+    out = plain(q, v, load, time)
+    out[:, 1] += 1.5 * np.abs(v[:, 1]) * v[:, 1]
+    return out
+
+
 def samples(friction, candidate: Candidate, slow: float = 0.0, burst: bool = False) -> str:
     """What the candidate's gain rests on in two logs; the floor is what the fit leaves.
 
@@ -79,3 +86,8 @@ def test_a_ripple_shows_where_the_joint_is_fast_and_noise_is_little():
     """Its force is the same everywhere; over the floor it is not, and what it explains is no sliver of it."""
     ripple = Candidate("torque_ripple", 2, (("order", TEETH),))
     assert samples(toothed, ripple, slow=30.0, burst=True) == ""
+
+
+def test_friction_of_the_square_of_the_speed_may_rest_on_the_fastest_samples():
+    """A floor that rises at low frequencies leaves a peaky motion little else that tells it from viscous."""
+    assert samples(churned, Candidate("nonlinear_viscous", 2), slow=4.0, burst=True) == ""

@@ -18,7 +18,7 @@ SEEN_AGAIN = Unseen(0.02, 0.005, 0.1, 0.9)  # 8 standard deviations, at 0.95 of 
 COUNT = 4000
 
 
-def search(size: float, stands_out: bool = False) -> Any:
+def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
     """Of white residuals that hold a sine of `size` times their standard deviation, and lose it."""
     noise = np.random.default_rng(0).standard_normal((1, COUNT))
     sine = size * np.sin(0.1 * np.arange(COUNT))
@@ -27,6 +27,7 @@ def search(size: float, stands_out: bool = False) -> Any:
         Any,
         SimpleNamespace(
             rules=RULES.search,
+            examination=SimpleNamespace(setting=SimpleNamespace(late=late)),
             stands_out=stands_out,
             base=SimpleNamespace(residual=[noise + sine]),
             with_further=lambda _: after,
@@ -51,6 +52,10 @@ def test_far_from_zero(size, counts):
 )
 def test_held_out_logs_must_find_the_same(unseen):
     assert not measured(search(0.3), AXIS, unseen)
+
+
+def test_positions_that_were_moved_in_time_show_no_such_error():
+    assert not measured(search(0.3, late=0.004), AXIS, SEEN_AGAIN)
 
 
 def test_sizes_that_differ_by_chance_are_one_size():

@@ -35,5 +35,11 @@ class FixedPoint:
         self._last = made, gap
         return made
 
+    def went(self, share: float) -> None:
+        """Only a share of the last step was gone."""
+        if self._last is not None:
+            made, gap = self._last
+            self._last = share * made, gap
+
     def _length(self, step: np.ndarray) -> float:
         return float(np.sqrt(self._weights @ step**2))

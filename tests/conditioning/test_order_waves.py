@@ -1,0 +1,56 @@
+"""Waves over an angle that were put into noise: they are found, and taken out with little else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_joint import one_joint
+
+from pyident.conditioning.order_waves import highest_of, orders_within, peaks_of, without_waves
+from pyident.rules.rules import RULES
+
+PERIOD, SIGMA = 0.004, 0.1
+TIME = np.arange(8000) * PERIOD
+ANGLE = 1.1 * np.sin(0.9 * TIME) + 0.4 * np.sin(2.3 * TIME)
+SPEED = np.gradient(ANGLE, TIME)
+MOVING = np.abs(SPEED) > 0.05
+ORDERS = orders_within([ANGLE], np.abs(SPEED), PERIOD, RULES.periodic.highest, RULES.periodic)
+
+
+def noise(seed: int) -> np.ndarray:
+    return SIGMA * np.random.default_rng(seed).standard_normal(len(TIME))
+
+
+def left_of(x: np.ndarray) -> float:
+    """Standard deviation of what is known of x (N,) once waves are taken out."""
+    return float(without_waves(x, ANGLE, SPEED, MOVING, ORDERS, RULES.periodic)[MOVING].std())
+
+
+@pytest.mark.parametrize("turning", [1.0, np.sign(SPEED)])
+@pytest.mark.parametrize("order", [23.7, 101.3])
+def test_a_wave_eight_times_the_noise_is_taken_out(order, turning):
+    x = noise(1) + 8 * SIGMA * np.sqrt(2) * turning * np.cos(order * ANGLE + 0.4)
+    assert x[MOVING].std() > 7 * SIGMA
+    assert left_of(x) == pytest.approx(SIGMA, rel=0.05)
+
+
+def test_noise_keeps_its_size():
+    assert np.mean([left_of(noise(seed)) for seed in range(10)]) == pytest.approx(SIGMA, rel=0.01)
+
+
+def test_what_is_not_known_is_left_alone():
+    x = noise(2) + np.cos(50 * ANGLE)
+    made = without_waves(x, ANGLE, SPEED, MOVING, ORDERS, RULES.periodic)
+    np.testing.assert_array_equal(made[~MOVING], x[~MOVING])
+
+
+def test_a_screw_of_four_millimetres_is_within_the_orders_of_a_slider():
+    """A period of 4 mm is an order of 2 pi / 0.004 per 2 pi metres."""
+    hinge = one_joint().joints[0]
+    slider = replace(hinge, kind="prismatic")
+    order, travel = 2 * np.pi / 0.004, 0.1 * ANGLE
+    speeds = 0.1 * np.abs(SPEED)
+    orders = orders_within([travel], speeds, PERIOD, highest_of(slider, RULES.periodic), RULES.periodic)
+    (found,) = peaks_of([noise(3) + SIGMA * np.cos(order * travel)], [travel], orders, RULES.periodic)
+    assert found == pytest.approx(order, abs=orders[1] - orders[0])
+    assert highest_of(hinge, RULES.periodic) == RULES.periodic.highest < order
