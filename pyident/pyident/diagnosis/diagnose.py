@@ -101,8 +101,8 @@ def searched(
 ) -> Search:
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
-    A fit that cannot be simulated is damped until it can; the regression's bias then stays. Positions that
-    all come late are moved back first.
+    A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
+    whose bias stays. Positions that all come late are moved back first.
     """
     setting = set_up(robot, logs, rules)
     once = setting.simulates or len(robot.joints) == 1
@@ -124,18 +124,21 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
             progress(0.2)
             return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
-    try:
-        return examined(setting, _as_loud)
-    except SimulationError:
-        pass
-    try:
-        return examined(steadied(setting), lambda start, _: start)
-    except SimulationError as error:
-        raise LogError(
-            f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
-            f"({error}); check the units and signs of its columns, and that the robot file has the right "
-            "joints; else the model lacks something large, such as a base that bends"
-        ) from None
+    bent = steadied(setting)
+    for start, adjust in ((setting, _as_loud), (setting, _held), (bent, lambda start, _: start)):
+        try:
+            return examined(start, adjust)
+        except SimulationError as error:
+            why = error
+    raise LogError(
+        f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
+        f"({why}); check the units and signs of its columns, and that the robot file has the right "
+        "joints; else the model lacks something large, such as a base that bends"
+    ) from None
+
+
+def _held(setting: Setting, workers: Workers) -> Setting:
+    return steadied(unbiased(setting, workers))
 
 
 def _as_loud(setting: Setting, workers: Workers) -> Setting:

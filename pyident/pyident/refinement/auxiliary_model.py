@@ -115,11 +115,17 @@ def robot_by_instruments(
     """The robot that `identify_by_instruments` finds, without intervals, which take most of its time.
 
     again   how each log is made again
+    Where the rounds fail it is the start that they began from, whose instruments hold little noise.
     Raises LogError, SimulationError, NotFollowedError.
     """
     start, again = begun(robot, logs), _quiet(robot, again)
     best = nearest(start.starts, again, workers)
-    return identified(robot, start.plain.reduced, _rounds(start, again, best, workers).solution).robot
+    try:
+        return identified(robot, start.plain.reduced, _rounds(start, again, best, workers).solution).robot
+    except (SimulationError, NotFollowedError):
+        if not carries(robot):
+            raise
+        return best.robot
 
 
 def _quiet(robot: Robot, again: Sequence[Repeat]) -> Sequence[Repeat]:

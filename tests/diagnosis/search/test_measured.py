@@ -100,3 +100,20 @@ def test_a_law_alone_needs_its_share(monkeypatch):
     view.floor_energy_on = lambda _: 1.0
     reasons = [gate.admission(view, _found(c, 100.0), [c], held).reason for c in (AXIS, SPRING)]
     assert reasons == ["", "it takes 1 % of what exceeds the floor there"]
+
+
+@pytest.mark.parametrize(("taken", "matters"), [(0.08, False), (0.12, True)])  # of a fifth of the floor
+def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_error(
+    taken, matters, monkeypatch
+):
+    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
+    monkeypatch.setattr(gate, "share_on", lambda *_: 1.0)
+    unseen = Unseen(taken, taken / 20, 0.0, 0.9)
+    held: Any = SimpleNamespace(share=lambda *_: unseen, holds=lambda *_: True)
+    view = search(0.3)
+    view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0
+    view.floor_energy_on = lambda _: 1.0
+    reason = gate.admission(view, _found(SPRING, 100.0), [SPRING], held).reason
+    assert reason == (
+        "" if matters else f"on held-out data it takes {unseen}, too little beside the floor to matter"
+    )

@@ -15,6 +15,7 @@ from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NotFollowedError, robot_by_instruments
+from pyident.refinement.instruments.simulated_rows import lightest_rotors
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
@@ -192,7 +193,9 @@ def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
 
 
 def steadied(setting: Setting) -> Setting:
-    """The setting for a fit that cannot be simulated: small steps, and no hinge without spring or damping.
+    """The setting for a fit that cannot be simulated: small steps, no hinge without spring or damping.
+
+    No rotor is lighter than its controller can hold.
 
     What a model lacks may bend its fit that far. A stiffness is taken as at least a tenth of the one in the
     middle of its hinge's, damping as at least proportional to it, with the ratio of the hinge in the middle.
@@ -206,6 +209,7 @@ def steadied(setting: Setting) -> Setting:
     pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
     ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
     springs = {k: values[k] for k in pairs.values()}
+    springs |= {name: max(values[name], least) for name, least in lightest_rotors(setting.robot).items()}
     damped = springs | {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
     return replace(
         setting,

@@ -76,6 +76,8 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
+    elif unseen is not None and unseen.of_floor(rules) < rules.material:
+        reason = f"on held-out data it takes {unseen}, too little beside the floor to matter"
     elif unseen is not None and not held.holds(unseen, share, rules):
         reason = f"on held-out data it takes {unseen}"
     held_out = unseen is not None and unseen.deviations >= rules.chance

@@ -44,6 +44,10 @@ class Unseen:
         """Standard deviations from zero of the size that these logs by themselves give the effects."""
         return self.share * (1 + 1 / self.kept) / self.std if self.kept > 0 else 0.0
 
+    def of_floor(self, rules: SearchRules) -> float:
+        """What is taken, of the floor's energy."""
+        return self.share * max(self.excess, rules.unseen_excess)
+
     def of_one_size(self, rules: SearchRules, std: float = 0.0) -> bool:
         """Whether what is missing there has about the size of what the effects take, or differs by chance.
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import of_joint
 from flexmodels.cores import cores
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
@@ -122,16 +123,38 @@ def every(rows: list[Rows]) -> Logs:
     return lambda: rows
 
 
+def lightest_rotors(robot: Robot) -> dict[str, float]:
+    """Motor inertia [kg m2] -> the least behind a flexible hinge that a sampled controller can hold.
+
+    A controller that damps by Kd from differences over its period T holds no free rotor below some Kd T; the
+    robot of a log was held.
+    """
+    control = robot.controller
+    if control is None:
+        return {}
+    gains = zip(robot.numbered, control.Kd, strict=True)
+    return {
+        of_joint(k, "J_m"): Kd * control.period
+        for (k, joint), Kd in gains
+        if joint.flexible and of_joint(k, "J_m") in robot.linear_parameters
+    }
+
+
 def simulable(
     robot: Robot, names: tuple[str, ...], values: np.ndarray, hinges: Mapping[str, float] | None = None
 ) -> np.ndarray:
-    """Values (P,) under which a simulation is quiet: noise may leave no small damping or friction.
+    """Values (P,) under which a simulation is quiet: noise may leave no small damping, friction or rotor.
 
-    A hinge that rings would fill the sums with what happens between the samples.
+    A hinge that rings would fill the sums with what happens between the samples, and a rotor too light for
+    its controller runs away.
     hinges   stiffnesses and dampings that take the place of values
     """
     given = dict(zip(names, values.tolist(), strict=True)) | dict(hinges or {})
     pairs = {d: d.replace(".d[", ".k[") for d in given if ".d[" in d}
     ratio = float(np.median([given[d] / given[k] for d, k in pairs.items() if given[k] > 0] or [0.0]))
-    least = lower_bounds(robot) | {d: _DAMPED * ratio * given[k] for d, k in pairs.items()}
+    least = (
+        lower_bounds(robot)
+        | lightest_rotors(robot)
+        | {d: _DAMPED * ratio * given[k] for d, k in pairs.items()}
+    )
     return np.array([max(v, least.get(name, -np.inf)) for name, v in given.items()])
