@@ -92,7 +92,7 @@ class SearchRules:
     )
     below_floor: float = rule(
         0.7,
-        "floor's rms: a residual below it shows that the replicas are too noisy",
+        "floor's rms: a residual below it shows that the replicas are too noisy, and no law",
         "their own scatter",
         _TUNING,
     )

@@ -29,6 +29,7 @@ def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
             rules=RULES.search,
             examination=SimpleNamespace(setting=SimpleNamespace(late=late)),
             stands_out=stands_out,
+            over_floor=np.full(2, 1.21),
             base=SimpleNamespace(residual=[noise + sine]),
             with_further=lambda _: after,
         ),
@@ -117,3 +118,16 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
     assert reason == (
         "" if matters else f"on held-out data it takes {unseen}, too little beside the floor to matter"
     )
+
+
+@pytest.mark.parametrize(("over", "named"), [(0.6, False), (0.8, True)])
+def test_a_residual_far_below_its_floor_shows_no_law(over, named, monkeypatch):
+    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
+    monkeypatch.setattr(gate, "share_on", lambda *_: 1.0)
+    held: Any = SimpleNamespace(share=lambda *_: None, holds=lambda *_: True)
+    view = search(0.3)
+    view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0
+    view.floor_energy_on, view.over_floor = lambda _: 1.0, np.array([4.0, over**2])
+    reason = gate.admission(view, _found(SPRING, 100.0), [SPRING], held).reason
+    assert (reason == "") == named
+    assert named or reason.startswith("the residual lies below its floor there (0.6 times)")

@@ -70,6 +70,8 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"replicas without it show as much (p = {p_value:.2g})"
     elif counted:
         pass
+    elif (over := float(np.sqrt(np.mean(search.over_floor[list(rows)])))) < rules.below_floor:
+        reason = f"the residual lies below its floor there ({over:.2g} times), which hides what is smaller"
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
     elif (driven := search.drives(candidates)) > rules.power:
