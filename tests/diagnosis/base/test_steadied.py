@@ -1,6 +1,6 @@
 """A fit that cannot be simulated, because what the model lacks has bent it, is made one that can be."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -29,3 +29,16 @@ def test_a_hinge_without_spring_gets_a_tenth_of_its_middle_one_and_damping_with_
         with pytest.raises(SimulationError, match="equilibrium"):
             fmu.simulate(motion, soft.parameters)
         assert len(fmu.simulate(motion, values | dict(setting.solver)))
+
+
+def test_a_rotor_that_no_loop_holds_and_a_damping_that_no_step_follows_are_made_usual():
+    """Kd T is 1.53 kg m2 at joint 3; a damping stays within ten times that of the hinge in the middle."""
+    robot = load_robot("four_link")
+    before, none = robot.parameters, cast(Any, None)
+    bent = robot.with_parameters({"joint3.J_m": 1e-7, "joint3.d[2]": 1e5})
+    values = steadied(Setting(bent, bent, (), {}, none, none)).simulated.parameters
+    assert values["joint3.J_m"] == pytest.approx(381.7 * 0.004)
+    ratios = [values[d] / values[d.replace(".d[", ".k[")] for d in values if ".d[" in d]
+    assert max(ratios) == pytest.approx(10 * min(ratios))
+    others = [n for n in before if n.endswith("J_m") and not n.startswith("joint3")]
+    assert {n: values[n] for n in others} == {n: before[n] for n in others}

@@ -29,6 +29,7 @@ from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Worke
 
 _FITTED = "_identified"  # behind the name of a robot
 _SOFTEST = 0.1  # of the stiffness in the middle of a hinge's
+_STIFFEST = 10.0  # times the damping of the hinge in the middle
 _TOGETHER = 5  # replicas that one process simulates at once: more fill its vectors, fewer fill the cores
 
 
@@ -198,7 +199,7 @@ def steadied(setting: Setting) -> Setting:
     No rotor is lighter than its controller can hold.
 
     What a model lacks may bend its fit that far. A stiffness is taken as at least a tenth of the one in the
-    middle of its hinge's, damping as at least proportional to it, with the ratio of the hinge in the middle.
+    middle of its hinge's, damping as about proportional to it, with the ratio of the hinge in the middle.
     """
     values = dict(setting.robot.parameters)
     for number, _ in setting.robot.numbered:
@@ -210,13 +211,18 @@ def steadied(setting: Setting) -> Setting:
     ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
     springs = {k: values[k] for k in pairs.values()}
     springs |= {name: max(values[name], least) for name, least in lightest_rotors(setting.robot).items()}
-    damped = springs | {d: max(values[d], ratio * values[k]) for d, k in pairs.items()}
+    damped = springs | {d: _within(values[d], ratio * values[k]) for d, k in pairs.items()}
     return replace(
         setting,
         robot=setting.robot.with_parameters(damped),
         simulated=setting.simulated.with_parameters(damped),
         solver={"solver.step": setting.rules.replicas.step},
     )
+
+
+def _within(damping: float, usual: float) -> float:
+    """A damping not below the usual one, nor far above it: what no step of a solver follows."""
+    return min(max(damping, usual), _STIFFEST * usual) if usual > 0 else damping
 
 
 def together(seeds: Sequence[int]) -> list[Sequence[int]]:
