@@ -14,7 +14,7 @@ find_study("xl330")  # from then on its files can be imported
 from pyident.sweep.studies.xl330 import climb  # noqa: E402  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.xl330.study import as_a_body  # noqa: E402  # pyright: ignore[reportMissingImports]
 
-START = Path(__file__).parents[2] / "studies" / "xl330" / "start.toml"
+START = Path(__file__).parents[3] / "studies" / "xl330" / "start.toml"
 RECORDINGS = {f"{motion}_kp{gain}": f"{motion}_kp{gain}" for motion in "abcd" for gain in (100, 800)}
 LOAD, IRON, SLOW, SQUARE = climb.LAWS
 

@@ -14,7 +14,7 @@ from pyident.refinement.closed_loop import ServoLog, replay_errors
 from pyident.simulation.fmu_runs import runs_here
 
 pytestmark = pytest.mark.data
-STUDIES = Path(__file__).parents[2] / "studies"
+STUDIES = Path(__file__).parents[3] / "studies"
 CASES = {
     "xl330": ("bam_xl330/sin_sin_kp200.csv", {"servo.kp": 200.0}),
     "so101": ("so101/slow_precision.parquet", {}),
