@@ -151,9 +151,16 @@ def single(spec: str, basis: Basis, seed: int, amplitude: float = 1.0) -> Case:
 
 
 def redrawn(case: Case) -> Case:
-    """Another robot and other constants for the same text, under the same id."""
+    """Another robot and other constants for the same text, under the same id and at the same pace."""
     origin = case.origin
-    return replace(single(origin.spec, Basis.of(origin.robot), origin.seed + 1, origin.amplitude), id=case.id)
+    drawn = single(origin.spec, Basis.of(origin.robot), origin.seed + 1, origin.amplitude)
+    pace = [plan.pace for plan in case.plans]
+    return replace(drawn, id=case.id, plans=tuple(map(paced, drawn.plans, pace)))
+
+
+def paced(plan: Plan, pace: float) -> Plan:
+    """The plan from point to point at a pace [rad/s]; 0: as it is."""
+    return replace(plan, pace=pace)
 
 
 def case_list(basis: Basis, seed: int, nulls: int = 12, amplitude: float = 1.0) -> list[Case]:

@@ -41,6 +41,7 @@ class Plan:
     rms            of the feed-forward multisine [N m], `lines` from `lowest` to `highest` Hz (all joints)
     lead           seconds that are run, with the drift ramped up, before the log starts
     payload        whether a payload, if the case has one, is on
+    pace           speed between points of `swing`'s range, with dwells, in place of all this [rad/s]; 0: none
     """
 
     duration: float = 20.0
@@ -54,6 +55,7 @@ class Plan:
     highest: float = 50.0
     lead: float = 0.0
     payload: bool = True
+    pace: float = 0.0
 
 
 def standard(robot: Robot, **changes) -> Plan:
@@ -143,6 +145,9 @@ def simulate_all(
 
 def inputs(robot: Robot, plan: Plan, time: np.ndarray, rng: np.random.Generator) -> tuple:
     """Reference [rad] and feed-forward torque [N m], (N, joints) each."""
+    if plan.pace:
+        reference = points(plan, time, rng)
+        return reference, np.zeros_like(reference)
     reference = np.zeros((len(time), len(robot.joints)))
     torque = np.zeros_like(reference)
     lines = np.linspace(plan.lowest, plan.highest, plan.lines)
@@ -158,6 +163,21 @@ def inputs(robot: Robot, plan: Plan, time: np.ndarray, rng: np.random.Generator)
         phases = np.exp(1j * rng.uniform(0, 2 * np.pi, plan.lines))
         torque[:, k] = plan.rms[k] * np.sqrt(2 / plan.lines) * np.imag(turn @ phases)
     return reference, torque
+
+
+def points(plan: Plan, time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """(N, joints) [rad]: from rest to rest between random points as a robot works, all joints at once."""
+    span, period = np.abs(plan.swing), time[1] - time[0]
+    here = np.array(plan.start)
+    parts = [np.repeat(here[None], 1 + round((0.2 + plan.lead) / period), axis=0)]
+    while sum(map(len, parts)) < len(time):
+        there = np.array(plan.start) + rng.uniform(-0.5, 0.5, len(span)) * span
+        seconds = max(0.4, float(np.abs(there - here).max()) / plan.pace * 15 / 8)
+        s = np.linspace(0, 1, round(seconds / period))[:, None]
+        dwell = np.repeat(there[None], round(rng.uniform(0.1, 0.8) / period), axis=0)
+        parts += [here + (there - here) * s**3 * (10 - 15 * s + 6 * s**2), dwell]
+        here = there
+    return np.concatenate(parts)[: len(time)]
 
 
 @dataclass
