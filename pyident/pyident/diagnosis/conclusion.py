@@ -8,6 +8,7 @@ import numpy as np
 from flexmodels.coordinate import joint_name
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
+from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
@@ -128,7 +129,7 @@ def percent(energy: float, search: Search) -> float:
 def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Place]:
     robot = search.robot
     before, after = search.over_floor, beside.over_floor
-    floor = _floor_percent(search)
+    floor = (100 * floor_shares(search.examination)).tolist()
     acting = {row for c in selection.candidates for row in search.rows(c)}
     used = np.any([log.part.use.any(axis=0) for log in search.examination.logs], axis=0)
     out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
@@ -161,25 +162,6 @@ def _worst_band(beside: Search, row: int, out: np.ndarray) -> tuple[float, float
 def _said(refusal: Refusal) -> str:
     c = refusal.candidate
     return f"{c.effect} at joint{c.joint} comes nearest, but {refusal.reason}"
-
-
-def _floor_percent(search: Search) -> list[float]:
-    """rms of the floor, of the torque or of the stiffness' moment, per equation."""
-    ex, robot = search.examination, search.robot
-    level = np.mean(np.square(ex.floor.rms), axis=1) * ex.floor_energies / sum(e.y.shape[1] for e in ex.logs)
-    out = []
-    for row, coordinate in enumerate(robot.q):
-        signals = []
-        for log in ex.logs:
-            part = log.part
-            stiffness = coordinate.stiffness
-            if stiffness is None:
-                own = part.target[:, row]
-            else:
-                own = robot.parameters[stiffness] * part.motion.q[:, row]
-            signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
-        out.append(float(100 * np.sqrt(level[row] / max(np.mean(signals), 1e-300))))
-    return out
 
 
 def _in_motion(search: Search, places: Sequence[Place]) -> list[Place]:

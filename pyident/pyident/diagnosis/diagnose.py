@@ -13,6 +13,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.lateness import all_earlier, lateness
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
@@ -124,12 +125,15 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
             progress(0.2)
             return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
 
-    bent = steadied(setting)
+    bent, why = steadied(setting), "its replicas leave most of the torque unexplained"
     for start, adjust in ((setting, _as_loud), (setting, _held), (bent, lambda start, _: start)):
         try:
-            return examined(start, adjust)
+            search = examined(start, adjust)
         except SimulationError as error:
-            why = error
+            why = str(error)
+            continue
+        if not (setting.simulates and worth_little(search.examination)):
+            return search
     raise LogError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "

@@ -1,0 +1,30 @@
+"""How high floors are: what replicas leave, of what the equations hold."""
+
+import numpy as np
+
+from pyident.diagnosis.base.residual_over_floor import Examination
+
+
+def floor_shares(ex: Examination) -> np.ndarray:
+    """(n,) rms of the floor, of the torque or of the stiffness' moment, per equation."""
+    robot = ex.setting.robot
+    level = np.mean(np.square(ex.floor.rms), axis=1) * ex.floor_energies / sum(e.y.shape[1] for e in ex.logs)
+    out = np.zeros(len(robot.q))
+    for row, coordinate in enumerate(robot.q):
+        signals = []
+        for log in ex.logs:
+            part = log.part
+            stiffness = coordinate.stiffness
+            if stiffness is None:
+                own = part.target[:, row]
+            else:
+                own = robot.parameters[stiffness] * part.motion.q[:, row]
+            signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
+        out[row] = np.sqrt(level[row] / max(float(np.mean(signals)), 1e-300))
+    return out
+
+
+def worth_little(ex: Examination) -> bool:
+    """Whether replicas leave so much of most joints' torque that hardly anything could exceed it."""
+    motors = [row for row, coordinate in enumerate(ex.setting.robot.q) if coordinate.is_motor]
+    return bool(np.median(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)
