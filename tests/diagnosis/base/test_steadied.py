@@ -1,5 +1,6 @@
 """A fit that cannot be simulated, because what the model lacks has bent it, is made one that can be."""
 
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -8,7 +9,9 @@ import pytest
 from flexmodels.experiment import line
 from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
+from pyident.diagnosis.base import floor_shares
 from pyident.diagnosis.base.setting import Setting, steadied
+from pyident.rules.rules import RULES
 from pyident.simulation.fmu_runs import fmu_here
 
 
@@ -42,3 +45,16 @@ def test_a_rotor_that_no_loop_holds_and_a_damping_that_no_step_follows_are_made_
     assert max(ratios) == pytest.approx(10 * min(ratios))
     others = [n for n in before if n.endswith("J_m") and not n.startswith("joint3")]
     assert {n: values[n] for n in others} == {n: before[n] for n in others}
+
+
+@pytest.mark.parametrize(
+    ("motors", "little"), [((0.3, 0.4, 0.3, 0.02), True), ((0.3, 0.1, 0.1, 0.02), False)]
+)
+def test_replicas_that_leave_most_motors_much_of_their_torque_are_worth_little(motors, little, monkeypatch):
+    """A fifth counts as much; links do not count."""
+    robot = load_robot("four_link")
+    shares = np.full(len(robot.q), 0.9)
+    shares[[c.is_motor for c in robot.q]] = motors
+    monkeypatch.setattr(floor_shares, "floor_shares", lambda _: shares)
+    ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES))
+    assert floor_shares.worth_little(ex) == little
