@@ -70,7 +70,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"replicas without it show as much (p = {p_value:.2g})"
     elif counted:
         pass
-    elif (over := float(np.sqrt(np.mean(search.over_floor[list(rows)])))) < rules.below_floor:
+    elif (over := _over_floor(search, lead.candidate)) < rules.below_floor:
         reason = f"the residual lies below its floor there ({over:.2g} times), which hides what is smaller"
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
@@ -93,6 +93,11 @@ def counts(search: Search, found: Found) -> bool:
     ) <= search.rules.level and found.excess >= search.rules.material * search.floor_energy_on(
         search.rows(found.candidate)
     )
+
+
+def _over_floor(search: Search, candidate: Candidate) -> float:
+    """rms of what is left on the equations on which a candidate acts itself, over that of replicas."""
+    return float(np.sqrt(np.mean(search.over_floor[list(search.rows(candidate))])))
 
 
 def main_rows(search: Search, candidate: Candidate) -> tuple[int, ...]:
