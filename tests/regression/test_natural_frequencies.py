@@ -35,6 +35,15 @@ def test_a_motor_and_a_body_on_a_spring_vibrate_as_the_textbook_says():
         assert found[f"joint1.eps[{i}]"] == pytest.approx(expected, rel=1e-9)
 
 
+def test_a_hinge_before_nothing_vibrates_infinitely_fast():
+    two = two_link()
+    body = Link.of_centre(0.0, np.zeros(3), np.zeros((3, 3)))
+    robot = replace(two, joints=two.joints[:1], links=(body,), controller=None)
+    zero = np.zeros((1, len(robot.coordinates)))
+    found = natural_frequencies(robot, Motion(zero, zero, zero, tau=np.zeros((1, 1)), time=np.zeros(1)))
+    assert set(found.values()) == {np.inf}
+
+
 def test_the_modes_of_an_arm_are_those_of_pinocchios_mass_matrix():
     robot = load_robot("four_link")
     motion = Motion(*random_motion(robot, 1))

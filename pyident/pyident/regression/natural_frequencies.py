@@ -15,16 +15,20 @@ def natural_frequencies(robot: Robot, motion: Motion) -> dict[str, float]:
     """Deformation, `joint1.eps[1]` -> frequency [Hz] of the undamped mode that bends this hinge most.
 
     M(q) z̈ + K z = 0 with the robot's own parameters, the drives free, at some poses of the motion (N, n):
-    the highest of them counts. M is the part of Φ p that is linear in the accelerations.
+    the highest of them counts, infinite where nothing has mass. M is the part of Φ p that is linear in the
+    accelerations.
     """
+    from scipy.linalg import eig  # much memory, for few robots
+
     stiffness = {c: c.replace(".eps[", ".k[") for c in robot.coordinates if ".eps[" in c}
     K = np.diag([robot.parameters[stiffness[c]] if c in stiffness else 0.0 for c in robot.coordinates])
     found = dict.fromkeys(stiffness, 0.0)
     if not found:
         return found
     for at in np.linspace(0, len(motion.q) - 1, _POSES).astype(int):
-        squares, modes = np.linalg.eig(np.linalg.solve(_mass_matrix(robot, motion, int(at)), K))
-        hertz = np.sqrt(np.maximum(np.real(squares), 0.0)) / (2 * np.pi)
+        squares, modes = eig(K, _mass_matrix(robot, motion, int(at)))
+        squares = np.nan_to_num(np.real(squares), nan=0.0, posinf=np.inf)  # of what has no mass
+        hertz = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
         energy = np.diag(K)[:, None] * np.abs(modes) ** 2
         share = energy / np.maximum(energy.sum(axis=0), 1e-300) * (hertz > 0)
         for i, c in enumerate(robot.coordinates):

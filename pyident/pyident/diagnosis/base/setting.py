@@ -17,6 +17,7 @@ from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import robot_by_instruments
 from pyident.refinement.instruments.following import NotFollowedError
 from pyident.refinement.instruments.simulated_rows import lightest_rotors
+from pyident.refinement.instruments.stand_in import driven
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
@@ -212,7 +213,8 @@ def steadied(setting: Setting) -> Setting:
     ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
     springs = {k: values[k] for k in pairs.values()}
     springs |= {name: max(values[name], least) for name, least in lightest_rotors(setting.robot).items()}
-    damped = springs | {d: _within(values[d], ratio * values[k]) for d, k in pairs.items()}
+    most = _STIFFEST if driven(setting.robot) else np.inf  # what stands in for a loop is slow enough
+    damped = springs | {d: _within(values[d], ratio * values[k], most) for d, k in pairs.items()}
     return replace(
         setting,
         robot=setting.robot.with_parameters(damped),
@@ -221,9 +223,9 @@ def steadied(setting: Setting) -> Setting:
     )
 
 
-def _within(damping: float, usual: float) -> float:
-    """A damping not below the usual one, nor far above it: what no step of a solver follows."""
-    return min(max(damping, usual), _STIFFEST * usual) if usual > 0 else damping
+def _within(damping: float, usual: float, most: float) -> float:
+    """A damping not below the usual one, nor many times above it: what no step of a solver follows."""
+    return min(max(damping, usual), most * usual) if usual > 0 else damping
 
 
 def together(seeds: Sequence[int]) -> list[Sequence[int]]:
