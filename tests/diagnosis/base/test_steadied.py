@@ -48,13 +48,24 @@ def test_a_rotor_that_no_loop_holds_and_a_damping_that_no_step_follows_are_made_
 
 
 @pytest.mark.parametrize(
-    ("motors", "little"), [((0.3, 0.4, 0.3, 0.02), True), ((0.3, 0.1, 0.1, 0.02), False)]
+    ("motors", "used", "little"),
+    [
+        ((0.3, 0.4, 0.3, 0.02), 4, True),
+        ((0.3, 0.1, 0.1, 0.02), 4, False),
+        ((0.1, 0.1, 0.9, 0.9), 2, False),  # two stand still
+        ((0.9, 0.9, 0.9, 0.9), 0, False),
+    ],
 )
-def test_replicas_that_leave_most_motors_much_of_their_torque_are_worth_little(motors, little, monkeypatch):
+def test_replicas_that_leave_most_motors_much_of_their_torque_are_worth_little(
+    motors, used, little, monkeypatch
+):
     """A fifth counts as much; links do not count."""
     robot = load_robot("four_link")
-    shares = np.full(len(robot.q), 0.9)
-    shares[[c.is_motor for c in robot.q]] = motors
+    shares, use = np.full(len(robot.q), 0.9), np.ones((3, len(robot.q)))
+    rows = [row for row, c in enumerate(robot.q) if c.is_motor]
+    shares[rows] = motors
+    use[:, rows[used:]] = 0
     monkeypatch.setattr(floor_shares, "floor_shares", lambda _: shares)
-    ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES))
+    logs = [SimpleNamespace(part=SimpleNamespace(use=use))]
+    ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES), logs=logs)
     assert floor_shares.worth_little(ex) == little

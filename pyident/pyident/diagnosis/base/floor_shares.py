@@ -25,6 +25,12 @@ def floor_shares(ex: Examination) -> np.ndarray:
 
 
 def worth_little(ex: Examination) -> bool:
-    """Whether replicas leave so much of most joints' torque that hardly anything could exceed it."""
-    motors = [row for row, coordinate in enumerate(ex.setting.robot.q) if coordinate.is_motor]
+    """Whether replicas leave so much of most joints' torque that hardly anything could exceed it.
+
+    Joints whose equations are never in use do not count.
+    """
+    used = np.any([log.part.use.any(axis=0) for log in ex.logs], axis=0)
+    motors = [row for row, c in enumerate(ex.setting.robot.q) if c.is_motor and used[row]]
+    if not motors:
+        return False
     return bool(np.median(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)
