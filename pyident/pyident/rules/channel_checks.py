@@ -30,7 +30,7 @@ class ChannelCheckRules:
         0.01, "s between samples", "with more, a joint may start or stop from one to the next", _BENCH
     )
     ringing: int = rule(
-        25, "samples after a motor's jump of acceleration in which a hinge rings", "by reason", "by reason"
+        25, "samples after a motor's jump of acceleration", "a hinge rings that long", "by reason"
     )
     few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _FLAGS)
     wide_spike: float = rule(1.0, "the range of all other samples", "less may be a torque's peak", _BENCH)
