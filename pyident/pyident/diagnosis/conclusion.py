@@ -131,7 +131,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     before, after = search.over_floor, beside.over_floor
     floor = (100 * floor_shares(search.examination)).tolist()
     acting = {row for c in selection.candidates for row in search.rows(c)}
-    used = np.any([log.part.use.any(axis=0) for log in search.examination.logs], axis=0)
+    used = search.examination.used
     out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
     doubted = bands_in_doubt(search.examination, beside.base)
     for row, coordinate in enumerate(robot.q):

@@ -6,8 +6,9 @@ its gain, if the gain matters, if it holds on logs that were not used, and if, a
 what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
@@ -119,36 +120,40 @@ def searched(
 
 def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
     progress(0.05)
-
-    def examined(start: Setting, adjust: Callable[[Setting, Workers], Setting]) -> Search:
-        with workers_of(start, open_pool) as workers:
-            found = adjust(start, workers)
-            progress(0.2)
-            return search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
-
-    bent, why = steadied(setting), "its replicas leave most of the torque unexplained"
-    held = [(setting, _held)] if driven(setting.robot) else []  # what stands in for a loop bends it, too
-    for start, adjust in ((setting, _as_loud), *held, (bent, lambda start, _: start)):
-        try:
-            search = examined(start, adjust)
-        except SimulationError as error:
-            why = str(error)
-            continue
-        if not (setting.simulates and worth_little(search.examination)):
-            return search
+    why = "its replicas leave most of the torque unexplained"
+    with workers_of(setting, open_pool) as workers:
+        for adjusted in _adjustments(setting, workers):
+            try:
+                found = adjusted()
+                progress(0.2)
+                search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
+            except SimulationError as error:
+                why = str(error)
+                continue
+            if not (setting.simulates and worth_little(search.examination)):
+                return search
     raise LogError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "
         "joints; else the model lacks something large, such as a base that bends"
-    ) from None
+    )
 
 
-def _held(setting: Setting, workers: Workers) -> Setting:
-    return steadied(unbiased(setting, workers))
+def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Setting]]:
+    """What makes the setting one whose replicas serve, the best first.
 
-
-def _as_loud(setting: Setting, workers: Workers) -> Setting:
-    return with_ringing_matched(unbiased(setting, workers), workers)
+    A controller that stands in for a loop bends a fit by itself: only in a known one is that fit steadied.
+    """
+    bent = partial(steadied, setting)
+    try:
+        free = unbiased(setting, workers)
+    except SimulationError:
+        yield bent
+        return
+    yield partial(with_ringing_matched, free, workers)
+    if driven(setting.robot):
+        yield partial(steadied, free)
+    yield bent
 
 
 def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:

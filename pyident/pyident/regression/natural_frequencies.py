@@ -26,7 +26,7 @@ def natural_frequencies(robot: Robot, motion: Motion) -> dict[str, float]:
     if not found:
         return found
     for at in np.linspace(0, len(motion.q) - 1, _POSES).astype(int):
-        squares, modes = eig(K, _mass_matrix(robot, motion, int(at)))  # pyright: ignore
+        squares, modes = eig(K, _mass_matrix(robot, motion, int(at)))  # pyright: ignore[reportAssignmentType]
         squares = np.nan_to_num(np.real(squares), nan=0.0, posinf=np.inf)  # of what has no mass
         hertz = np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
         energy = np.diag(K)[:, None] * np.abs(modes) ** 2

@@ -126,15 +126,16 @@ def _torque_noise(
         moving = without_steps(moving, motion.ddq[:, k], blurs[k])
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]
+        if moving.any() and not repeats:
+            highest, angle = highest_of(robot.joints[k], periodic), motion.q[:, k]
+            orders = orders_within([angle], np.abs(speed), log.period, highest, periodic)
+            rest = without_waves(rest, angle, speed, moving, orders, periodic)
         if moving.any():
-            if not repeats:
-                highest, angle = highest_of(robot.joints[k], periodic), motion.q[:, k]
-                orders = orders_within([angle], np.abs(speed), log.period, highest, periodic)
-                rest = without_waves(rest, angle, speed, moving, orders, periodic)
             rest = bridged(rest, moving)
-        found = None if repeats else between_reversals(rest, moving, log.period)
         if repeats:
             found = repeated_spectrum(rest, repeats, log.period)
+        else:
+            found = between_reversals(rest, moving, log.period)
         out[name] = found or NoiseSpectrum.white(channel_noise(rest), log.period)
     return out
 

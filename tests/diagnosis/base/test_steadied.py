@@ -61,11 +61,10 @@ def test_replicas_that_leave_most_motors_much_of_their_torque_are_worth_little(
 ):
     """A fifth counts as much; links do not count."""
     robot = load_robot("four_link")
-    shares, use = np.full(len(robot.q), 0.9), np.ones((3, len(robot.q)))
+    shares, in_use = np.full(len(robot.q), 0.9), np.ones(len(robot.q), bool)
     rows = [row for row, c in enumerate(robot.q) if c.is_motor]
     shares[rows] = motors
-    use[:, rows[used:]] = 0
+    in_use[rows[used:]] = False
     monkeypatch.setattr(floor_shares, "floor_shares", lambda _: shares)
-    logs = [SimpleNamespace(part=SimpleNamespace(use=use))]
-    ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES), logs=logs)
+    ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES), used=in_use)
     assert floor_shares.worth_little(ex) == little

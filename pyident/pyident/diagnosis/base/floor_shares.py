@@ -29,8 +29,7 @@ def worth_little(ex: Examination) -> bool:
 
     Joints whose equations are never in use do not count.
     """
-    used = np.any([log.part.use.any(axis=0) for log in ex.logs], axis=0)
-    motors = [row for row, c in enumerate(ex.setting.robot.q) if c.is_motor and used[row]]
+    motors = [row for row, c in enumerate(ex.setting.robot.q) if c.is_motor and ex.used[row]]
     if not motors:
         return False
     return bool(np.median(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)

@@ -74,6 +74,11 @@ class Examination:
         """(n,) energy that replicas leave on each equation, on average."""
         return (self.replica_energy.mean(axis=0) * self.count).sum(axis=1)
 
+    @property
+    def used(self) -> np.ndarray:
+        """(n,) whether any sample is of use on an equation."""
+        return np.any([log.part.use.any(axis=0) for log in self.logs], axis=0)
+
     @cached_property
     def bands(self) -> list[np.ndarray]:
         """Per log (E, bands): 1 where an equation lies in a band."""

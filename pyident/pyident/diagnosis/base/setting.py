@@ -211,14 +211,14 @@ def steadied(setting: Setting) -> Setting:
             values |= {k: max(values[k], least) for k in own}
     pairs = {d: d.replace(".d[", ".k[") for d in values if ".d[" in d}
     ratio = float(np.median([values[d] / values[k] for d, k in pairs.items() if values[k] > 0] or [0.0]))
-    springs = {k: values[k] for k in pairs.values()}
-    springs |= {name: max(values[name], least) for name, least in lightest_rotors(setting.robot).items()}
+    held = {k: values[k] for k in pairs.values()}
+    held |= {name: max(values[name], least) for name, least in lightest_rotors(setting.robot).items()}
     most = _STIFFEST if driven(setting.robot) else np.inf  # what stands in for a loop is slow enough
-    damped = springs | {d: _within(values[d], ratio * values[k], most) for d, k in pairs.items()}
+    held |= {d: _within(values[d], ratio * values[k], most) for d, k in pairs.items()}
     return replace(
         setting,
-        robot=setting.robot.with_parameters(damped),
-        simulated=setting.simulated.with_parameters(damped),
+        robot=setting.robot.with_parameters(held),
+        simulated=setting.simulated.with_parameters(held),
         solver={"solver.step": setting.rules.replicas.step},
     )
 

@@ -57,7 +57,7 @@ class Followers:
 
         Raises SimulationError, NotFollowedError.
         """
-        share, aim = 1.0, np.array(list(wanted.linear_parameters.values()))
+        share, aim = 1.0, wanted.linear_parameters
         while True:
             try:
                 return Followed(wanted, share, *self._simulated(wanted, found))
@@ -65,9 +65,8 @@ class Followers:
                 if before is None or share <= _SHORTEST:
                     raise
             share /= 2
-            begin = np.array(list(before.linear_parameters.values()))
-            values = begin + share * (aim - begin)
-            wanted = before.with_parameters(dict(zip(before.linear_parameters, values.tolist(), strict=True)))
+            begin = before.linear_parameters
+            wanted = before.with_parameters({n: v + share * (aim[n] - v) for n, v in begin.items()})
 
     def _simulated(self, wanted: Robot, found: Solution) -> tuple[dict[str, float], list[pd.DataFrame]]:
         """The parameters nearest those wanted that can be simulated, and each log's motion under them."""
@@ -88,7 +87,7 @@ class Followers:
 
     def _following(self, put_in: dict[str, float]) -> list[pd.DataFrame]:
         frames = simulations(self.again, self.workers, put_in)
-        share = max(missed(r, frame) for r, frame in zip(self.again, frames, strict=True))
+        share = missed(self.again, frames)
         if not share < _FOLLOWS:
             raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
         return frames

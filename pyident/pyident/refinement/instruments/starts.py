@@ -115,7 +115,7 @@ def nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers)
     for parameters in sets:
         try:
             frames = next(runs) if runs else simulations(again, workers, parameters)
-            errors.append(max(missed(r, frame) for r, frame in zip(again, frames, strict=True)))
+            errors.append(missed(again, frames))
         except SimulationError as error:
             errors.append(float("inf"))
             failure = error
@@ -131,8 +131,12 @@ def put_in(start: Identified) -> dict[str, float]:
     return start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
 
 
-def missed(again: Repeat, frame: pd.DataFrame) -> float:
-    """The largest share of a joint's motion that the simulation misses."""
+def missed(again: Sequence[Repeat], frames: Sequence[pd.DataFrame]) -> float:
+    """The largest share of a joint's motion that simulations of logs miss."""
+    return max(_missed(r, frame) for r, frame in zip(again, frames, strict=True))
+
+
+def _missed(again: Repeat, frame: pd.DataFrame) -> float:
     names = [f"joint{k}.e" for k in range(1, again.plan.reference.shape[1] + 1)]
     measured, made = again.log.signals(names), frame[names].to_numpy()
     moved = measured.std(axis=0)
