@@ -9,9 +9,10 @@ from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Base, Columns, gain
 from pyident.diagnosis.next_steps import candidate_of
 from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.search.found import Found
 from pyident.diagnosis.search.gate import main_rows
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.search import Found, Search
+from pyident.diagnosis.search.search import Search
 
 Name = tuple[str, int]  # an effect and its joint, from 1
 ALIKE = 0.99  # of a force's energy: what imitates it this far is the same in these logs

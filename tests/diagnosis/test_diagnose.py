@@ -13,10 +13,10 @@ from flexmodels.robot import Robot
 from pyident.cli.main import main
 from pyident.diagnosis.base.candidates import Candidate, proper
 from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.imitators.constancy import changes_with
+from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.next_steps import with_experiments
 from pyident.diagnosis.result import Diagnosis
-from pyident.diagnosis.search.constancy import changes_with
-from pyident.diagnosis.search.imitation import stands_in_for
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.trace_in_simulation import _Judge
 from pyident.diagnosis.unexplained.residual_terms import RowSearch

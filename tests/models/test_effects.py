@@ -29,6 +29,7 @@ STRONG: dict[str, dict[str, float]] = {
     "position_dependent_friction": {"cosine": 6.0, "sine": 4.0, "order": 3.0},
     "viscous_drift": {"drift": 6.0},
     "coulomb_drift": {"rate": 8.0},
+    "offset_drift": {"rate": 4.0},
     "directional_drift": {"drift": 6.0},
     "hardening_stiffness": {"cubic": 3e10},
     "backlash": {"stiffness": 6e4, "gap": 3e-4},

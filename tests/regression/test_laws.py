@@ -29,6 +29,7 @@ def test_columns_are_the_laws_formulas():
     np.testing.assert_allclose(column("motor_inertia", "J_m"), DDQ[:, 0])
     np.testing.assert_allclose(column("viscous_drift", "drift"), TIME * DQ[:, 0])
     np.testing.assert_allclose(column("coulomb_drift", "rate"), TIME * np.sign(DQ[:, 0]))
+    np.testing.assert_allclose(column("offset_drift", "rate"), TIME)
 
 
 def test_a_payload_is_a_point_mass_at_the_tip():

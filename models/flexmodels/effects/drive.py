@@ -3,7 +3,7 @@
 from sympy import Abs, Max, Symbol, cos, sign, sin
 
 from flexmodels.effects.effect import Coverage, Effect, Parameter, State
-from flexmodels.effects.signals import dde, e, tau
+from flexmodels.effects.signals import dde, e, tau, time
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
 
@@ -64,4 +64,17 @@ torque_saturation = Effect(
     coverage=Coverage(Abs(tau) > _limit.symbol, 0.02),
     confounders=("load_dependent_friction", "J_m"),
     experiment="the same motion at full and at half the speed",
+)
+
+_rate = Parameter("rate", "N.m/s")
+
+offset_drift = Effect(
+    name="offset_drift",
+    title="Constant torque that changes in the course of the log, as when an amplifier warms up",
+    forces={e: _rate.symbol * time},
+    parameters=(_rate,),
+    citation="Hollerbach, Khalil and Gautier 2016",
+    needs="a motion that repeats from the beginning to the end of the log",
+    confounders=("offset", "joint_spring", "gravity_spring", "coulomb_drift"),
+    experiment="the same motion after a cold and after a warm start",
 )

@@ -15,9 +15,10 @@ from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_o
 from pyident.diagnosis.coefficients import gain_beside
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.search import Found, Search, Step
+from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log

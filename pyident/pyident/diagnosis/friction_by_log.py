@@ -16,7 +16,7 @@ import numpy as np
 from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
-from pyident.diagnosis.search.constancy import QUANTITIES, above_median
+from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median
 from pyident.diagnosis.search.search import Search, search_of
 
 _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time

@@ -12,9 +12,10 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, workers_of
+from pyident.diagnosis.search.found import Found
 from pyident.diagnosis.search.gate import Admission, admission
 from pyident.diagnosis.search.held_out import held_out
-from pyident.diagnosis.search.search import Found, Search, search_of
+from pyident.diagnosis.search.search import Search, search_of
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import coverage, nonlinear_grid
 from pyident.regression.descriptions import describes

@@ -54,7 +54,7 @@ class SearchRules:
         "it may be a remainder",
         _TUNING,
     )
-    most: int = rule(4, "effects at once", "each costs a search", _TUNING)
+    most: int = rule(24, "effects at once", "only a stop: several at every joint of an arm", "by reason")
     orders: int = rule(2, "further orders of a periodic law", "each costs a search", _TUNING)
     order: float = rule(0.3, "what still exceeds the floor that a further order takes", "as `own`", _TUNING)
     refine: float = rule(

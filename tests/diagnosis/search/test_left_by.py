@@ -7,7 +7,7 @@ import pytest
 from six_axis_logs import arm
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.search.search import Step
+from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.selection import _left_by
 from pyident.rules.rules import RULES
 

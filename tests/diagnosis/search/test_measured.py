@@ -8,9 +8,9 @@ import pytest
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.search import gate, wrong_description
+from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.measured import measured
-from pyident.diagnosis.search.search import Step
 from pyident.rules.rules import RULES
 
 AXIS = Candidate("axis[y]", 2)

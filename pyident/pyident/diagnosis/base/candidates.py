@@ -64,7 +64,7 @@ def candidates(
     motions = [log.part.motion for log in logs]
     for joint, present in robot.numbered:
         for effect in robot.catalogue.values():
-            if effect.base or effect.name in present.values:
+            if effect.name in present.values:
                 continue
             if effect.excess_over and effect.excess_over not in present.values:
                 continue

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.search.found import Found
 from pyident.diagnosis.search.gate import counts
-from pyident.diagnosis.search.search import Found, Search
+from pyident.diagnosis.search.search import Search
 
 
 def with_further_orders(search: Search, others: Sequence[Candidate], first: Candidate) -> list[Candidate]:

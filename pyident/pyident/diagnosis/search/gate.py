@@ -11,9 +11,10 @@ import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import fall_per_row
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
-from pyident.diagnosis.search.search import Found, Search, Step
+from pyident.diagnosis.search.search import Search
 
 _EXCHANGES = 4  # rounds; two are the rule
 

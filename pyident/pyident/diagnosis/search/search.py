@@ -12,59 +12,9 @@ from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gai
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.power import energy_put_in, is_friction
 from pyident.rules.search import SearchRules
-
-
-@dataclass(frozen=True)
-class Found:
-    """A candidate at its best nonlinear values. pretended, spread: of its family's gain in replicas."""
-
-    candidate: Candidate
-    gain: Gain
-    pretended: float
-    spread: float
-
-    @property
-    def excess(self) -> float:
-        return self.gain.energy - self.pretended
-
-    @property
-    def z(self) -> float:
-        """Score: how many spreads it takes more than replicas pretend."""
-        return self.excess / self.spread
-
-    @property
-    def freedom(self) -> int:
-        """Number of parameters: of laws that explain alike, the one with fewer comes first."""
-        return len(self.gain.coefficients) + len(self.candidate.values)
-
-
-@dataclass(frozen=True)
-class Step:
-    """One ranking of all families.
-
-    tie     the best, and what cannot be told from it; begins `ranked`
-    orders  further orders of the best one's law, if it is periodic: a ripple seldom has one
-    """
-
-    tie: tuple[Found, ...]
-    p_value: float
-    others: tuple[Found, ...]
-    orders: tuple[Candidate, ...] = ()
-
-    @property
-    def best(self) -> Found:
-        return self.tie[0]
-
-    @property
-    def candidates(self) -> tuple[Candidate, ...]:
-        """What a model takes in with this step."""
-        return self.best.candidate, *self.orders
-
-    @property
-    def ranked(self) -> tuple[Found, ...]:
-        return self.tie + self.others
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +141,7 @@ class Search:
             left = self.examination.beyond_floor(beside, self.rows(best.candidate))
             near = [f for f in near if f.excess >= surely or left > by_chance]
             tie += [f for f in near if self.gain_of(f.candidate, beside).energy < apart * f.gain.energy]
-        tie = self._simplest_first(tie)
+        tie = self._without_generalisations(self._simplest_first(tie))
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
     def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
@@ -203,6 +153,24 @@ class Search:
             if f.freedom < first.freedom and best_left > self.rules.parameter * left:
                 first = f
         return [first, *(f for f in tie if f is not first)]
+
+    def _without_generalisations(self, tie: Sequence[Found]) -> list[Found]:
+        """A law that is the first one and more is no rival of it: a spring with a preload, of an offset.
+
+        What the catalogue calls a confounder stays: it does the same and is another thing.
+        """
+        first = tie[0]
+        others = law_of(self.robot, first.candidate).confounders
+        return [
+            f
+            for f in tie
+            if f.freedom <= first.freedom or f.candidate.effect in others or not self._holds(f, first)
+        ]
+
+    def _holds(self, wider: Found, law: Found) -> bool:
+        """Whether a law's columns are among those of a wider one."""
+        beside = extended(self.base, self.columns(wider.candidate))
+        return bool(np.isinf(self.gain_of(law.candidate, beside).alone).all())
 
     def gain_of(self, candidate: Candidate, base: Base | None = None) -> Gain:
         """What a candidate explains of a base's residual; none: of the present base's."""

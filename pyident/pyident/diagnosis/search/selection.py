@@ -16,14 +16,15 @@ import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.standing_out import bands_in_doubt
-from pyident.diagnosis.search.breadth import rests_on
-from pyident.diagnosis.search.constancy import changes_with
+from pyident.diagnosis.imitators.breadth import rests_on
+from pyident.diagnosis.imitators.constancy import changes_with
+from pyident.diagnosis.imitators.imitation import stands_in_for
+from pyident.diagnosis.imitators.modulation import grows_with
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.further_orders import with_further_orders
 from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, sets_for, share_on
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.imitation import stands_in_for
-from pyident.diagnosis.search.modulation import grows_with
-from pyident.diagnosis.search.search import Found, Search, Step
+from pyident.diagnosis.search.search import Search
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,12 @@ import numpy as np
 
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
-from pyident.diagnosis.search.constancy import changes_with
+from pyident.diagnosis.imitators.constancy import changes_with
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import measured
-from pyident.diagnosis.search.search import Found, Search, Step, search_of
+from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import place_name
 

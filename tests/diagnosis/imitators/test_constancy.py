@@ -10,7 +10,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate, columns
 from pyident.diagnosis.base.projection import extended, gain, solve_base
 from pyident.diagnosis.base.setting import set_up
-from pyident.diagnosis.search.constancy import QUANTITIES
+from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.regression.spectrum import equations
 
 LAW = Candidate("load_dependent_friction", 2)

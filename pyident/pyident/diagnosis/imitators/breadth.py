@@ -30,7 +30,7 @@ from pyident.diagnosis.base.projection import (
     others_of,
     solve_base,
 )
-from pyident.diagnosis.search.constancy import QUANTITIES
+from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations, equations
 from pyident.rules.search import SearchRules

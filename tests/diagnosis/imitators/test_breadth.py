@@ -8,7 +8,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.setting import set_up
-from pyident.diagnosis.search.breadth import block_of
+from pyident.diagnosis.imitators.breadth import block_of
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
 

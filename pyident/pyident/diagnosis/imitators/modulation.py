@@ -16,7 +16,7 @@ from flexmodels.coordinate import deformation_of
 from pyident.diagnosis.base.candidates import Candidate, columns, law_of
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Columns, extended, gain, joined
-from pyident.diagnosis.search.constancy import QUANTITIES
+from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
 from pyident.regression.bodies import link_torques
 
