@@ -20,6 +20,7 @@ from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
+from pyident.simulation.bends import bends
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
@@ -98,8 +99,7 @@ def along(
         return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
-    blurs = [blurred(corner) for corner in corners]
-    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), blurs, periodic)
+    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), corners, periodic)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
 
@@ -110,20 +110,22 @@ def _torque_noise(
     motion: Motion,
     p: np.ndarray,
     repeats: float | None,
-    blurs: Sequence[int],
+    corners: Sequence[float],
     periodic: PeriodicRules,
 ) -> dict[str, NoiseSpectrum]:
     """Torque -> its noise.
 
-    repeats   samples after which the motion comes back;  blurs: over which a reversal is spread
+    repeats   samples after which the motion comes back;  corners: of the coordinates, as of `reached`
     """
     joints = len(robot.joints)
     left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
+    blurs = [blurred(corner) for corner in corners]
     out, ends = {}, ends_of(len(left), blurs)
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         moving = without_steps(moving, motion.ddq[:, k], blurs[k])
+        moving &= ~bends(motion.tau[:, k], moving, corners[k])
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]
         if moving.any() and not repeats:

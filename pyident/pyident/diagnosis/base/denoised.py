@@ -18,6 +18,7 @@ from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, equations
+from pyident.simulation.bends import bends
 from pyident.simulation.sensor_noise import channel_noise
 from pyident.simulation.smooth_motion import blurred, ends_of, reached, smooth
 
@@ -52,7 +53,7 @@ def denoises(robot: Robot) -> bool:
 
 
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
-    """Nor its ends, nor where a low pass blurs the step of an acceleration as friction turns round."""
+    """Nor its ends, nor where a low pass blurs the step of an acceleration: as friction turns round, or at a jerk."""
     if not denoises(robot):
         return conditioned(log, robot)
     reach, frame = _reached(robot, log), log.frame.copy()
@@ -61,7 +62,8 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     part = conditioned(replace(log, frame=frame), robot)
     use, blurs = part.use.copy(), [blurred(corner) for corner in reach]
     for k, blur in enumerate(blurs):
-        use[:, k] *= without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
+        moving = without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
+        use[:, k] *= moving & ~bends(part.motion.tau[:, k], moving, reach[k])
     ends = ends_of(len(use), blurs)
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
