@@ -53,6 +53,11 @@ class Samples:
         a, b, c, d = (tau[i + j] for j in (-1, 0, 1, 2))  # Catmull and Rom
         return b + 0.5 * w * (c - a + w * (2 * a - 5 * b + 4 * c - d + w * (3 * (b - c) + d - a)))
 
+    def every(self, step: int) -> "Samples":
+        """One in so many of the samples at which Φ is evaluated."""
+        part = {n: getattr(self, n)[::step] for n in ("at", "q", "dq", "ddq", "direction", "use")}
+        return replace(self, **part)
+
     def moved(self, matrix: np.ndarray, offset: np.ndarray) -> "Samples":
         """The same with coordinates  matrix q + offset."""
         q, dq, ddq = (x @ matrix.T for x in (self.q, self.dq, self.ddq))
@@ -102,6 +107,13 @@ class Balances:
         b, yy = self.right(k, torques)
         p, _ = solved(self.normal[k], b)
         return np.maximum(yy - (b * p).sum(axis=0), 0.0)
+
+    def without(self, k: int, column: str) -> float:
+        """Energy that the balance of joint k (from 0) leaves where one parameter is zero."""
+        kept = [i for i, name in enumerate(self.columns) if name != column]
+        b, yy = self.right(k, self.torque[:, k : k + 1])
+        p, _ = solved(self.normal[k][np.ix_(kept, kept)], b[kept])
+        return max(float((yy - (b[kept] * p).sum(axis=0))[0]), 0.0)
 
 
 def samples(robot: Robot, log: Log) -> Samples | None:

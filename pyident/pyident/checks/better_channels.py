@@ -1,12 +1,14 @@
 """Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from flexmodels.coordinate import torque_of
-from pyident.checks.balances import Balances, Samples, balances, solved
+from flexmodels.coordinate import joint_name, torque_of
+from flexmodels.joint import parameter_name
+from flexmodels.robot import Robot
+from pyident.checks.balances import Balances, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
 from pyident.kinematics.structure import StructureError
@@ -59,7 +61,7 @@ def best_change(of: Balances) -> Better | None:
     now = misfit(of)
     if not now.material or len(of.samples.at) * len(of.joints) < EQUATIONS.per_parameter * len(of.columns):
         return None
-    few = _every(of.samples, max(1, len(of.samples.at) // _ROWS))
+    few = of.samples.every(max(1, len(of.samples.at) // _ROWS))
     looped = bool(of.samples.robot.closures)  # then other positions are out of reach, and slow to find so
     resting = [k for k in range(of.torque.shape[1]) if k not in of.joints]  # holding a brake, or anything
     changes = [
@@ -92,14 +94,8 @@ def better_channels(of: Balances, source: str) -> Iterator[Defect]:
 def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     """Torques that no parameters at all connect with the motion."""
     left = {k: float(of.left(k, of.torque[:, k : k + 1])[0]) for k in of.joints}
-    shares = {k: energy / max(of.variance(k), 1e-300) for k, energy in left.items()}
-    whole = {k: float(np.square(of.torque[of.samples.use[:, k] > 0, k]).sum()) for k in left}
-    lost = [
-        k
-        for k, share in shares.items()  # of a weight that a slide only holds, the variation may be noise
-        if share > LOG_CHECKS.unexplained and left[k] > LOG_CHECKS.material**2 * whole[k]
-    ]
-    if lost and len(lost) == len(shares):
+    lost = [k for k, energy in left.items() if _lost(of, k, energy)]
+    if lost and len(lost) == len(left):
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
                                                "torque, "
                      f"whatever the robot's masses and frictions are; positions and torques are not of the "
@@ -107,9 +103,33 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
                      f"recording, or torques were not measured")  # fmt: skip
         return
     for k in lost:
-        yield Defect("doubtful", "unrelated", torque_of(k + 1), f"{source}: {100 * shares[k]:.0f} % of "
+        share = left[k] / max(of.variance(k), 1e-300)
+        yield Defect("doubtful", "unrelated", torque_of(k + 1), f"{source}: {100 * share:.0f} % of "
                      f"{torque_of(k + 1)} is nothing that its motion explains; check that it is this joint's "
                      f"torque")  # fmt: skip
+
+
+def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
+    """Torques that only a constant connects with the motion, which the robot file has no place for.
+
+    of: with a constant at every joint
+    """
+    for k in of.joints:
+        name = parameter_name(k + 1, "offset", "offset")
+        if name in robot.parameters or not _lost(of, k, of.without(k, name)):
+            continue
+        value = solved(of.normal[k], of.right(k, of.torque[:, k : k + 1])[0])[0][of.columns.index(name), 0]
+        yield Defect("doubtful", "offset", torque_of(k + 1),
+                     f"{source}: {torque_of(k + 1)} holds a constant of {value:.3g} that no motion explains "
+                     f"and the model has no place for; take it out of the column, or add effect offset at "
+                     f"{joint_name(k + 1)}")  # fmt: skip
+
+
+def _lost(of: Balances, k: int, left: float) -> bool:
+    """Whether that is most of a torque. Of a weight that a slide only holds, the variation may be noise."""
+    torque = of.torque[of.samples.use[:, k] > 0, k]
+    whole = float(np.square(torque).sum())
+    return left > max(LOG_CHECKS.unexplained * of.variance(k), LOG_CHECKS.material**2 * whole)
 
 
 def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
@@ -128,8 +148,3 @@ def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
     if not both:
         return float("inf"), 0.0
     return misfit(other, change.torque, both).share, misfit(of, None, both).share
-
-
-def _every(samples: Samples, step: int) -> Samples:
-    part = {name: getattr(samples, name)[::step] for name in ("at", "q", "dq", "ddq", "direction", "use")}
-    return replace(samples, **part)

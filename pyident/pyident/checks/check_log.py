@@ -9,9 +9,10 @@ import pandas as pd
 from flexmodels.coordinate import motor_of, reference_of
 from flexmodels.robot import Robot
 from pyident.checks.balances import balances, samples
-from pyident.checks.better_channels import better_channels, unexplained
-from pyident.checks.channels import channels
+from pyident.checks.better_channels import better_channels, constants, unexplained
+from pyident.checks.channels.every_channel import channels
 from pyident.checks.defect import Defect
+from pyident.checks.gravity import gravity
 from pyident.checks.scale import scale
 from pyident.checks.signs import signs
 from pyident.checks.timing import all_late, timing
@@ -76,7 +77,7 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
 
 def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     """What a quick fit of the balances says of the channels."""
-    signals = samples(robot, log)
+    signals = samples(_with_constants(robot), log)
     if signals is None or not np.isfinite(signals.tau).all():
         return []  # without torques, or with some: then the regression asks for the others
     try:
@@ -87,13 +88,24 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     except ValueError:  # a law that needs a signal of its own
         return []
     source = log.source
+    if heavy := [defect for defect in gravity(of, source) if defect.severity == "gross"]:
+        return heavy
     order = list(better_channels(of, source))
     if any(defect.severity == "gross" for defect in order):
         return order
     if late := list(timing(of, source)):
         return [*order, *late, *scale(of, source)]
-    checks = (signs, twists, bends, scale, unexplained, all_late)
-    return [*order, *(defect for check in checks for defect in check(of, source))]
+    checks = (gravity, signs, twists, bends, scale, unexplained, all_late)
+    found = [defect for check in checks for defect in check(of, source)]
+    return [*order, *found, *constants(of, robot, source)]
+
+
+def _with_constants(robot: Robot) -> Robot:
+    """The robot with a constant torque at every joint: amplifiers and sensors have zeros of their own."""
+    for k, joint in robot.numbered:
+        if "offset" not in joint.values:
+            robot = robot.with_effect(k, "offset")
+    return robot
 
 
 def _in_memory(robot: Robot, log: Log | LogFile) -> Log:

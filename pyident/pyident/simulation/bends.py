@@ -1,9 +1,10 @@
 """Samples in which a torque changes faster than a motion without its noise can follow.
 
-A path of ramps, or of ramps of speed, has a jerk at every corner: the torque bends within a sample or two. The
-motion is known only below the corner of its low pass, so that beside a bend the equation holds the torque with
-frequencies that the acceleration has lost. This is neither noise nor a law that the model lacks, and like
-reversals of friction such samples are left out. A torque that is lost or sticks out for a sample is one of them.
+A path of ramps, or of ramps of speed, has a jerk at every corner: the torque bends within a sample or two.
+The motion is known only below the corner of its low pass, so that beside a bend the equation holds the torque
+with frequencies that the acceleration has lost. This is neither noise nor a law that the model lacks, and
+like reversals of friction such samples are left out. A torque that is lost or sticks out for a sample is one
+of them.
 """
 
 import numpy as np

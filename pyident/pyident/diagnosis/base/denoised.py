@@ -53,7 +53,7 @@ def denoises(robot: Robot) -> bool:
 
 
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
-    """Nor its ends, nor where a low pass blurs the step of an acceleration: as friction turns round, or at a jerk."""
+    """Nor its ends, nor where a low pass blurs a step of the acceleration: a reversal of friction, a jerk."""
     if not denoises(robot):
         return conditioned(log, robot)
     reach, frame = _reached(robot, log), log.frame.copy()

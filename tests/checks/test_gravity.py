@@ -1,0 +1,50 @@
+"""Torques without their weight, of an arm on a wall, and with a constant: recorded by Pinocchio."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+from studies.log_checks.swings import Motion, recorded, six_axes
+
+from flexmodels.robot import Robot
+from pyident.checks.check_log import check_log
+from pyident.checks.defect import Defect
+from pyident.logs.log import Log
+
+ARM = six_axes()
+
+
+def recorded_under(gravity: tuple[float, float, float]) -> pd.DataFrame:
+    return recorded(replace(ARM, gravity=gravity), Motion(), 3)
+
+
+def defects(frame: pd.DataFrame, robot: Robot = ARM) -> dict[str, Defect]:
+    return {d.kind: d for d in check_log(robot, Log.from_frame(frame, "a.csv"))}
+
+
+@pytest.mark.parametrize(
+    ("gravity", "words"),
+    [((0.0, 0.0, 0.0), "with no gravity"), ((9.81, 0.0, 0.0), "gravity along +x"),
+     ((0.0, 0.0, 9.81), "gravity along +z")],
+)  # fmt: skip
+def test_another_gravity_is_told(gravity, words):
+    found = defects(recorded_under(gravity))
+    assert words in found["gravity"].sentence
+
+
+def test_that_of_the_file_is_not():
+    assert not defects(recorded_under(ARM.gravity))
+
+
+def test_a_constant_is_told_with_its_value_and_is_not_unrelated():
+    plain = replace(ARM, joints=tuple(replace(j, values=_without_offset(j.values)) for j in ARM.joints))
+    frame = recorded_under(ARM.gravity)
+    frame["joint1.tau"] += 7 * frame["joint1.tau"].std()
+    found = defects(frame, plain)
+    assert "unrelated" not in found
+    told = float(found["offset"].sentence.split("constant of ")[1].split()[0])
+    assert told == pytest.approx(7 * frame["joint1.tau"].std(), rel=0.05)
+
+
+def _without_offset(values):
+    return {name: value for name, value in values.items() if name != "offset"}
