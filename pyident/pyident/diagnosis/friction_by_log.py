@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.joint import parameter_name
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns, units_of
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
 from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median
 from pyident.diagnosis.search.search import Search, search_of
 
+_SURE = 3.0  # standard deviations
 _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time
 
 
@@ -39,29 +40,44 @@ class FrictionByLog:
     def sentence(self) -> str:
         *most, last = [str(k) for k in self.joints]
         where = f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
-        return f"The friction of {where} differs from log to log. With its own in every log:"
+        zero = ", or the zero of its torque," if any(c.log == 0 for c in self.candidates) else ""
+        return f"The friction of {where}{zero} differs from log to log. With its own in every log:"
 
     def differences(self, beside: Search) -> dict[str, list[float]]:
         """Parameter -> per fitted log but the first how much more it is than there, in the parameter's unit.
 
+        Of those that differ beyond chance in one log at least.
+
         beside   the search without this friction, which rests on what was named
         """
-        found = gain(beside.base, joined([beside.columns(c) for c in self.candidates])).coefficients
+        found = gain(beside.base, joined([beside.columns(c) for c in self.candidates]))
+        pairs = zip(found.coefficients.tolist(), found.std.tolist(), strict=True)
+        of = dict(zip([(c.effect, c.joint, c.log) for c in self.candidates], pairs, strict=True))
         out: dict[str, list[float]] = {}
-        for c, more in zip(self.candidates, found.tolist(), strict=True):
-            out.setdefault(parameter_name(c.joint, c.effect, c.effect), []).append(more)
-        return out
+        sure: set[str] = set()
+        for (effect, joint, log), (x, std) in of.items():
+            if not log:
+                continue
+            name = parameter_name(joint, effect, effect)
+            x0, std0 = of.get((effect, joint, 0), (0.0, 0.0))
+            out.setdefault(name, []).append(x - x0)
+            if abs(x - x0) > _SURE * np.hypot(std, std0):
+                sure.add(name)
+        return {name: values for name, values in out.items() if name in sure or not sure}
 
     def note(self, beside: Search) -> str:
         """By how much, and what to do. beside: as of `differences`."""
-        units, first = self.search.robot.units, self.search.examination.setting.logs[0].source
+        robot, first = self.search.robot, self.search.examination.setting.logs[0].source
+        own = {parameter_name(c.joint, c.effect, c.effect): c for c in self.candidates}
+        units = {name: units_of(robot, c)[c.effect] for name, c in own.items()}
         each = []
         for name, others in self.differences(beside).items():
             ends = dict.fromkeys(f"{x:+.2g}" for x in (min(others), max(others)))
             each.append(f"{name} by {' to '.join(ends)} {units[name]}")
         return (
             f"against {first} the other logs differ in {', '.join(each)}: temperature does that, grease, or "
-            "time; record with the robot warm, or fit each log by itself, as a model has one value for all"
+            "time; record with the robot warm and the torques' zeros set anew, or fit each log by itself, as "
+            "a model has one value for all"
         )
 
 
@@ -79,11 +95,14 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
 
 
 def _of_joint(search: Search, joint: int) -> list[Candidate]:
-    """The friction of a joint in every log but the first."""
+    """The friction of a joint in every log but the first; an offset that the model lacks in all of them."""
     present = search.robot.joints[joint - 1].values
     names = [name for name in ("coulomb", "viscous", "offset") if name in present]
-    logs = range(1, len(search.examination.logs))
-    return [Candidate(name, joint, log=log) for log in logs for name in names]
+    count = len(search.examination.logs)
+    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
+    if found and "offset" not in present:
+        found += [Candidate("offset", joint, log=log) for log in range(count)]
+    return found
 
 
 def _differs(search: Search, joint: int) -> bool:
