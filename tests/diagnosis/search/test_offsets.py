@@ -1,0 +1,61 @@
+"""Constant torques that the model lacks: at more joints than four, drifting, and beside another law."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.logs.log import Log
+from pyident.simulation.fmu_runs import FmuRuns
+from studies.foreign_logs.cases import case_list
+from studies.foreign_logs.generator import made
+from studies.foreign_logs.sensors import as_log
+
+SHARES = np.array([0.2, -0.3, 0.1, -0.2, 0.3])  # of the torques' standard deviations
+
+
+@pytest.fixture(scope="module")
+def arm():
+    """A rigid arm of five joints with nothing hidden: the robot file, a log and a held-out one."""
+    case = next(c for c in case_list(2140, 60) if c.id == "056")
+    m = made(case, 7)
+    assert len(m.robot.joints) == 5 and not m.truth
+    values = [{name: v for name, v in j.values.items() if name != "offset"} for j in m.robot.joints]
+    joints = tuple(replace(j, values=v) for j, v in zip(m.robot.joints, values, strict=True))
+    robot = replace(m.robot, joints=joints)
+    return robot, as_log(m.robot, m.fit, "fit"), as_log(m.robot, m.heldout, "held out")
+
+
+def with_constants(log: Log, sizes: np.ndarray, drifts: bool = False) -> Log:
+    frame = log.frame.copy()
+    for k, size in enumerate(sizes, start=1):
+        frame[f"joint{k}.tau"] += size * (frame["time"] if drifts else 1)
+    return Log.from_frame(frame, log.source)
+
+
+def deviations(log: Log) -> np.ndarray:
+    return np.array([log.frame[f"joint{k}.tau"].std() for k in range(1, 6)])
+
+
+def test_every_joint_may_have_an_offset(arm):
+    robot, fit, held = arm
+    sizes = SHARES * deviations(fit)
+    search = searched(robot, [with_constants(fit, sizes)], FmuRuns)
+    found = concluded(search, FmuRuns, [with_constants(held, sizes)])
+    first = {f.tie[0].joint: f.tie[0] for f in found.findings}
+    assert {name.effect for name in first.values()} == {"offset"}
+    assert sorted(first) == [f"joint{k}" for k in range(1, 6)]
+    for k, size in enumerate(sizes, start=1):
+        assert first[f"joint{k}"].values["offset"] == pytest.approx(size, rel=0.1)
+    rivals = {name.effect for f in found.findings for name in f.tie[1:]}
+    assert "joint_spring" not in rivals  # with its preload it is an offset and more
+
+
+def test_a_drift_of_the_zero_is_no_spring(arm):
+    robot, fit, held = arm
+    sizes = 0.05 * deviations(fit) / fit.frame["time"].iloc[-1] * np.array([1, 0, 1, 0, 0])
+    search = searched(robot, [with_constants(fit, sizes, drifts=True)], FmuRuns)
+    found = concluded(search, FmuRuns, [with_constants(held, sizes, drifts=True)])
+    first = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
+    assert first == {("offset_drift", "joint1"), ("offset_drift", "joint3")}
