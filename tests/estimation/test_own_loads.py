@@ -13,8 +13,8 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import ordinary, reweighted, weighted
 from pyident.estimation.identify import identify
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
-from pyident.regression.bodies import link_torques
 from pyident.regression.equations import Problem
+from pyident.regression.loads.bodies import link_torques
 
 LAW, SHARE, SQUARE = "load_dependent_friction", 0.14, 4e-4
 

@@ -7,8 +7,8 @@ from one_joint import one_joint
 
 from flexmodels.effects import CATALOGUE
 from pyident.conditioning.motion import Motion
-from pyident.regression.bodies import body_columns
 from pyident.regression.laws import Signals, compiled, law_columns
+from pyident.regression.loads.bodies import body_columns
 
 TIME = np.arange(200) * 0.01
 Q, DQ, DDQ = np.sin(3 * TIME)[:, None], 3 * np.cos(3 * TIME)[:, None], -9 * np.sin(3 * TIME)[:, None]

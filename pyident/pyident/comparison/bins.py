@@ -16,7 +16,7 @@ from flexmodels.coordinate import Coordinate, Side, deformation_of, joint_name, 
 from flexmodels.robot import Robot
 from pyident.comparison.model_against_replicas import Part
 from pyident.conditioning.motion import Motion
-from pyident.regression.bodies import link_torques
+from pyident.regression.loads.bodies import link_torques
 from pyident.regression.spectrum import Band, Floor, floor
 from pyident.rules.bins import BINS
 

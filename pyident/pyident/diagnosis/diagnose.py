@@ -15,12 +15,12 @@ from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.floor_shares import worth_little
-from pyident.diagnosis.base.lateness import all_earlier, lateness
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
+from pyident.diagnosis.lateness import all_earlier, lateness
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import HeldOut, held_out

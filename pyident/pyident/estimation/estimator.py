@@ -16,8 +16,8 @@ from pyident.estimation.least_squares import Solution, solve, solve_like
 from pyident.estimation.newey_west import LongRun
 from pyident.estimation.prediction_error import prediction_error
 from pyident.estimation.total_least_squares import total_least_squares
-from pyident.regression.bodies import reads_load
 from pyident.regression.equations import Problem
+from pyident.regression.loads.bodies import reads_load
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import predicted
 

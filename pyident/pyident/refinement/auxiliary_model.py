@@ -53,7 +53,7 @@ from pyident.refinement.instruments.simulated_rows import (
 from pyident.refinement.instruments.stand_in import driven, smoothed
 from pyident.refinement.instruments.starts import Begun, begun, nearest
 from pyident.refinement.remove_bias import seen
-from pyident.regression.bodies import reads_load
+from pyident.regression.loads.bodies import reads_load
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 

@@ -10,8 +10,8 @@ from flexmodels.effects.effect import Effect
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.bodies import body_columns
 from pyident.regression.laws import Signals, compiled, law_columns
+from pyident.regression.loads.bodies import body_columns
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import regressor_blocks
 

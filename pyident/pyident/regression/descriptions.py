@@ -19,7 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
-from pyident.regression.bodies import body_columns
+from pyident.regression.loads.bodies import body_columns
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 

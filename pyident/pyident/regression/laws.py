@@ -13,7 +13,7 @@ from flexmodels.effects.effect import Effect, State
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression import law_memory as law_states
-from pyident.regression.bodies import link_torques
+from pyident.regression.loads.bodies import link_torques
 from pyident.regression.rounded_signs import blurred
 
 _NUMPY = {

@@ -10,9 +10,9 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.regression.bodies import body_columns
 from pyident.regression.laws import LawColumn, Signals, law_columns
 from pyident.regression.links import LinkColumns
+from pyident.regression.loads.bodies import body_columns
 from pyident.regression.machine.threads import spread
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)

@@ -8,8 +8,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from six_axis_logs import arm, made, plain, three_laws
 
-from pyident.diagnosis.base.lateness import earlier, lateness
 from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.lateness import earlier, lateness
 from pyident.logs.log import Log
 
 LATE = 0.9  # samples

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from studies.foreign_logs.cases import case_list
+from studies.foreign_logs.generator import made
+from studies.foreign_logs.sensors import as_log
 
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import FmuRuns
-from studies.foreign_logs.cases import case_list
-from studies.foreign_logs.generator import made
-from studies.foreign_logs.sensors import as_log
 
 SHARES = np.array([0.2, -0.3, 0.1, -0.2, 0.3])  # of the torques' standard deviations
 
@@ -20,7 +20,8 @@ def arm():
     """A rigid arm of five joints with nothing hidden: the robot file, a log and a held-out one."""
     case = next(c for c in case_list(2140, 60) if c.id == "056")
     m = made(case, 7)
-    assert len(m.robot.joints) == 5 and not m.truth
+    assert len(m.robot.joints) == 5
+    assert not m.truth
     values = [{name: v for name, v in j.values.items() if name != "offset"} for j in m.robot.joints]
     joints = tuple(replace(j, values=v) for j, v in zip(m.robot.joints, values, strict=True))
     robot = replace(m.robot, joints=joints)

@@ -21,6 +21,7 @@ from pyident.diagnosis.base.projection import (
     solve_base,
 )
 from pyident.diagnosis.base.replicas import replicated
+from pyident.diagnosis.base.rotor_shares import with_rotor_shares
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_of, pooled
@@ -161,6 +162,10 @@ def examine(
     data = [e.over(raised[:, None]) for e in plain]
     base = solve_base(data)
     own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]
+    if not setting.simulates:
+        chance = setting.rules.search.chance
+        robot = with_rotor_shares(robot, data, base, levels_of(own_floors, data), chance)
+        setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion

@@ -18,7 +18,7 @@ from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Columns, extended, gain, joined
 from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
-from pyident.regression.bodies import link_torques
+from pyident.regression.loads.bodies import link_torques
 
 _POWERS = {"{}": 1, "the square of the {}": 2}
 

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, columns
-from pyident.diagnosis.base.lateness import all_earlier
 from pyident.diagnosis.base.projection import Base, solve_base
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
+from pyident.diagnosis.lateness import all_earlier
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
