@@ -15,7 +15,7 @@ from pyident.simulation.replica import Repeat
 
 def hidden() -> Robot:
     """The one joint takes more torque in one direction than in the other."""
-    values = {"joint1.asymmetric_coulomb.coulomb": 1.5, "joint1.asymmetric_coulomb.viscous": 0.8}
+    values = {"joint1.asymmetric_coulomb.coulomb": 1.5, "joint1.asymmetric_coulomb.viscous": 2.0}
     return one_joint().with_effect(1, "asymmetric_coulomb").with_parameters(values)
 
 

@@ -26,7 +26,7 @@ def two_link() -> Robot:
 
 def hidden() -> Robot:
     """Joint 2 takes more torque in one direction than in the other."""
-    values = {"joint2.asymmetric_coulomb.coulomb": 2.5, "joint2.asymmetric_coulomb.viscous": 1.5}
+    values = {"joint2.asymmetric_coulomb.coulomb": 2.5, "joint2.asymmetric_coulomb.viscous": 4.0}
     return two_link().with_effect(2, "asymmetric_coulomb").with_parameters(values)
 
 

@@ -116,5 +116,5 @@ def test_the_law_that_is_there_takes_the_residual(tmp_path):
     assert best.law.name == "asymmetric_coulomb at joint2"
     assert best.percent > 90
     assert best.law.values["coulomb"] == pytest.approx(2.5, rel=0.02)
-    assert best.law.values["viscous"] == pytest.approx(1.5, rel=0.02)
+    assert best.law.values["viscous"] == pytest.approx(4.0, rel=0.02)
     np.testing.assert_allclose(best.left, low_passed(rest, 1 / 250, 50.0), atol=0.2 * float(np.std(residual)))

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from studies.log_checks.swings import six_axes
+from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
 
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.bodies import link_torques
 from pyident.regression.loads.rotor_share import open_shares
 from pyident.regression.regressor import generalised_forces
-from studies.log_checks.swings import six_axes
-from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
 
 ROBOT = six_axes()
 RNG = np.random.default_rng(4)

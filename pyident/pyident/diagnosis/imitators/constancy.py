@@ -2,17 +2,18 @@
 
 An effect that stands in for another may explain much of a residual, but with other coefficients when the
 joint is fast than when it is slow, under much torque than under little, early than late. So the law is split
-at the median of such a quantity into two halves with coefficients of their own (Chow 1960). What a true law
-gains by that is chance.
+at the median of such a quantity into two halves with coefficients of their own (Chow 1960); one that itself
+is a course of time, into quarters. What a true law gains by that is chance.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
+from flexmodels.effects import signals
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, columns, with_model_torque
-from pyident.diagnosis.base.projection import gain
+from pyident.diagnosis.base.candidates import Candidate, columns, law_of, with_model_torque
+from pyident.diagnosis.base.projection import gain, joined
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
 
@@ -26,13 +27,19 @@ def _torque(robot: Robot, log: Equations, joint: int) -> np.ndarray:
     return np.abs(tau[:, joint])
 
 
+def _time(_: Robot, log: Equations, __: int) -> np.ndarray:
+    return np.arange(len(log.part.target), dtype=float)
+
+
 QUANTITIES: dict[str, Quantity] = {
     "speed": lambda _, log, joint: np.abs(log.part.motion.dq[:, joint]),
     "torque": _torque,
     "position": lambda _, log, joint: log.part.motion.q[:, joint],
     "direction": lambda _, log, joint: np.sign(log.part.motion.dq[:, joint]),
-    "time": lambda _, log, __: np.arange(len(log.part.target), dtype=float),
+    "time": _time,
 }
+_MEDIAN = (0.5,)
+_QUARTERS = (0.25, 0.5, 0.75)  # a law of time is split finer: a step has half of a drift's course in common
 
 
 def changes_with(search: Search, candidate: Candidate) -> str:
@@ -53,14 +60,22 @@ def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
     Where that is less than what the law itself takes, as a floor that is too high at other frequencies makes
     it, of the latter.
     """
-    logs, high = search.examination.logs, above_median(search, candidate.joint, quantity)
-    X = columns(search.robot, candidate, logs, search.levels, high)
+    logs, parts = search.examination.logs, _MEDIAN
+    if quantity is _time and signals.time in law_of(search.robot, candidate).symbols:
+        parts = _QUARTERS
+    above = [above_quantile(search, candidate.joint, quantity, part) for part in parts]
+    X = joined([columns(search.robot, candidate, logs, search.levels, high) for high in above])
     own = search.without(candidate).gain_of(candidate).energy
     return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), own, 1e-300)
 
 
 def above_median(search: Search, joint: int, quantity: Quantity) -> list[np.ndarray]:
     """Per log (N,): 1 where a joint's quantity lies above its median over all logs, else 0. joint: from 1."""
+    return above_quantile(search, joint, quantity, 0.5)
+
+
+def above_quantile(search: Search, joint: int, quantity: Quantity, share: float) -> list[np.ndarray]:
+    """The same of any quantile."""
     values = [quantity(search.robot, log, joint - 1) for log in search.examination.logs]
-    middle = np.median(np.concatenate(values))
-    return [(v > middle).astype(float) for v in values]
+    least = np.quantile(np.concatenate(values), share)
+    return [(v > least).astype(float) for v in values]
