@@ -123,7 +123,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     logs = []
     for log in logs_of(hidden(), folder):
         bending = log.frame["joint1.eps[2]"].to_numpy()
-        tau = log.frame["joint2.tau"] + 4 * np.tanh(bending / bending.std())
+        tau = log.frame["joint2.tau"] + 20 * np.tanh(2 * (bending - bending.mean()) / bending.std())
         logs.append(replace(log, frame=log.frame.assign(**{"joint2.tau": tau})))
     search = searched(two_link(), logs[:2], in_process)
     candidate = Candidate("asymmetric_coulomb", 2)
