@@ -13,7 +13,7 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import Log, LogError, read_log
+from pyident.logs.log import WIDEST_GAP, Log, LogError, read_log
 from pyident.logs.mapping import Mapping
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
@@ -157,7 +157,7 @@ def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     worst = float(np.abs(steps - period).max())
     if worst <= _UNEVEN * period:
         return frame, []
-    if steps.max() > 5 * period:
+    if steps.max() > WIDEST_GAP * period:
         at = int(np.argmax(steps))
         raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {at + 2}; cut the log there")
     even = np.arange(time[0], time[-1] + 1e-9 * period, period)

@@ -18,6 +18,7 @@ from flexmodels.atomic import replacing
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Column
 
+WIDEST_GAP = 5.5  # periods: over more, nothing is known of a motion
 _JITTER = 0.01  # of one period: what still counts as uniform
 
 
@@ -206,7 +207,9 @@ def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) ->
     uneven = np.flatnonzero(np.abs(np.diff(time) - period) > _JITTER * abs(period))
     if period <= 0 or len(uneven):
         i = int(uneven[0]) if len(uneven) else 0
+        short = period <= 0 or np.diff(time).max() <= WIDEST_GAP * period
         raise LogError(
             f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {first + i + 2} where "
-            f"the period is {period:.6g} s; cut the log there, or let `pyident log import` resample it"
+            f"the period is {period:.6g} s; cut the log there"
+            f"{', or let `pyident log import` resample it' if short else ''}"
         )
