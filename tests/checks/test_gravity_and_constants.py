@@ -14,7 +14,7 @@ from pyident.logs.log import Log
 ARM = six_axes()
 
 
-def recorded_under(gravity: tuple[float, float, float]) -> pd.DataFrame:
+def recorded_under(gravity: tuple[float, ...]) -> pd.DataFrame:
     return recorded(replace(ARM, gravity=gravity), Motion(), 3)
 
 

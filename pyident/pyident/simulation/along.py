@@ -118,14 +118,15 @@ def _torque_noise(
     repeats   samples after which the motion comes back;  corners: of the coordinates, as of `reached`
     """
     joints = len(robot.joints)
-    left = log.signals(robot.torques) - generalised_forces(robot, motion, p)[:, :joints]
+    tau = log.signals(robot.torques)
+    left = tau - generalised_forces(robot, motion, p)[:, :joints]
     blurs = [blurred(corner) for corner in corners]
     out, ends = {}, ends_of(len(left), blurs)
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         moving = without_steps(moving, motion.ddq[:, k], blurs[k])
-        moving &= ~bends(motion.tau[:, k], moving, corners[k])
+        moving &= ~bends(tau[:, k], moving, corners[k])
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]
         if moving.any() and not repeats:

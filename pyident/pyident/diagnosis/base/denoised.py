@@ -63,7 +63,7 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     use, blurs = part.use.copy(), [blurred(corner) for corner in reach]
     for k, blur in enumerate(blurs):
         moving = without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
-        use[:, k] *= moving & ~bends(part.motion.tau[:, k], moving, reach[k])
+        use[:, k] *= moving & ~bends(part.target[:, k], moving, reach[k])
     ends = ends_of(len(use), blurs)
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
