@@ -60,3 +60,19 @@ def test_a_drift_of_the_zero_is_no_spring(arm):
     found = concluded(search, FmuRuns, [with_constants(held, sizes, drifts=True)])
     first = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
     assert first == {("offset_drift", "joint1"), ("offset_drift", "joint3")}
+
+
+def test_zeros_that_move_from_log_to_log_are_told_and_nothing_is_missing(arm):
+    robot, fit, held = arm
+    sizes, half = SHARES * deviations(fit), len(fit) // 2
+    parts = [fit.frame.iloc[:half], fit.frame.iloc[half:].reset_index(drop=True)]
+    begun = [Log.from_frame(part.assign(time=fit.frame["time"][: len(part)]), "part") for part in parts]
+    logs = [with_constants(log, way * sizes) for log, way in zip(begun, (1, -1), strict=True)]
+    search = searched(robot, logs, FmuRuns)
+    found = concluded(search, FmuRuns, [with_constants(held, 2 * sizes)])
+    assert found.sentence.startswith("The friction of joints")
+    assert "or the zero of its torque" in found.sentence
+    assert not found.findings
+    for k, size in enumerate(sizes, start=1):
+        told = float(found.notes[0].split(f"joint{k}.offset by ")[1].split()[0])
+        assert told == pytest.approx(-2 * size, rel=0.1)
