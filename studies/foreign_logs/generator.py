@@ -86,8 +86,8 @@ def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
     if case.kind == "geometry":
         error, found = _geometry(rng, oracle, state, a, power)
         errors, truth = (error,), [found]
-    for law in _laws(rng, case.kind):
-        h, found = _hidden(rng, law, case.kind, oracle, state, a, noise, [h.joint for h in hidden])
+    for law in laws_of(rng, case.kind):
+        h, found = hidden_in(rng, law, case.kind, oracle, state, a, noise, [h.joint for h in hidden])
         hidden.append(h)
         truth.append(found)
     frames = []
@@ -128,14 +128,14 @@ def _in_loop(
     return simulated(oracle.machine, plan, hidden, sensors, duration, every)
 
 
-def _laws(rng: np.random.Generator, kind: str) -> list[Draw]:
+def laws_of(rng: np.random.Generator, kind: str) -> list[Draw]:
     if kind not in _HIDDEN:
         return []
     listed = OUTSIDE if kind == "outside" else SINGLE
     return [listed[name] for name in rng.choice(list(listed), _HIDDEN[kind], replace=False)]
 
 
-def _hidden(
+def hidden_in(
     rng: np.random.Generator,
     draw: Draw,
     kind: str,

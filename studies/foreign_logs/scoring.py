@@ -51,31 +51,35 @@ def _rows(cases: Sequence[Scored], method: str, prefix: str) -> list[dict[str, s
         return [(c, a) for c, a in said if c.kind in kinds and difficult in (None, c.difficult)]
 
     def share(what: str, hits: list[bool], goal: float | None = None, most: bool = False) -> dict[str, str]:
-        return _share(prefix + what, hits, goal if not prefix else None, most)
+        return counted(prefix + what, hits, goal if not prefix else None, most)
 
     def alarms(difficult: bool) -> list[bool]:
-        return [_alarm(c, a) for c, a in of("null", difficult=difficult)]
+        return [is_alarm(c, a) for c, a in of("null", difficult=difficult)]
 
     strong, geometry, everything = of("strong"), of("geometry"), of("strong", "medium", "weak")
-    three = [(sum(_found(t, a) for t in c.truth), len(c.truth)) for c, a in of("triple")]
+    three = [(sum(is_found(t, a) for t in c.truth), len(c.truth)) for c, a in of("triple")]
     return [
         share("false alarm, ordinary", alarms(False), 5, most=True),
         share("false alarm, difficult", alarms(True), 10, most=True),
         share("strong: in the first tie", [_first(c, a) for c, a in strong], 95),
         share("strong: strictly first", [_strictly(c, a) for c, a in strong], 90),
-        share("medium found", [_found(c.truth[0], a) for c, a in of("medium")], 80),
-        share("weak found", [_found(c.truth[0], a) for c, a in of("weak")], 30),
-        share("single: confidently wrong", [_wrong(c, a) for c, a in everything], 5, most=True),
-        share("two at once: both", [all(_found(t, a) for t in c.truth) for c, a in of("pair")], 70),
+        share("medium found", [is_found(c.truth[0], a) for c, a in of("medium")], 80),
+        share("weak found", [is_found(c.truth[0], a) for c, a in of("weak")], 30),
+        share("single: confidently wrong", [is_wrong(c, a) for c, a in everything], 5, most=True),
+        share("two at once: both", [all(is_found(t, a) for t in c.truth) for c, a in of("pair")], 70),
         share("three at once: all", [k == n for k, n in three], 60),
         share("three at once: at least two", [k >= 2 for k, _ in three], 90),
         share("geometry: named, value within 20 %", [_measured(c, a) for c, a in geometry], 90),
         share("geometry: in the first tie, value within 20 %", [_measured(c, a, True) for c, a in geometry]),
         share("outside: unexplained or a fair alias", [_honest(c, a) for c, a in of("outside")], 85),
-        share("outside: confidently wrong", [_wrong(c, a) for c, a in of("outside")], 5, most=True),
-        share("of all findings with one name: right", _true(said, lambda tie: len(tie) == 1)),
-        share("of all findings in a tie: the truth among them", _true(said, lambda tie: len(tie) > 1)),
-        share("of all findings of the robot file: right", _true(said, lambda tie: describes(tie[0][0]))),
+        share("outside: confidently wrong", [is_wrong(c, a) for c, a in of("outside")], 5, most=True),
+        share("of all findings with one name: right", findings_right(said, lambda tie: len(tie) == 1)),
+        share(
+            "of all findings in a tie: the truth among them", findings_right(said, lambda tie: len(tie) > 1)
+        ),
+        share(
+            "of all findings of the robot file: right", findings_right(said, lambda tie: describes(tie[0][0]))
+        ),
     ]
 
 
@@ -84,13 +88,13 @@ def right(truth: Sequence[Truth]) -> set[Name]:
     return {name for t in truth for name in t.names}
 
 
-def _alarm(case: Scored, answer: Answer) -> bool:
+def is_alarm(case: Scored, answer: Answer) -> bool:
     """Anything at all with nothing hidden, but for what makes the case difficult."""
     quiet = answer.verdict == "nothing_detectable" or bool(answer.ties)
-    return not quiet or _wrong(case, answer)
+    return not quiet or is_wrong(case, answer)
 
 
-def _found(truth: Truth, answer: Answer) -> bool:
+def is_found(truth: Truth, answer: Answer) -> bool:
     return any(name in truth.names for tie in answer.ties for name in tie)
 
 
@@ -102,17 +106,15 @@ def _strictly(case: Scored, answer: Answer) -> bool:
     return bool(answer.ties) and answer.ties[0][0] in right(case.truth)
 
 
-def _wrong(case: Scored, answer: Answer) -> bool:
+def is_wrong(case: Scored, answer: Answer) -> bool:
     """A finding none of whose names is right, or no answer at all."""
     names = right(case.truth) | set(case.besides)
     return answer.verdict == "failed" or any(not names & set(tie) for tie in answer.ties)
 
 
-def _true(said: Sequence[tuple[Scored, Answer]], counted: Callable[[Sequence[Name]], bool]) -> list[bool]:
+def findings_right(said: Sequence[tuple[Scored, Answer]], of: Callable[[Sequence[Name]], bool]) -> list[bool]:
     """Of every finding of one kind whether any of its names is true."""
-    return [
-        bool((right(c.truth) | set(c.besides)) & set(tie)) for c, a in said for tie in a.ties if counted(tie)
-    ]
+    return [bool((right(c.truth) | set(c.besides)) & set(tie)) for c, a in said for tie in a.ties if of(tie)]
 
 
 def _measured(case: Scored, answer: Answer, tied: bool = False) -> bool:
@@ -126,10 +128,10 @@ def _measured(case: Scored, answer: Answer, tied: bool = False) -> bool:
 
 
 def _honest(case: Scored, answer: Answer) -> bool:
-    return answer.verdict not in ("failed", "nothing_detectable") and not _wrong(case, answer)
+    return answer.verdict not in ("failed", "nothing_detectable") and not is_wrong(case, answer)
 
 
-def _share(what: str, hits: Sequence[bool], goal: float | None, most: bool) -> dict[str, str]:
+def counted(what: str, hits: Sequence[bool], goal: float | None = None, most: bool = False) -> dict[str, str]:
     """goal [percent]; Wilson's 95 % interval."""
     wanted = "" if goal is None else f"{'<=' if most else '>='} {goal:g} %"
     if not hits:

@@ -46,3 +46,8 @@ def test_pinocchio_knows_the_loads():
     still = np.zeros_like(MOTION.q)
     expected = inverse_dynamics(chain(ROBOT, np.ones(len(ROBOT.links))), MOTION.q, still, still)
     np.testing.assert_allclose(link_torques(ROBOT, Motion(MOTION.q, still, still)), expected, atol=1e-6)
+
+
+def test_where_a_fit_has_no_inertia_there_is_nothing_to_share():
+    bent = ROBOT.with_parameters({"joint1.J_m": -1000.0})
+    assert [share.joint for share in open_shares(bent, [MOTION])] == [2]

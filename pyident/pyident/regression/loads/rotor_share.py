@@ -64,7 +64,8 @@ def _open_share(robot: Robot, k: int, motions: Sequence[Motion]) -> OpenShare | 
     if not set(change) <= set(robot.linear_parameters):
         return None
     least = min(float(_own_inertia(robot, k, motion).min()) for motion in motions)
-    return OpenShare(k, change, (-robot.parameters[rotor], least))
+    all_of_it = robot.parameters[rotor] + least
+    return OpenShare(k, change, (-robot.parameters[rotor], least)) if all_of_it > 0 else None
 
 
 def _of_axis(axis: np.ndarray) -> np.ndarray:
