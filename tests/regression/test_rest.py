@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.conditioning.rest import at_samples, away_from_rest, without_steps
+from pyident.conditioning.rest import at_samples, away_from_rest, creeping, without_steps
 
 T = 0.004  # s
 
@@ -65,3 +65,21 @@ def test_a_blurred_step_of_the_acceleration_is_left_out():
 def test_a_motion_that_turns_round_smoothly_keeps_its_samples():
     known, acceleration = _turns(0.0)
     assert (without_steps(known, acceleration, 8) == known).all()
+
+
+def test_a_joint_that_gives_way_where_it_stands_does_not_move():
+    """Out for 2 s, creeping to and fro for 3 s, back for 2 s; and at last slowly, but somewhere."""
+    period = 0.01
+    out, stand, slow = np.full(200, 0.5), 0.01 * np.sin(np.arange(300) * 0.03), np.full(400, 0.02)
+    speed = np.concatenate([out, stand, -out, slow])
+    found = creeping(np.cumsum(speed) * period, speed, period)
+    assert found[200:500].all()
+    assert not found[:200].any()
+    assert not found[500:].any()
+
+
+def test_a_reversal_is_no_stand():
+    period = 0.01
+    time = np.arange(0, 20, period)
+    assert not creeping(np.sin(2 * time), 2 * np.cos(2 * time), period).any()
+    assert not creeping(np.zeros(50), np.zeros(50), period).any()

@@ -13,6 +13,10 @@ from scipy.ndimage import minimum_filter1d
 AROUND = 2  # samples on either side of a reversal that are left out
 REACH = AROUND + 3  # samples on either side on which the answer for one depends
 STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill
+_FAST = 0.2  # of a joint's highest speed: faster is moving
+_CREEP = 0.05  # of its usual speed when moving
+_LONG = 0.25  # s
+_NOWHERE = 0.02  # of the way that it covers in the log
 _WIDENED = 0.1  # of the samples
 _BETWEEN = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of an interval: where the speed is looked at
 
@@ -51,6 +55,22 @@ def without_steps(known: np.ndarray, acceleration: np.ndarray, samples: int) -> 
     if not kept.any() or kept.all() or np.median(jerk[~kept]) <= np.median(jerk[kept]):
         return known
     return kept
+
+
+def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarray:
+    """(N,): whether a joint stands where it is, though it gives way to what the others do.
+
+    position, speed   (N,) of the joint
+    It is far slower than when it moves, for longer than a reversal takes, and gets nowhere: what it does then
+    is decided by how a gear sticks, or a simulator rounds friction, and not by Coulomb's level."""
+    fast = np.abs(speed) > _FAST * np.abs(speed).max()
+    usual = float(np.sqrt(np.mean(speed[fast] ** 2))) if fast.any() else 0.0
+    out = np.zeros(len(speed), bool)
+    slow = np.abs(speed) < _CREEP * usual
+    for start, stop in np.flatnonzero(np.diff(slow.astype(np.int8), prepend=0, append=0)).reshape(-1, 2):
+        if (stop - start) * period > _LONG and np.ptp(position[start:stop]) < _NOWHERE * np.ptp(position):
+            out[start:stop] = True
+    return out
 
 
 def _rests_between(speed: np.ndarray, slow: float) -> np.ndarray:

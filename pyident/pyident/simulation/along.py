@@ -14,7 +14,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
-from pyident.conditioning.rest import away_from_rest, without_steps
+from pyident.conditioning.rest import away_from_rest, creeping, without_steps
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
@@ -126,6 +126,7 @@ def _torque_noise(
         speed = motion.dq[:, k]
         moving = away_from_rest(speed, float(np.mean(speed**2)))
         moving = without_steps(moving, motion.ddq[:, k], blurs[k])
+        moving &= ~creeping(motion.q[:, k], speed, log.period)
         moving &= ~bends(tau[:, k], moving, corners[k])
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.rest import without_steps
+from pyident.conditioning.rest import creeping, without_steps
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
@@ -63,6 +63,7 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     use, blurs = part.use.copy(), [blurred(corner) for corner in reach]
     for k, blur in enumerate(blurs):
         moving = without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
+        moving &= ~creeping(part.motion.q[:, k], part.motion.dq[:, k], log.period)
         use[:, k] *= moving & ~bends(part.target[:, k], moving, reach[k])
     ends = ends_of(len(use), blurs)
     use[:ends], use[-ends:] = 0.0, 0.0
