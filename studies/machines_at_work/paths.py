@@ -32,10 +32,10 @@ class Path:
 
 
 def drawn_path(rng: np.random.Generator, sliders: np.ndarray, duration: float, style: str) -> Path:
-    """Legs to random points at 0.3 to 1.2 rad/s, with dwells; `sliders` (n,) go a fifth as far."""
+    """Legs to random points at 0.6 to 1.2 rad/s, with dwells; `sliders` (n,) go a fifth as far."""
     n, alone = len(sliders), style == "one at a time"
     reach = np.where(sliders, 0.3, 1.5)
-    speed, at, t = rng.uniform(0.3, 1.2, n) * reach / 1.5, np.zeros(n), 0.3
+    speed, at, t = rng.uniform(0.6, 1.2, n) * reach / 1.5, np.zeros(n), 0.3
     legs: list[tuple[float, float, np.ndarray, np.ndarray]] = []
     while t < duration:
         goal = at.copy()
@@ -44,7 +44,7 @@ def drawn_path(rng: np.random.Generator, sliders: np.ndarray, duration: float, s
             goal[k] = 0.0 if part == 2 else reach[k] * rng.uniform(0.4, 0.8) * (1 - 2 * part)
         else:
             goal = reach * rng.uniform(-1, 1, n)
-        pace = speed * (rng.uniform(0.4, 1.0) if alone else 1.0)
+        pace = speed * (rng.uniform(0.6, 1.0) if alone else 1.0)
         lasts = max(0.5, 1.6 * float(np.max(np.abs(goal - at) / pace)))
         legs.append((t, lasts, at, goal))
         at, t = goal, t + lasts + (0.0 if alone else rng.uniform(0.1, 0.8))

@@ -34,7 +34,7 @@ from .paths import STYLES, drawn_path
 SEED, CASES = 2171, 36
 KINDS = ("null", "strong", "medium", "null", "pair", "strong")
 RATES = (100, 125, 200)  # Hz
-DURATION, HELDOUT = 60.0, 30.0  # s
+DURATION = 60.0  # s, of either log
 ZEROS = 0.2  # of a torque's rms: the largest zero of its channel
 _MACHINES = 30
 _OURS = "diagnosis"
@@ -85,7 +85,7 @@ def _made(case: Case, rng: np.random.Generator) -> Made:
     machine = drawn_machine(rng)
     n, oracle, style = len(machine.rotor), Oracle(machine), str(rng.choice(STYLES))
     sensors = drawn_sensors(rng, False, 1 / case.rate)
-    paths = [drawn_path(rng, machine.sliders, lasts, style) for lasts in (DURATION, HELDOUT)]
+    paths = [drawn_path(rng, machine.sliders, DURATION, style) for _ in range(2)]
     instants = np.arange(0, DURATION, 1 / case.rate)
     q, v, a = paths[0].at(instants)
     state = oracle.state(instants, q, v, a)
@@ -102,8 +102,8 @@ def _made(case: Case, rng: np.random.Generator) -> Made:
         truth.append(found)
     zeros = level * rng.uniform(-ZEROS, ZEROS, n) * (rng.random(n) < 0.5)
     frames = []
-    for path, lasts in zip(paths, (DURATION, HELDOUT), strict=True):
-        measured, encoders, torques = simulated(machine, path, hidden, sensors, lasts, every)
+    for path in paths:
+        measured, encoders, torques = simulated(machine, path, hidden, sensors, DURATION, every)
         frames.append(recorded(measured, encoders, torques + zeros, level, sensors, rng))
     robot = with_columns(_without_constants(owners_file(machine, rng, ())), sensors)
     besides = tuple(("offset", k + 1) for k in range(n) if zeros[k])
