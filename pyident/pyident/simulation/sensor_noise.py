@@ -29,7 +29,7 @@ _WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has 
 _ROUNDING = 1e-9  # of the largest torque: less is arithmetic
 _PARTS = 8  # of the band
 _PROBE = 1e-3  # noise added, of a channel's rms change between samples
-_ALIKE = 1.0  # weight of "sensors of a kind are equally good" against one part of the band
+_ALIKE = 0.6  # weight of "sensors of a kind are equally good" against one part of the band
 
 
 def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, float]:

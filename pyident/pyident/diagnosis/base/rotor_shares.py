@@ -25,7 +25,10 @@ _FINE = 0.01  # of the whole range
 def with_rotor_shares(
     robot: Robot, logs: Sequence[Equations], base: Base, levels: Sequence[np.ndarray], chance: float
 ) -> Robot:
-    """robot: fitted;  base: of the logs;  chance: standard deviations by which a gain differs by chance."""
+    """The fitted robot with the shares that the logs tell; base: theirs;  levels: per log (n, E) of floors.
+
+    chance   standard deviations by which a gain differs by chance
+    """
     for share in open_shares(robot, [log.part.motion for log in logs]):
         if not any(signals.load in law.symbols for law in robot.joints[share.joint - 1].effects):
             robot = _told(robot, share, logs, base, levels, chance)

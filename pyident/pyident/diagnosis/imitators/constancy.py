@@ -75,7 +75,7 @@ def above_median(search: Search, joint: int, quantity: Quantity) -> list[np.ndar
 
 
 def above_quantile(search: Search, joint: int, quantity: Quantity, share: float) -> list[np.ndarray]:
-    """The same of any quantile."""
+    """Per log (N,): the same of the quantile `share`."""
     values = [quantity(search.robot, log, joint - 1) for log in search.examination.logs]
     least = np.quantile(np.concatenate(values), share)
     return [(v > least).astype(float) for v in values]
