@@ -12,7 +12,7 @@ from flexmodels.robot import RobotError
 
 from .laws import Law, State
 from .machines import Machine
-from .motions import Plan
+from .motions import Course
 from .sensors import Sensors, rounded
 
 _FAST = 10.0  # Hz: what a loop makes of its encoders' noise lies above
@@ -31,7 +31,7 @@ class Hidden:
 
 
 def simulated(
-    machine: Machine, plan: Plan, hidden: Sequence[Hidden], sensors: Sensors, duration: float, every: int
+    machine: Machine, plan: Course, hidden: Sequence[Hidden], sensors: Sensors, duration: float, every: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """time (N,), what encoders read and the motors' torques (N, n), at every `every`-th step."""
     mujoco = _mujoco()

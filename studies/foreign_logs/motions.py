@@ -1,8 +1,17 @@
 """Motions of a machine: sums of sines, repeated or never repeating."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+
+
+class Course(Protocol):
+    """Any motion of n joints."""
+
+    def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position, speed, acceleration (N, n) at times (N,) [s]."""
+        ...
 
 
 @dataclass(frozen=True)
