@@ -62,7 +62,8 @@ def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarr
 
     position, speed   (N,) of the joint
     It is far slower than when it moves, for longer than a reversal takes, and gets nowhere: what it does then
-    is decided by how a gear sticks, or a simulator rounds friction, and not by Coulomb's level."""
+    is decided by how a gear sticks, or a simulator rounds friction, and not by Coulomb's level.
+    """
     fast = np.abs(speed) > _FAST * np.abs(speed).max()
     usual = float(np.sqrt(np.mean(speed[fast] ** 2))) if fast.any() else 0.0
     out = np.zeros(len(speed), bool)
