@@ -178,6 +178,12 @@ class Robot:
         changed = replace(old, values={**old.values, effect: start})
         return replace(self, joints=(*self.joints[: joint - 1], changed, *self.joints[joint:]))
 
+    def without_effect(self, effect: str) -> "Robot":
+        """The same robot with no such law at any joint."""
+        kept = [{law: v for law, v in joint.values.items() if law != effect} for joint in self.joints]
+        joints = (replace(joint, values=values) for joint, values in zip(self.joints, kept, strict=True))
+        return replace(self, joints=tuple(joints))
+
     def _effect_order(self) -> list[str]:
         used = {effect for joint in self.joints for effect in joint.values}
         order = ["motor_inertia", "coulomb", "viscous", "offset", "stiffness", "damping"]

@@ -8,6 +8,7 @@ from statsmodels.regression.linear_model import OLS
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
@@ -33,13 +34,17 @@ class Answer:
 def all_answers(robot: Robot, fit: list[Log], heldout: list[Log]) -> dict[str, Answer]:
     """The diagnosis and, on its whitened columns, simpler methods."""
     search = searched(robot, fit, runs_here)
-    found = concluded(search, runs_here, heldout)
-    ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
-    first = found.findings[0].tie if found.findings else ()
-    answers = {"diagnosis": Answer(found.verdict, ties, [n.values.get("correction") for n in first])}
+    answers = {"diagnosis": answer_of(concluded(search, runs_here, heldout))}
     for name, method in (METHODS | {"LASSO": lasso}).items():
         answers[name] = named(method(search))
     return answers
+
+
+def answer_of(found: Diagnosis) -> Answer:
+    """A diagnosis in a method's terms."""
+    ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
+    first = found.findings[0].tie if found.findings else ()
+    return Answer(found.verdict, ties, [n.values.get("correction") for n in first])
 
 
 def named(names: list[Name]) -> Answer:

@@ -1,13 +1,15 @@
 """Counts answers against truths, a table per method."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from statsmodels.stats.proportion import proportion_confint
 
 from pyident.regression.descriptions import describes
 from pyident.sweep.studies import row
 
+from .cases import Case
 from .generator import Truth
 from .methods import Answer, Name
 
@@ -32,6 +34,19 @@ class Scored:
     def said(self, method: str) -> Answer:
         """A case that failed, or that a method did not do, counts as a wrong answer."""
         return self.answers.get(method, Answer("failed", []))
+
+
+def reopened(case: Case, answers: Mapping[str, Any], failure: str, sealed: Mapping[str, Any]) -> Scored:
+    """A case as JSON kept it: what was said, method by method, and what was sealed."""
+    said = {
+        name: Answer(a["verdict"], [[(e, k) for e, k in tie] for tie in a["ties"]], a["amounts"])
+        for name, a in answers.items()
+    }
+    truth = tuple(
+        Truth(t["law"], tuple((e, k) for e, k in t["names"]), t["size"], t["amount"]) for t in sealed["truth"]
+    )
+    besides = tuple((e, k) for e, k in sealed["besides"])
+    return Scored(case.kind, case.difficult, truth, said, failure, besides)
 
 
 def table(cases: Sequence[Scored], methods: Sequence[str]) -> list[dict[str, str]]:

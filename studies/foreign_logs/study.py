@@ -21,9 +21,9 @@ from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult
 
 from .cases import Case, case_list
-from .generator import Truth, made
-from .methods import Answer, Method, all_answers, named
-from .scoring import Scored, table
+from .generator import made
+from .methods import Method, all_answers, named
+from .scoring import Scored, reopened, table
 from .sensors import as_log
 
 SEED, CASES = 2050, 120
@@ -103,15 +103,7 @@ def _answered(folder: Path, case: Case, own: Mapping[str, Method]) -> bool:
 def _read(folder: Path, case: Case) -> Scored:
     said = json.loads((folder / "answers" / f"{case.id}.json").read_text(encoding="utf-8"))
     sealed = json.loads((folder / "sealed" / f"{case.id}.json").read_text(encoding="utf-8"))
-    answers = {
-        name: Answer(a["verdict"], [[(e, k) for e, k in tie] for tie in a["ties"]], a["amounts"])
-        for name, a in said["answers"].items()
-    }
-    truth = tuple(
-        Truth(t["law"], tuple((e, k) for e, k in t["names"]), t["size"], t["amount"]) for t in sealed["truth"]
-    )
-    besides = tuple((e, k) for e, k in sealed["besides"])
-    return Scored(case.kind, case.difficult, truth, answers, said["failure"], besides)
+    return reopened(case, said["answers"], said["failure"], sealed)
 
 
 def _line(case: Case, scored: Scored) -> dict[str, Any]:

@@ -31,11 +31,7 @@ class Motion:
 def six_axes() -> Robot:
     """The shipped TX40 without its gears, as a controller at 250 Hz would log it."""
     robot = load_robot("tx40")
-    joints = tuple(
-        replace(j, values={law: v for law, v in j.values.items() if law != "joint_coupling"})
-        for j in robot.joints
-    )
-    plain = replace(robot, name="six_axes", joints=joints, transmission=None)
+    plain = replace(robot.without_effect("joint_coupling"), name="six_axes", transmission=None)
     return plain.with_settings(processing=Processing(cutoff=40.0))
 
 

@@ -14,7 +14,6 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from flexmodels.atomic import replacing
-from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.processes.workers import workers_with
@@ -25,9 +24,9 @@ from ..foreign_logs.cases import Case
 from ..foreign_logs.closed_loop import Hidden, loop_noise, simulated
 from ..foreign_logs.generator import Made, Truth, hidden_in, laws_of
 from ..foreign_logs.machines import drawn_machine, owners_file
-from ..foreign_logs.methods import Answer
+from ..foreign_logs.methods import Answer, answer_of
 from ..foreign_logs.oracle import Oracle
-from ..foreign_logs.scoring import Scored, counted, findings_right, is_alarm, is_found, is_wrong
+from ..foreign_logs.scoring import Scored, counted, findings_right, is_alarm, is_found, is_wrong, reopened
 from ..foreign_logs.sensors import as_log, drawn_sensors, noise_of, recorded, with_columns
 from .paths import STYLES, drawn_path
 
@@ -56,7 +55,10 @@ def run(
     lines = [_line(case, content) for case, content in zip(listed, opened, strict=True)]
     with replacing(where / "cases.csv") as file:
         pd.DataFrame(lines).to_csv(file, index=False)
-    scored = [_scored(case, content) for case, content in zip(listed, opened, strict=True)]
+    scored = [
+        reopened(case, {_OURS: content["said"]}, content["failure"], content)
+        for case, content in zip(listed, opened, strict=True)
+    ]
     return StudyResult(table(scored), [where / "cases.csv"])
 
 
@@ -105,15 +107,9 @@ def _made(case: Case, rng: np.random.Generator) -> Made:
     for path in paths:
         measured, encoders, torques = simulated(machine, path, hidden, sensors, DURATION, every)
         frames.append(recorded(measured, encoders, torques + zeros, level, sensors, rng))
-    robot = with_columns(_without_constants(owners_file(machine, rng, ())), sensors)
+    robot = with_columns(owners_file(machine, rng, ()).without_effect("offset"), sensors)
     besides = tuple(("offset", k + 1) for k in range(n) if zeros[k])
     return Made(robot, frames[0], frames[1], tuple(truth), besides)
-
-
-def _without_constants(robot: Robot) -> Robot:
-    kept = [{name: v for name, v in joint.values.items() if name != "offset"} for joint in robot.joints]
-    joints = (replace(joint, values=values) for joint, values in zip(robot.joints, kept, strict=True))
-    return replace(robot, joints=tuple(joints))
 
 
 def table(cases: Sequence[Scored]) -> list[dict[str, str]]:
@@ -144,26 +140,13 @@ def _solve(_: None, case: Case, folder: Folder) -> None:
     said, failure = Answer("failed", []), ""
     with threadpool_limits(1):
         try:
-            found = concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout])
-            ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
-            said = Answer(found.verdict, ties)
+            said = answer_of(concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout]))
         except Exception as error:  # a wrong answer, whatever it is
             failure = f"{type(error).__name__}: {error}"
     folder.mkdir(parents=True, exist_ok=True)
     content = {"said": asdict(said), "failure": failure, "seconds": time.perf_counter() - begin}
     content |= {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides}
     write_json(folder / f"{case.id}.json", content)
-
-
-def _scored(case: Case, content: dict[str, Any]) -> Scored:
-    said = content["said"]
-    answer = Answer(said["verdict"], [[(e, k) for e, k in tie] for tie in said["ties"]])
-    truth = [
-        Truth(t["law"], tuple((e, k) for e, k in t["names"]), t["size"], t["amount"])
-        for t in content["truth"]
-    ]
-    besides = tuple((e, k) for e, k in content["besides"])
-    return Scored(case.kind, False, tuple(truth), {_OURS: answer}, content["failure"], besides)
 
 
 def _line(case: Case, content: dict[str, Any]) -> dict[str, Any]:

@@ -38,7 +38,7 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     coupled = identify(robot, [log])
     resting = _with_rests(robot, log)
     progress(0.5)
-    free = identify(_uncoupled(robot), [log])
+    free = identify(robot.without_effect("joint_coupling"), [log])
     progress(1.0)
     table = _table(coupled)
     errors = pd.DataFrame({"with coupling": coupled.relative_error, "without": free.relative_error})
@@ -60,12 +60,6 @@ def published_friction() -> dict[str, float]:
     published |= {of_joint(k, "coulomb"): v for k, v in enumerate(COULOMB, start=1)}
     names = ("inertia", "viscous", "coulomb")
     return published | {f"joint5.joint_coupling.{n}": v for n, v in zip(names, COUPLING, strict=True)}
-
-
-def _uncoupled(robot: Robot) -> Robot:
-    joint = robot.joints[4]
-    values = {law: v for law, v in joint.values.items() if law != "joint_coupling"}
-    return replace(robot, joints=(*robot.joints[:4], replace(joint, values=values), robot.joints[5]))
 
 
 def _with_rests(robot: Robot, log: Log) -> Identified:

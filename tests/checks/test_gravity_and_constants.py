@@ -37,14 +37,10 @@ def test_that_of_the_file_is_not():
 
 
 def test_a_constant_is_told_with_its_value_and_is_not_unrelated():
-    plain = replace(ARM, joints=tuple(replace(j, values=_without_offset(j.values)) for j in ARM.joints))
+    plain = ARM.without_effect("offset")
     frame = recorded_under(ARM.gravity)
     frame["joint1.tau"] += 7 * frame["joint1.tau"].std()
     found = defects(frame, plain)
     assert "unrelated" not in found
     told = float(found["offset"].sentence.split("constant of ")[1].split()[0])
     assert told == pytest.approx(7 * frame["joint1.tau"].std(), rel=0.05)
-
-
-def _without_offset(values):
-    return {name: value for name, value in values.items() if name != "offset"}

@@ -55,3 +55,9 @@ def test_grids_and_coverage_follow_the_motion():
         ValueError, match=r"torque_delay at joint 1 needs the signal joint1\.tau|joint1\.time|time"
     ):
         effect_columns(robot, 1, "torque_delay", motion)
+
+
+def test_a_law_is_taken_away_at_every_joint(four_link):
+    richer = four_link.with_effect(2, "stribeck").with_effect(3, "stribeck").with_effect(3, "backlash")
+    assert richer.without_effect("stribeck") == four_link.with_effect(3, "backlash")
+    assert four_link.without_effect("stribeck") == four_link

@@ -102,18 +102,15 @@ class Balances:
         y = (self.torque[:, k] if torque is None else torque)[self.samples.use[:, k] > 0]
         return float(np.square(y - y.mean()).sum()) if len(y) else 0.0
 
-    def left(self, k: int, torques: np.ndarray) -> np.ndarray:
-        """(C,) energies of candidates (M, C) that the balance of joint k alone does not explain."""
-        b, yy = self.right(k, torques)
-        p, _ = solved(self.normal[k], b)
-        return np.maximum(yy - (b * p).sum(axis=0), 0.0)
+    def left(self, k: int, torques: np.ndarray, without: str = "") -> np.ndarray:
+        """(C,) energies of candidates (M, C) that the balance of joint k alone does not explain.
 
-    def without(self, k: int, column: str) -> float:
-        """Energy that the balance of joint k (from 0) leaves where one parameter is zero."""
-        kept = [i for i, name in enumerate(self.columns) if name != column]
-        b, yy = self.right(k, self.torque[:, k : k + 1])
+        without   a column whose parameter is zero
+        """
+        kept = [i for i, name in enumerate(self.columns) if name != without]
+        b, yy = self.right(k, torques)
         p, _ = solved(self.normal[k][np.ix_(kept, kept)], b[kept])
-        return max(float((yy - (b[kept] * p).sum(axis=0))[0]), 0.0)
+        return np.maximum(yy - (b[kept] * p).sum(axis=0), 0.0)
 
 
 def samples(robot: Robot, log: Log) -> Samples | None:
@@ -155,12 +152,17 @@ def balances(signals: Samples) -> Balances:
     for k in range(len(robot.joints)):
         if (name := parameter_name(k + 1, "coulomb", "coulomb")) in Phi.columns:
             Phi.matrix[:, k, Phi.columns.index(name)] = signals.direction[:, k]
-    normal = np.zeros((len(robot.coordinates), len(Phi.columns), len(Phi.columns)))
+    return balances_of(signals, Phi.matrix, tuple(Phi.columns))
+
+
+def balances_of(signals: Samples, Phi: np.ndarray, columns: tuple[str, ...]) -> Balances:
+    """Those of a Φ (M, n, P) at the samples."""
+    normal = np.zeros((Phi.shape[1], len(columns), len(columns)))
     for row, matrix in enumerate(normal):
-        A = Phi.matrix[signals.use[:, row] > 0, row] if row < len(robot.joints) else Phi.matrix[:, row]
+        A = Phi[signals.use[:, row] > 0, row] if row < signals.use.shape[1] else Phi[:, row]
         filled = np.flatnonzero(A.any(axis=0))
         matrix[np.ix_(filled, filled)] = A[:, filled].T @ A[:, filled]
-    return Balances(signals, Phi.matrix, tuple(Phi.columns), normal)
+    return Balances(signals, Phi, columns, normal)
 
 
 def solved(normal: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

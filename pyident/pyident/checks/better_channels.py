@@ -115,10 +115,10 @@ def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
     of: with a constant at every joint
     """
     for k in of.joints:
-        name = parameter_name(k + 1, "offset", "offset")
-        if name in robot.parameters or not _lost(of, k, of.without(k, name)):
+        name, torque = parameter_name(k + 1, "offset", "offset"), of.torque[:, k : k + 1]
+        if name in robot.parameters or not _lost(of, k, float(of.left(k, torque, without=name)[0])):
             continue
-        value = solved(of.normal[k], of.right(k, of.torque[:, k : k + 1])[0])[0][of.columns.index(name), 0]
+        value = solved(of.normal[k], of.right(k, torque)[0])[0][of.columns.index(name), 0]
         yield Defect("doubtful", "offset", torque_of(k + 1),
                      f"{source}: {torque_of(k + 1)} holds a constant of {value:.3g} that no motion explains "
                      f"and the model has no place for; take it out of the column, or add effect offset at "

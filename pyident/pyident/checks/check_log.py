@@ -88,16 +88,17 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     except ValueError:  # a law that needs a signal of its own
         return []
     source = log.source
-    if heavy := [defect for defect in gravity(of, source) if defect.severity == "gross"]:
-        return heavy
+    weight = list(gravity(of, source))
+    if any(defect.severity == "gross" for defect in weight):
+        return weight
     order = list(better_channels(of, source))
     if any(defect.severity == "gross" for defect in order):
         return order
     if late := list(timing(of, source)):
         return [*order, *late, *scale(of, source)]
-    checks = (gravity, signs, twists, bends, scale, unexplained, all_late)
+    checks = (signs, twists, bends, scale, unexplained, all_late)
     found = [defect for check in checks for defect in check(of, source)]
-    return [*order, *found, *constants(of, robot, source)]
+    return [*order, *weight, *found, *constants(of, robot, source)]
 
 
 def _with_constants(robot: Robot) -> Robot:

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.checks.balances import Balances, balances, solved
+from pyident.checks.balances import Balances, balances, balances_of
+from pyident.checks.better_channels import misfit
 from pyident.checks.defect import Defect
-from pyident.checks.scale import shared
 from pyident.rules.log_checks import LOG_CHECKS
 
 _AXES = {f"{'-+'[s > 0]}{name}": s * e for name, e in zip("xyz", np.eye(3), strict=True) for s in (-1, 1)}
@@ -27,49 +27,30 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     """
     robot = of.samples.robot
     size = float(np.linalg.norm(robot.gravity))
-    if size == 0 or len(of.joints) < 2 or _left(of) < LOG_CHECKS.material**2:
+    if size == 0 or len(of.joints) < 2 or not misfit(of).material:
         return
     few = of.samples.every(max(1, len(of.samples.at) // _ROWS))
-    now = _left(of_few := balances(few))
+    now = misfit(balances(few))
     none = balances(replace(few, robot=_with(robot, np.zeros(3))))
     per_axis = [balances(replace(few, robot=_with(robot, size * e))).Phi - none.Phi for e in np.eye(3)]
     tried = {"": np.zeros(3)} | _AXES
     left = {}
     for name, direction in tried.items():
         Phi = none.Phi + sum(part * along for part, along in zip(per_axis, direction, strict=True))
-        left[name] = _left(_with_matrix(of_few, Phi))
-    best = min(left, key=lambda name: left[name])
-    if left[best] >= LOG_CHECKS.far_better * now:
+        left[name] = misfit(balances_of(few, Phi, of.columns))
+    best = min(left, key=lambda name: left[name].share)
+    if left[best].share >= LOG_CHECKS.far_better * now.share:
         return
     without = "gravity along " + best if best else "no gravity"
     cure = "its direction (gravity in the robot file)" if best else (
         "whether the torques were logged without what holds the weight, and log them whole, or let the robot "
         "file say gravity = [0, 0, 0]")  # fmt: skip
-    severity = "gross" if left[best] < LOG_CHECKS.material**2 else "doubtful"
+    severity = "doubtful" if left[best].material else "gross"
+    leaves, left_now = (f"{100 * np.sqrt(m.share):.2g} %" for m in (left[best], now))
     yield Defect(severity, "gravity", "",
-                 f"{source}: with {without} the model leaves {_percent(left[best])} % of the torques, with "
-                 f"the robot file's {_percent(now)} %; check {cure}")  # fmt: skip
-
-
-def _left(of: Balances) -> float:
-    """Energy that one set of parameters leaves of all joints' torques, over their variances; a mean."""
-    normal, right, energy = shared(of, of.joints)
-    b = right.sum(axis=0)
-    p = solved(normal.sum(axis=0), b)[0]
-    return max(float(energy.sum() - b @ p), 0.0) / len(of.joints)
+                 f"{source}: with {without} the model leaves {leaves} of the torques, with the robot file's "
+                 f"{left_now}; check {cure}")  # fmt: skip
 
 
 def _with(robot: Robot, gravity: np.ndarray) -> Robot:
     return replace(robot, gravity=tuple(gravity.tolist()))
-
-
-def _with_matrix(of: Balances, Phi: np.ndarray) -> Balances:
-    normal = np.zeros_like(of.normal)
-    for k in of.joints:
-        A = Phi[of.samples.use[:, k] > 0, k]
-        normal[k] = A.T @ A
-    return replace(of, Phi=Phi, normal=normal)
-
-
-def _percent(energy: float) -> str:
-    return f"{100 * np.sqrt(energy):.2g}"

@@ -14,6 +14,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
+from pyident.conditioning.rest import stretches
 from pyident.logs.log import LogError
 from pyident.regression.spectrum import Floor
 from pyident.rules.bins import BINS
@@ -113,14 +114,13 @@ def bumps(trace: Trace) -> list[Bump]:
     outside = energy > BINS.leaves**2 * level
     beyond = np.maximum(energy - level, 0.0)
     total = max(float(beyond.sum()), 1e-300)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
-    stretches = []
-    for start, stop in _split(energy, edges.reshape(-1, 2)):
+    found = []
+    for start, stop in _split(energy, stretches(outside)):
         at = slice(start, stop)
         ratio = float(np.sqrt(np.max(energy[at] / level[at])))
         share = float(beyond[at].sum()) / total
-        stretches.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
-    return sorted(stretches, key=lambda bump: -bump.share)[: BINS.most_bumps]
+        found.append(Bump(float(trace.time[start]), float(trace.time[stop - 1]), ratio, share))
+    return sorted(found, key=lambda bump: -bump.share)[: BINS.most_bumps]
 
 
 def _split(energy: np.ndarray, stretches: np.ndarray) -> Iterator[tuple[int, int]]:

@@ -68,10 +68,15 @@ def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarr
     usual = float(np.sqrt(np.mean(speed[fast] ** 2))) if fast.any() else 0.0
     out = np.zeros(len(speed), bool)
     slow = np.abs(speed) < _CREEP * usual
-    for start, stop in np.flatnonzero(np.diff(slow.astype(np.int8), prepend=0, append=0)).reshape(-1, 2):
+    for start, stop in stretches(slow):
         if (stop - start) * period > _LONG and np.ptp(position[start:stop]) < _NOWHERE * np.ptp(position):
             out[start:stop] = True
     return out
+
+
+def stretches(which: np.ndarray) -> np.ndarray:
+    """(R, 2) first sample and the one past the last of each stretch in which `which` (N,) is true."""
+    return np.flatnonzero(np.diff(which.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
 
 
 def _rests_between(speed: np.ndarray, slow: float) -> np.ndarray:

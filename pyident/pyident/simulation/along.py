@@ -14,13 +14,13 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
-from pyident.conditioning.rest import away_from_rest, creeping, without_steps
+from pyident.conditioning.rest import away_from_rest
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
-from pyident.simulation.bends import bends
+from pyident.simulation.bends import telling
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
 from pyident.simulation.sensor_noise import channel_noise
@@ -120,14 +120,11 @@ def _torque_noise(
     joints = len(robot.joints)
     tau = log.signals(robot.torques)
     left = tau - generalised_forces(robot, motion, p)[:, :joints]
-    blurs = [blurred(corner) for corner in corners]
-    out, ends = {}, ends_of(len(left), blurs)
+    out, ends = {}, ends_of(len(left), [blurred(corner) for corner in corners])
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
-        moving = away_from_rest(speed, float(np.mean(speed**2)))
-        moving = without_steps(moving, motion.ddq[:, k], blurs[k])
-        moving &= ~creeping(motion.q[:, k], speed, log.period)
-        moving &= ~bends(tau[:, k], moving, corners[k])
+        known = away_from_rest(speed, float(np.mean(speed**2)))
+        moving = telling(known, tau[:, k], motion, k, corners[k], log.period)
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]
         if moving.any() and not repeats:

@@ -10,6 +10,8 @@ of them.
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from pyident.conditioning.motion import Motion
+from pyident.conditioning.rest import creeping, without_steps
 from pyident.simulation.smooth_motion import blurred, smooth
 
 _STANDS_OUT = 8.0  # standard deviations of what the torque usually has above the corner
@@ -29,6 +31,19 @@ def bends(torque: np.ndarray, moving: np.ndarray, corner: float) -> np.ndarray:
     bent &= ~_widened(~moving, blur)
     near = _widened(bent, blur)
     return near if near.mean() <= _MOST else np.zeros(len(torque), bool)
+
+
+def telling(
+    known: np.ndarray, torque: np.ndarray, motion: Motion, k: int, corner: float, period: float
+) -> np.ndarray:
+    """(N,) whether the equation of joint k (from 0) holds in a sample of a motion without its noise.
+
+    known    (N,) where friction's sign is known, as of `away_from_rest`
+    torque   (N,) of the joint;  corner: of its motion, over the Nyquist frequency;  period [s]
+    """
+    moving = without_steps(known, motion.ddq[:, k], blurred(corner))
+    moving = moving & ~creeping(motion.q[:, k], motion.dq[:, k], period)
+    return moving & ~bends(torque, moving, corner)
 
 
 def _widened(places: np.ndarray, by: int) -> np.ndarray:

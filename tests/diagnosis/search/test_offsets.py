@@ -1,7 +1,5 @@
 """Constant torques that the model lacks: at more joints than four, drifting, and beside another law."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from studies.foreign_logs.cases import case_list
@@ -22,9 +20,7 @@ def arm():
     m = made(case, 7)
     assert len(m.robot.joints) == 5
     assert not m.truth
-    values = [{name: v for name, v in j.values.items() if name != "offset"} for j in m.robot.joints]
-    joints = tuple(replace(j, values=v) for j, v in zip(m.robot.joints, values, strict=True))
-    robot = replace(m.robot, joints=joints)
+    robot = m.robot.without_effect("offset")
     return robot, as_log(m.robot, m.fit, "fit"), as_log(m.robot, m.heldout, "held out")
 
 

@@ -13,12 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.conditioning.rest import creeping, without_steps
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, equations
-from pyident.simulation.bends import bends
+from pyident.simulation.bends import telling
 from pyident.simulation.sensor_noise import channel_noise
 from pyident.simulation.smooth_motion import blurred, ends_of, reached, smooth
 
@@ -60,12 +59,10 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     motion = [smooth(x, corner) for x, corner in zip(log.signals(robot.coordinates).T, reach, strict=True)]
     frame[list(robot.coordinates)] = np.column_stack(motion)
     part = conditioned(replace(log, frame=frame), robot)
-    use, blurs = part.use.copy(), [blurred(corner) for corner in reach]
-    for k, blur in enumerate(blurs):
-        moving = without_steps(use[:, k] > 0, part.motion.ddq[:, k], blur)
-        moving &= ~creeping(part.motion.q[:, k], part.motion.dq[:, k], log.period)
-        use[:, k] *= moving & ~bends(part.target[:, k], moving, reach[k])
-    ends = ends_of(len(use), blurs)
+    use = part.use.copy()
+    for k, corner in enumerate(reach):
+        use[:, k] *= telling(use[:, k] > 0, part.target[:, k], part.motion, k, corner, log.period)
+    ends = ends_of(len(use), [blurred(corner) for corner in reach])
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
 

@@ -162,15 +162,16 @@ def examine(
     data = [e.over(raised[:, None]) for e in plain]
     base = solve_base(data)
     own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]
+    levels = levels_of(own_floors, data)
     if not setting.simulates:
         chance = setting.rules.search.chance
-        robot = with_rotor_shares(robot, data, base, levels_of(own_floors, data), chance)
+        robot = with_rotor_shares(robot, data, base, levels, chance)
         setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     jobs = [workers.submit(_judged, robot, made, own_floors, own) for made in replicas]
-    columns, limits = _columns_and_bounds(robot, listed, data, levels_of(own_floors, data))
+    columns, limits = _columns_and_bounds(robot, listed, data, levels)
     explained = gains(base, columns, limits)
     judged = []
     for i, job in enumerate(jobs):

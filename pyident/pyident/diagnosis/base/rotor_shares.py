@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Base, extended, gain
+from pyident.regression.loads.bodies import carries_friction
 from pyident.regression.loads.rotor_share import OpenShare, open_shares
 from pyident.regression.spectrum import Equations
 
@@ -30,7 +30,7 @@ def with_rotor_shares(
     chance   standard deviations by which a gain differs by chance
     """
     for share in open_shares(robot, [log.part.motion for log in logs]):
-        if not any(signals.load in law.symbols for law in robot.joints[share.joint - 1].effects):
+        if not carries_friction(robot.joints[share.joint - 1]):
             robot = _told(robot, share, logs, base, levels, chance)
     return robot
 

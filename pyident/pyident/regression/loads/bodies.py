@@ -7,6 +7,7 @@ import sympy
 
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
+from flexmodels.joint import Joint
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
@@ -44,7 +45,12 @@ def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:
 
 def reads_load(robot: Robot) -> bool:
     """Whether a law of the robot depends on what a transmission carries, and so on the robot's own values."""
-    return any(signals.load in law.symbols for joint in robot.joints for law in joint.effects)
+    return any(map(carries_friction, robot.joints))
+
+
+def carries_friction(joint: Joint) -> bool:
+    """Whether a law of the joint depends on what its transmission carries."""
+    return any(signals.load in law.symbols for law in joint.effects)
 
 
 def _bodies(robot: Robot) -> np.ndarray:

@@ -11,15 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.joint import parameter_name
-from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.links import LinkColumns
 from pyident.regression.loads.bodies import link_torques
 
 _SAMPLES = 200  # of each motion: whether two columns are one shows in any of them
 _ALIKE = 1e-6
-_TENSOR = [name for name in LINK_PARAMETERS if name.startswith("J[")]
 
 
 @dataclass(frozen=True)
@@ -51,45 +48,36 @@ def _open_share(robot: Robot, k: int, motions: Sequence[Motion]) -> OpenShare | 
     if joint.flexible or joint.kind != "revolute" or rotor not in robot.linear_parameters:
         return None
     axis = np.array(joint.x) / np.linalg.norm(joint.x)
-    link = _of_axis(axis)
-    first = len(LINK_PARAMETERS) * (k - 1)
-    for motion in motions:
-        own = np.zeros((len(motion.q), len(robot.joints)))
-        own[:, k - 1] = motion.ddq[:, k - 1]
-        most = float(np.abs(own).max())
-        if most == 0 or np.abs(_asked(robot, motion, first, link) - own).max() > _ALIKE * most:
-            return None
-    names = [f"link{k}.{name}" for name in LINK_PARAMETERS]
-    change = {rotor: 1.0} | {n: -w for n, w in zip(names, link, strict=True) if w}
+    change = {rotor: 1.0} | {f"link{k}.{name}": -value for name, value in _about(axis).items() if value}
     if not set(change) <= set(robot.linear_parameters):
         return None
-    least = min(float(_own_inertia(robot, k, motion).min()) for motion in motions)
-    all_of_it = robot.parameters[rotor] + least
-    return OpenShare(k, change, (-robot.parameters[rotor], least)) if all_of_it > 0 else None
+    least = min(_least_inertia(robot, k, motion) for motion in motions)
+    share = OpenShare(k, change, (-robot.parameters[rotor], least))
+    found = share.ends[0] < share.ends[1] and all(_is_open(robot, share, motion) for motion in motions)
+    return share if found else None
 
 
-def _of_axis(axis: np.ndarray) -> np.ndarray:
-    """(10,) a link's parameters if all that it has is 1 kg m² about an axis through its origin."""
-    tensor = {f"J[{'xyz'[i]}{'xyz'[j]}]": axis[i] * axis[j] for i in range(3) for j in range(i, 3)}
-    return np.array([tensor.get(name, 0.0) for name in LINK_PARAMETERS])
+def _is_open(robot: Robot, share: OpenShare, motion: Motion) -> bool:
+    """Whether what the link loses is what the rotor gains, and no other joint sees it."""
+    fall = link_torques(robot, motion) - link_torques(share.moved(robot, 1.0), motion)
+    gained = np.zeros_like(fall)
+    gained[:, share.joint - 1] = motion.ddq[:, share.joint - 1]
+    most = float(np.abs(gained).max())
+    return most > 0 and bool(np.abs(fall - gained).max() <= _ALIKE * most)
 
 
-def _asked(robot: Robot, motion: Motion, first: int, link: np.ndarray) -> np.ndarray:
-    """(N, joints) what a link with parameters (10,), which begin at `first`, asks of the joints."""
-    columns = LinkColumns(robot, [len(LINK_PARAMETERS) * i for i in range(len(robot.links))])
-    Phi = np.zeros((len(motion.q), len(robot.coordinates), len(LINK_PARAMETERS) * len(robot.links)))
-    rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
-    columns.fill(Phi, (rates[0], rates[1], rates[2]))
-    return Phi[:, : len(robot.joints), first : first + len(link)] @ link
+def _about(axis: np.ndarray) -> dict[str, float]:
+    """Inertia parameters of a body that has 1 kg m² about an axis through its origin, and nothing else."""
+    return {f"J[{'xyz'[i]}{'xyz'[j]}]": axis[i] * axis[j] for i in range(3) for j in range(i, 3)}
 
 
-def _own_inertia(robot: Robot, k: int, motion: Motion) -> np.ndarray:
-    """(N,) [kg m²] of the links about joint k's axis: the diagonal element of their mass matrix."""
+def _least_inertia(robot: Robot, k: int, motion: Motion) -> float:
+    """[kg m²] of the links about joint k's axis: the least diagonal element of their mass matrix."""
     still = np.zeros_like(motion.q)
     turned = still.copy()
     turned[:, k - 1] = 1.0
-    torques = [link_torques(robot, Motion(motion.q, still, ddq)) for ddq in (turned, still)]
-    return (torques[0] - torques[1])[:, k - 1]
+    turning, resting = (link_torques(robot, Motion(motion.q, still, ddq)) for ddq in (turned, still))
+    return float((turning - resting)[:, k - 1].min())
 
 
 def _thinned(motion: Motion) -> Motion:
