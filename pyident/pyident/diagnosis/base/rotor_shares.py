@@ -6,6 +6,7 @@ it explains most, if that is more than chance makes of any other. The model's ow
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -55,7 +56,7 @@ def _told(
     energy = [explained(by) for by in tried.tolist()]
     best = int(np.argmax(energy))
     around = tried[max(best - 1, 0)], tried[min(best + 1, _TRIED - 1)]
-    found = minimize_scalar(
+    found: Any = minimize_scalar(
         lambda by: -explained(by), bounds=around, method="bounded", options={"xatol": _FINE * np.ptp(tried)}
     )
     most, as_fitted = max(-float(found.fun), energy[best]), explained(0.0)
