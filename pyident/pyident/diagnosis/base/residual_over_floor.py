@@ -9,6 +9,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
+from pyident.diagnosis.base.carried_loads import with_carried_loads
 from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
     Base,
@@ -21,7 +22,6 @@ from pyident.diagnosis.base.projection import (
     solve_base,
 )
 from pyident.diagnosis.base.replicas import replicated
-from pyident.diagnosis.base.rotor_shares import with_rotor_shares
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_of, pooled
@@ -165,7 +165,7 @@ def examine(
     levels = levels_of(own_floors, data)
     if not setting.simulates:
         chance = setting.rules.search.chance
-        robot = with_rotor_shares(robot, data, base, levels, chance)
+        robot = with_carried_loads(robot, data, base, levels, chance)
         setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
     noisy = np.array([setting.simulates and not c.describes for c in listed], bool)

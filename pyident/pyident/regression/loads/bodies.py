@@ -1,5 +1,6 @@
 """What a robot's own links ask of its joints along a motion, and the laws that read it."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,30 @@ def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
     What laws add to the last body is of it. Raises ValueError as `regressor` does.
     """
     p, joints = _bodies(robot), len(robot.joints)
-    columns = LinkColumns(robot, [len(LINK_PARAMETERS) * k for k in range(len(robot.links))])
-    rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
     torques = np.empty((len(motion.q), joints))
-    Phi = np.zeros((min(_BLOCK, len(motion.q)), len(robot.coordinates), len(p)))
+    for part, Phi in _blocks(robot, motion):
+        torques[part] = Phi[:, :joints] @ p
+    return torques
+
+
+def link_columns(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
+    """(N, 10 links): what one unit of each of the links' parameters asks of a joint, from 1, at its motor.
+
+    In the order of the links and of `LINK_PARAMETERS`. Raises ValueError as `regressor` does.
+    """
+    return np.concatenate([Phi[:, joint - 1].copy() for _, Phi in _blocks(robot, motion)])
+
+
+def _blocks(robot: Robot, motion: Motion) -> Iterator[tuple[slice, np.ndarray]]:
+    """Samples, and (B, n, 10 links) the links' columns of Φ there, which the next block overwrites."""
+    width = len(LINK_PARAMETERS)
+    columns = LinkColumns(robot, [width * k for k in range(len(robot.links))])
+    rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
+    Phi = np.zeros((min(_BLOCK, len(motion.q)), len(robot.coordinates), width * len(robot.links)))
     for start in range(0, len(motion.q), _BLOCK):
         q, dq, ddq = (rate[start : start + _BLOCK] for rate in rates)
         columns.fill(Phi[: len(q)], (q, dq, ddq))
-        torques[start : start + len(q)] = Phi[: len(q), :joints] @ p
-    return torques
+        yield slice(start, start + len(q)), Phi[: len(q)]
 
 
 def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:

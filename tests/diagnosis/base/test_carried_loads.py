@@ -1,0 +1,72 @@
+"""The bodies whose loads belong to friction under load, against Pinocchio's loads of the arm that made the log."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from studies.log_checks.swings import six_axes
+from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics
+
+from flexmodels.settings.processing import Processing
+from pyident.diagnosis.base.carried_loads import with_carried_loads
+from pyident.diagnosis.base.denoised import denoised_equations
+from pyident.diagnosis.base.projection import solve_base
+from pyident.logs.log import Log
+from pyident.regression.loads.bodies import link_torques
+
+ROBOT = six_axes().with_settings(processing=Processing())
+PERIOD, DURATION, NOISE = 0.004, 12.0, 0.005  # s, s, of a joint's rms torque
+CHANCE = 4.0
+ROTOR = 1.5  # kg m2, of the first two joints the larger part
+
+
+def logged(coefficients):
+    """A log under friction of `coefficients` by joint, and the loads that its transmissions carry."""
+    rng = np.random.default_rng(5)
+    time = np.arange(0, DURATION, PERIOD)
+    w = 2 * np.pi * rng.uniform(0.1, 0.7, (6, 4))
+    a, phase = rng.uniform(0.1, 0.3, (6, 4)), rng.uniform(0, 6, (6, 4))
+    angle = w[None] * time[:, None, None] + phase
+    q, v = (a * np.sin(angle)).sum(axis=2), (a * w * np.cos(angle)).sum(axis=2)
+    dv = -(a * w**2 * np.sin(angle)).sum(axis=2)
+    loads = inverse_dynamics(chain(ROBOT), q, v, dv)
+    level = loads.std(axis=0) + 1.0
+    tau = loads + ROTOR * dv + 0.2 * level * np.sign(v) + 0.1 * level * v
+    for joint, coefficient in coefficients.items():
+        tau[:, joint - 1] += coefficient * np.abs(loads[:, joint - 1]) * np.sign(v[:, joint - 1])
+    tau += rng.normal(0, NOISE, tau.shape) * level
+    columns = {f"joint{k + 1}.e": q[:, k] for k in range(6)} | {f"joint{k + 1}.tau": tau[:, k] for k in range(6)}
+    return Log(pd.DataFrame({"time": time, **columns}), "made"), NOISE * level
+
+
+def carried(coefficients):
+    """The fitted robot before and after, and the log's motion."""
+    log, noise = logged(coefficients)
+    plain = denoised_equations(ROBOT, [log])
+    levels = [np.repeat(noise[:, None], plain[0].y.shape[1], axis=1)]
+    whitened = [e.over(level) for e, level in zip(plain, levels, strict=True)]
+    base = solve_base(whitened)
+    fitted = ROBOT.with_parameters(dict(zip(ROBOT.linear_parameters, base.p.tolist(), strict=True)))
+    return fitted, with_carried_loads(fitted, whitened, base, levels, CHANCE), plain[0].part.motion
+
+
+def off(robot, motion, joint):
+    """Error of a load over its own size."""
+    true = inverse_dynamics(chain(ROBOT), motion.q, motion.dq, motion.ddq)[:, joint - 1]
+    return np.std(link_torques(robot, motion)[:, joint - 1] - true) / np.std(true)
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+def test_friction_tells_the_load_where_the_torque_leaves_rotor_and_link_open(joint):
+    before, after, motion = carried({joint: 0.15})
+    assert off(before, motion, joint) > 0.1
+    assert off(after, motion, joint) < 0.03
+
+
+def test_each_joint_keeps_what_the_others_tell():
+    _, after, motion = carried({1: 0.15, 2: 0.15})
+    assert max(off(after, motion, 1), off(after, motion, 2)) < 0.05
+
+
+def test_without_such_friction_nothing_moves():
+    before, after, _ = carried({})
+    assert after is before
