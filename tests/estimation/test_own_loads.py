@@ -61,6 +61,22 @@ def test_the_file_does_not_matter(log):
     np.testing.assert_allclose(a.p, b.p, rtol=1e-5, atol=1e-6 * np.abs(a.p).max())
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_first_axis_whose_rotor_only_friction_tells_lies_in_its_interval(seed):
+    """Its load is an inertia's alone, and no torque says how much of it is the rotor's."""
+
+    def friction(q, v, load, time):
+        out = plain(q, v, load, time)
+        out[:, 0] += SHARE * np.abs(load[:, 0]) * np.sign(v[:, 0])
+        return out
+
+    robot, name = arm().with_effect(1, LAW), f"joint1.{LAW}.coefficient"
+    found = IDENTIFICATIONS[DEFAULT](robot, [made(arm(), seed, friction, duration=40.0)], in_process)
+    std = found.solution.std[found.reduced.columns.index(name)]
+    assert abs(found.robot.parameters[name] - SHARE) < 3 * std
+    assert std < 0.25 * SHARE
+
+
 def test_the_default_finds_them_too(log):
     """Along the measured motion, as no controller is known."""
     found = IDENTIFICATIONS[DEFAULT](with_law(arm()), [log], in_process).robot

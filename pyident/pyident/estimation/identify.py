@@ -204,7 +204,7 @@ def without_intervals(found: Identified) -> Identified:
 def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, float]:
     """100 |y - A p| / |y| of the first `joints` equations, each and all [%]; nan without torque in use."""
     squares = residual_squares(reduced, p)[:joints]
-    signal = (reduced.triangles[:joints, :, -1] ** 2).sum(axis=1)
+    signal = reduced.signal_squares[:joints]
 
     def percent(square: float, of: float) -> float:
         return float(100 * np.sqrt(square / of)) if of > 0 else float("nan")

@@ -129,7 +129,7 @@ def solution_of(
         scale=directions.scale,
         weights=weights,
         residual=np.sqrt(residual_squares(reduced, p)) / n,
-        signal=np.linalg.norm(reduced.triangles[:, :, -1], axis=1) / n,
+        signal=np.sqrt(reduced.signal_squares) / n,
     )
 
 

@@ -9,8 +9,9 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.samples import Conditioned, Piece
+from pyident.regression.loads.tangent import LoadTangent
 from pyident.regression.reduced import Reduced, reduce
-from pyident.regression.regressor import predicted, regressor_blocks
+from pyident.regression.regressor import BLOCK, predicted, regressor_blocks
 
 Block = tuple[np.ndarray, np.ndarray]  # A (B, n, P), y (B, n)
 
@@ -25,7 +26,10 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Problem:
-    """A robot and its conditioned logs, in memory or on disk."""
+    """A robot and its conditioned logs, in memory or on disk.
+
+    Laws of a rigid joint's load are linear about the robot's own values (`LoadTangent`).
+    """
 
     robot: Robot
     parts: tuple[Part, ...]
@@ -48,7 +52,7 @@ class Problem:
 
     def reduced(self, weights: Sequence[np.ndarray] | None = None) -> Reduced:
         """The equations folded into triangles; weights as of `blocks`."""
-        return reduce(self.blocks(weights), self.rows, self.columns)
+        return reduce(self.blocks(weights), self.rows, self.columns, LoadTangent(self.robot).shift)
 
     def residuals(self, p: np.ndarray) -> list[np.ndarray]:
         """y − A p per log, (N, n)."""
@@ -69,11 +73,8 @@ class Problem:
 
 def _whole(robot: Robot, piece: Piece) -> Iterator[Block]:
     part = piece.conditioned.cut(piece.own)
-    means = free_means(
-        part, ((Phi, part.target[at], part.use[at]) for at, Phi in regressor_blocks(robot, part.motion))
-    )
-    for at, Phi in regressor_blocks(robot, part.motion):
-        y = part.target[at].copy()
+    means = free_means(part, ((Phi, y, part.use[at]) for at, Phi, y in _linear(robot, part, BLOCK)))
+    for at, Phi, y in _linear(robot, part, BLOCK):
         centre(Phi, y, means)
         weigh(Phi, y, part.use[at])
         yield Phi, y
@@ -83,16 +84,25 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
     part = piece.conditioned
     factor, samples = part.thinning, len(part.target)
     kept = slice(piece.own.start // factor, -(-piece.own.stop // factor))
-    y = thin(part.target, factor)[kept]
+    ((_, Phi, target),) = _linear(robot, part, samples)
+    y = thin(target, factor)[kept]
     A = np.zeros((len(y), len(robot.coordinates), len(robot.linear_parameters)))
-    for _, Phi in regressor_blocks(robot, part.motion, block=samples):
-        for row in range(A.shape[1]):
-            columns = np.flatnonzero(Phi[:, row].any(axis=0))
-            A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
+    for row in range(A.shape[1]):
+        columns = np.flatnonzero(Phi[:, row].any(axis=0))
+        A[:, row, columns] = thin(Phi[:, row, columns], factor)[kept]
     use = part.use[::factor][kept]
     centre(A, y, free_means(part, [(A, y, use)]))
     weigh(A, y, use)
     yield A, y
+
+
+def _linear(robot: Robot, part: Conditioned, block: int) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+    """Samples, and the equations Φ (B, n, P), y (B, n) there; a block is overwritten by the next one."""
+    tangent = LoadTangent(robot)
+    for at, Phi in regressor_blocks(robot, part.motion, block):
+        y = part.target[at].copy()
+        tangent.take(Phi, y)
+        yield at, Phi, y
 
 
 def free_means(

@@ -19,12 +19,20 @@ class Reduced:
     """What a least-squares problem is made of: per coordinate the triangle of [A_c, y_c].
 
     triangles  (n, P + 1, P + 1);  samples per coordinate;  names of rows (n) and columns (P)
+    shift      (P,) y_c is what was measured, and A_c shift (`LoadTangent`)
     """
 
     triangles: np.ndarray
     samples: int
     rows: tuple[str, ...]
     columns: tuple[str, ...]
+    shift: np.ndarray
+
+    @property
+    def signal_squares(self) -> np.ndarray:
+        """(n,) sum of the squares of what was measured."""
+        measured = self.triangles[:, :, -1] - self.triangles[:, :, :-1] @ self.shift
+        return np.square(measured).sum(axis=1)
 
     def stacked(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A (n (P + 1), P) and y of the weighted problem, of the same normal equations."""
@@ -38,14 +46,18 @@ class Reduced:
 
 
 def reduce(
-    blocks: Iterable[tuple[np.ndarray, np.ndarray]], rows: tuple[str, ...], columns: tuple[str, ...]
+    blocks: Iterable[tuple[np.ndarray, np.ndarray]],
+    rows: tuple[str, ...],
+    columns: tuple[str, ...],
+    shift: np.ndarray | None = None,
 ) -> Reduced:
-    """Fold blocks (A (B, n, P), y (B, n)) into triangles."""
+    """Fold blocks (A (B, n, P), y (B, n)) into triangles; shift (P,) of y, none: y is what was measured."""
     triangles, samples = [Triangle(len(columns)) for _ in rows], 0
     for A, y in blocks:
         samples += len(A)
         each(lambda c, A=A, y=y: triangles[c].fold(A[:, c], y[:, c]), range(len(rows)))
-    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns)
+    shift = np.zeros(len(columns)) if shift is None else shift
+    return Reduced(np.stack([triangle.full for triangle in triangles]), samples, rows, columns, shift)
 
 
 def absent(lengths: np.ndarray, columns: Sequence[str]) -> np.ndarray:
