@@ -1,4 +1,4 @@
-"""The bodies whose loads belong to friction under load, against Pinocchio's loads of the arm that made the log."""
+"""The bodies whose loads belong to friction under load, against Pinocchio's loads of the same arm."""
 
 import numpy as np
 import pandas as pd
@@ -34,7 +34,9 @@ def logged(coefficients):
     for joint, coefficient in coefficients.items():
         tau[:, joint - 1] += coefficient * np.abs(loads[:, joint - 1]) * np.sign(v[:, joint - 1])
     tau += rng.normal(0, NOISE, tau.shape) * level
-    columns = {f"joint{k + 1}.e": q[:, k] for k in range(6)} | {f"joint{k + 1}.tau": tau[:, k] for k in range(6)}
+    columns = {f"joint{k + 1}.e": q[:, k] for k in range(6)} | {
+        f"joint{k + 1}.tau": tau[:, k] for k in range(6)
+    }
     return Log(pd.DataFrame({"time": time, **columns}), "made"), NOISE * level
 
 
