@@ -167,6 +167,7 @@ def _joint(joint: Any, origin: np.ndarray, axes: np.ndarray, parent: int) -> Joi
             "motor_inertia": {"J_m": 0.0},
             "coulomb": {"coulomb": float((dynamics and dynamics.friction) or 0.0)},
             "viscous": {"viscous": float((dynamics and dynamics.damping) or 0.0)},
+            "offset": {"offset": 0.0},
         },
         parent=parent,
         name=joint.name,

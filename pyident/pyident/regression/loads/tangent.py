@@ -1,8 +1,8 @@
 """Friction under the load of rigid joints, linear in the bodies that make the load.
 
 The load is L p, linear in the bodies, and its friction μ f(L p), which is no longer linear in μ and p
-together. About values (μ₀, p₀) it is μ f + μ₀ f' L (p − p₀). The part with p belongs to the bodies' columns of
-Φ, and what is left of it is known: where f is of degree d in the load, d μ₀ times the column of μ.
+together. About values (μ₀, p₀) it is μ f + μ₀ f' L (p − p₀). The part with p belongs to the bodies' columns
+of Φ, and what is left is known: where f is of degree d in the load, d μ₀ times the column of μ.
 
 Without that part rounds of linear estimates settle where the load is that of the values found, which is not
 where the equations are fitted best; and what only friction tells, the share of a rotor in the inertia about
