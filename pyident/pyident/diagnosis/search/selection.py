@@ -249,23 +249,42 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     """Each effect ranked again with the others in the base; those that others have made needless are gone."""
     if len(steps) < 2:
         return list(steps)
-    kept, out = list(steps), []
+    kept = list(steps)
     for old in steps:
-        others = [s for s in kept if s is not old]
-        view = search.resting_on([*_candidates(others), *old.orders])
-        step, family = view.step(), old.best.candidate.family
-        again = next((f for f in step.ranked if f.candidate.family == family), None)
-        if again is None or not counts(view, again):
-            kept.remove(old)
-            continue
-        new = replace(_best_there(view, step, again, others), orders=())
-        if _left_by(view, new, others):
-            kept.remove(old)
-            continue
-        new = replace(new, orders=old.orders if new.best.candidate.family == family else ())
-        kept[kept.index(old)] = new
-        out.append(new)
-    return out
+        while old in kept:
+            others = [s for s in kept if s is not old]
+            new = _beside(search, old, others)
+            if new is None:
+                kept.remove(_least_missed(search, kept, old))
+                continue
+            kept[kept.index(old)] = new
+            break
+    return kept
+
+
+def _beside(search: Search, old: Step, others: Sequence[Step]) -> Step | None:
+    """An effect ranked again beside others; None where they have made it needless."""
+    view = search.resting_on([*_candidates(others), *old.orders])
+    step, family = view.step(), old.best.candidate.family
+    again = next((f for f in step.ranked if f.candidate.family == family), None)
+    if again is None or not counts(view, again):
+        return None
+    new = replace(_best_there(view, step, again, others), orders=())
+    if _left_by(view, new, others):
+        return None
+    return replace(new, orders=old.orders if new.best.candidate.family == family else ())
+
+
+def _least_missed(search: Search, kept: Sequence[Step], old: Step) -> Step:
+    """Of an effect that does not stand beside the others, and those on its equations: which leaves least.
+
+    What only mends the form of a law may leave that law with values which no such law has.
+    """
+    rows = search.rows(old.best.candidate)
+    there = [s for s in kept if s is old or not set(rows).isdisjoint(search.rows(s.best.candidate))]
+    without = (search.resting_on(_candidates([s for s in kept if s is not gone])) for gone in there)
+    left = [view.remaining_on(rows) for view in without]
+    return there[int(np.argmin(left))]
 
 
 def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step]) -> Step:
