@@ -16,7 +16,7 @@ from pyident.simulation.smooth_motion import blurred, smooth
 
 _STANDS_OUT = 8.0  # standard deviations of what the torque usually has above the corner
 _MATTERS = 0.005  # of the torque's rms
-_MOST = 0.2  # of the samples: where more seem to bend that is what this torque does
+_MOST = 0.2  # of the samples in motion: where more seem to bend that is what this torque does
 
 
 def bends(torque: np.ndarray, moving: np.ndarray, corner: float) -> np.ndarray:
@@ -25,12 +25,14 @@ def bends(torque: np.ndarray, moving: np.ndarray, corner: float) -> np.ndarray:
     moving   (N,) whether the joint is away from rest: friction's own steps are no bends
     corner   of the motion, over the Nyquist frequency
     """
+    if not moving.any():
+        return np.zeros(len(torque), bool)
     above, blur = np.abs(torque - smooth(torque, corner)), blurred(corner)
-    usual = 1.4826 * float(np.median(above))
+    usual = 1.4826 * float(np.median(above[moving]))
     bent = above > max(_STANDS_OUT * usual, _MATTERS * float(np.sqrt(np.mean(torque**2))))
     bent &= ~_widened(~moving, blur)
     near = _widened(bent, blur)
-    return near if near.mean() <= _MOST else np.zeros(len(torque), bool)
+    return near if near[moving].mean() <= _MOST else np.zeros(len(torque), bool)
 
 
 def telling(
