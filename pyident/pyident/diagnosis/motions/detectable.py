@@ -18,6 +18,7 @@ from pyident.regression.spectrum import Equations
 from pyident.rules.search import SearchRules
 
 _POWER = float(norm.ppf(0.8))  # standard deviations, so that 80 % are found
+_ALL_BUT = 0.99  # a law that must take all has no limit, but an infinite one
 # A law stands in the log from which its floor is measured, and raises it. With 1.0 in its place 25 of 38 laws
 # were named at their limit, with 1.15 32 of 44, with 1.3 36 of 38 (foreign_logs, seeds 2101, 2113, 2101).
 _RAISES = 1.25
@@ -54,8 +55,8 @@ def needed_gain(rules: SearchRules, least: float, left: float, unseen: float, ra
     ratio    number of fitted over that of held-out equations; 0: there are none
     A gain of G has a standard deviation of 2 √G, and its root one of 1.
     """
-    share = rules.explained[0]
-    beyond = unseen * ratio * rules.unseen / (1 - rules.unseen) - left / (1 - rules.unseen)
+    share, again = (min(asked, _ALL_BUT) for asked in (rules.explained[0], rules.unseen))
+    beyond = (unseen * ratio * again - left) / (1 - again)
     root = np.sqrt(max(least, left * share / (1 - share), beyond)) + _POWER
     return float(max(root, 2 * (rules.chance + _POWER) * np.sqrt(ratio)) ** 2)
 
