@@ -57,7 +57,7 @@ def heat_map(rows: Sequence[Row]) -> Markup:
         )
     )
     figure.update_xaxes(
-        title="frequency [Hz]",
+        title={"text": "frequency [Hz]", "standoff": 16},
         side="top",
         fixedrange=True,
         type="category",
@@ -69,7 +69,7 @@ def heat_map(rows: Sequence[Row]) -> Markup:
         autorange="reversed", fixedrange=True, ticks="", type="category", ticksuffix=" ", showgrid=False
     )
     figure.update_traces(textfont_size=11)
-    return _embedded(figure, "where-map", 70 + 24 * len(rows))
+    return _embedded(figure, "where-map", 80 + 24 * len(rows))
 
 
 def colour(ratio: float, highest: float) -> str:
