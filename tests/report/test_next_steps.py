@@ -37,9 +37,19 @@ def test_laws_are_added_one_after_the_other_each_once():
     ((heading, lines),) = commands(MISSING, "my/arm.toml")
     assert heading.startswith("Add it and fit again")
     assert lines == [
-        "pyident add my/arm.toml stribeck --joint 2 'a log.csv' b.csv -o arm_stribeck.toml",
+        "pyident add my/arm.toml stribeck --joint 2 'a log.csv' b.csv --holdout c.csv -o arm_stribeck.toml",
         "pyident add arm_stribeck.toml payload --joint 3 b.csv -o arm_stribeck_payload.toml",
         "pyident diagnose arm_stribeck_payload.toml 'a log.csv' b.csv --holdout c.csv",
+    ]
+
+
+def test_of_one_log_its_last_part_is_held_out_again():
+    """Held out as a whole it would be judged by what it was fitted to."""
+    alone = replace(MISSING, logs=("a.csv",), heldout=("a.csv",), findings=MISSING.findings[:1])
+    ((_, lines),) = commands(alone, "arm.toml")
+    assert lines == [
+        "pyident add arm.toml stribeck --joint 2 a.csv -o arm_stribeck.toml",
+        "pyident diagnose arm_stribeck.toml a.csv",
     ]
 
 
@@ -61,7 +71,7 @@ def test_a_robot_file_is_corrected_and_a_gain_of_torque_is_none_of_its_words():
     wrong = replace(MISSING, findings=(finding(law("origin[z]", 3)), finding(law("torque_gain", 1))))
     ((_, lines),) = commands(wrong, "arm.toml")
     assert lines == [
-        "pyident add arm.toml geometry 'joint3.origin[z]' 'a log.csv' b.csv -o arm_geometry.toml",
+        "pyident add arm.toml geometry 'joint3.origin[z]' 'a log.csv' b.csv --holdout c.csv -o arm_geometry.toml",
         "pyident diagnose arm_geometry.toml 'a log.csv' b.csv --holdout c.csv",
     ]
 

@@ -24,18 +24,19 @@ def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
 def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
     """Each effect added to the model of the line before, once per joint, and a new diagnosis.
 
-    A torque's gain, which no robot file states, is left out: it is corrected in the mapping of the logs.
+    A torque's gain, which no robot file states, is left out: it is corrected in the mapping of the logs. Of a
+    log whose last part was held out every command holds it out by itself.
     """
     lines, name, last = [], Path(model).stem, model
+    held = [word for log in d.heldout if log not in d.logs for word in ("--holdout", log)]
     for n in {(n.effect, n.joint): n for n in chosen if stated(n.effect)}.values():
         name = f"{name}_{'geometry' if n.describes else n.effect}"
         new = f"{name}.toml"
-        logs = [n.log] if n.log else list(d.logs)
+        logs = [n.log] if n.log else [*d.logs, *held]
         lines.append(
             join(["pyident", "add", last, *words_of(n.effect, joint_number(n.joint)), *logs, "-o", new])
         )
         last = new
-    held = [word for log in d.heldout for word in ("--holdout", log)]
     lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))
     return lines
 
