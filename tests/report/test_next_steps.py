@@ -71,7 +71,8 @@ def test_a_robot_file_is_corrected_and_a_gain_of_torque_is_none_of_its_words():
     wrong = replace(MISSING, findings=(finding(law("origin[z]", 3)), finding(law("torque_gain", 1))))
     ((_, lines),) = commands(wrong, "arm.toml")
     assert lines == [
-        "pyident add arm.toml geometry 'joint3.origin[z]' 'a log.csv' b.csv --holdout c.csv -o arm_geometry.toml",
+        "pyident add arm.toml geometry 'joint3.origin[z]' 'a log.csv' b.csv "
+        "--holdout c.csv -o arm_geometry.toml",
         "pyident diagnose arm_geometry.toml 'a log.csv' b.csv --holdout c.csv",
     ]
 
