@@ -5,8 +5,12 @@ import pytest
 from studies.foreign_logs.generator import Truth
 from studies.foreign_logs.methods import Answer
 from studies.foreign_logs.scoring import Scored
+from studies.foreign_logs.sensors import as_log
 from studies.machines_at_work.paths import STYLES, drawn_path
 from studies.machines_at_work.study import case_list, made, run, table
+
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.simulation.fmu_runs import runs_here
 
 SLIDERS = np.array([False, True, False])
 
@@ -33,6 +37,20 @@ def test_a_path_is_what_its_derivatives_say_and_rests_between_legs(style):
 def test_an_owner_knows_no_zeros_of_his_torques():
     machine = made(case_list(101, 1)[0])
     assert not any("offset" in joint.values for joint in machine.robot.joints)
+
+
+def test_what_mends_a_law_does_not_take_its_place():
+    """Friction under a load that is not quite in proportion to it: a coupling would take what is left.
+
+    Beside that the friction would have to drive the joint. It takes eight times as much, so the coupling goes.
+    The case was looked at when the rule was made.
+    """
+    (case,) = (c for c in case_list(2171, 36) if c.id == "014")
+    machine = made(case)
+    fitted, unseen = (as_log(machine.robot, frame, "log") for frame in (machine.fit, machine.heldout))
+    found = concluded(searched(machine.robot, [fitted], runs_here), runs_here, [unseen])
+    first = [(f.tie[0].effect, f.tie[0].joint) for f in found.findings]
+    assert first == [("load_dependent_friction", "joint4"), ("offset", "joint2"), ("offset", "joint5")]
 
 
 def test_a_zero_that_is_told_is_right_and_another_name_is_not():
