@@ -42,7 +42,7 @@ def test_an_owner_knows_no_zeros_of_his_torques():
 def test_what_mends_a_law_does_not_take_its_place():
     """Friction under a load that is not quite in proportion to it: a coupling would take what is left.
 
-    Beside that the friction would have to drive the joint. It takes eight times as much, so the coupling goes.
+    Beside that the friction would drive the joint. It takes eight times as much, so the coupling goes.
     The case was looked at when the rule was made.
     """
     (case,) = (c for c in case_list(2171, 36) if c.id == "014")
