@@ -151,8 +151,8 @@ def test_a_gap_must_take_the_stiffness_to_be_backlash(folder):
     robot = two_link()
     stiffness = robot.parameters["joint2.k[1]"]
     gap = Candidate("backlash", 2, (("gap", 2e-4),))
-    assert proper(robot, gap, [0.9 * stiffness], robot.linear_parameters)
-    assert not proper(robot, gap, [0.3 * stiffness], robot.linear_parameters)
+    assert proper(robot, gap, [0.9 * stiffness], robot.linear_parameters, 0.004)
+    assert not proper(robot, gap, [0.3 * stiffness], robot.linear_parameters, 0.004)
     logs = logs_of(with_law("backlash", 2, stiffness=stiffness, gap=2e-4), folder, 2)
     best = searched(robot, logs, in_process).step().best.candidate
     assert (best.effect, best.joint) == ("backlash", 2)

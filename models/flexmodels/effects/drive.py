@@ -3,7 +3,7 @@
 from sympy import Abs, Max, Symbol, cos, sign, sin
 
 from flexmodels.effects.effect import Coverage, Effect, Parameter, State
-from flexmodels.effects.signals import dde, e, tau, time
+from flexmodels.effects.signals import dde, e, period, tau, time
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
 
@@ -45,6 +45,7 @@ torque_delay = Effect(
     forces={e: _share.symbol * (tau - _delivered.symbol)},
     parameters=(_share, _delay),
     states=(_delivered,),
+    proper=_share.symbol * _delay.symbol > 0.02 * period,  # which is how well clocks agree
     citation="Khalil and Dombre 2002; Moberg, Wernholt, Hanssen and Brogårdh 2014",
     needs="torques that change within the delay",
     confounders=("J_m", "viscous", "d[1]"),

@@ -6,6 +6,7 @@ tau          motor torque [N m or N]
 load         torque that the transmission carries [N m or N]: k[1] eps[1] of the joint's stiffness law;
              where the joint is rigid what the links ask of it, M(q) q̈ + h(q, q̇) without the motor's inertia
 time         [s] since the start
+period       [s] between a log's samples, for conditions on what was found in it
 beyond       e, de, dde of the next joint
 tip          x, y, z of the robot's tip in its link [m], for what a law adds to that link's body
 """
@@ -39,6 +40,7 @@ deps = {i: Symbol(f"deps{i}", real=True) for i in (1, 2, 3)}
 tau = Symbol("tau", real=True)
 load = Symbol("load", real=True)
 time = Symbol("time", real=True)
+period = Symbol("period", positive=True)
 beyond = Beyond(*(Symbol(f"beyond.{name}", real=True) for name in Beyond._fields))
 tip = Tip(*(Symbol(f"tip.{name}", real=True) for name in Tip._fields))
 ALL = frozenset({e, de, dde, *eps.values(), *deps.values(), tau, load, time, *beyond, *tip})

@@ -1,7 +1,9 @@
 """The memory of a law from a log: z' = a z + b with a(t), b(t) known at the samples.
 
-Over an interval a and b are taken as the mean of their values at its two ends; that step is exact,
-    z(t_k + s) = z_k + (a z_k + b) s ψ₁(a s),   ψ₁(x) = (e^x - 1)/x,   ψ_{n+1}(x) = (ψ_n(x) - 1/n!)/x.
+Over an interval a is taken as the mean of its values at the two ends, and b as a straight line from b₀ to b₁,
+so that a memory far shorter than the interval follows it; that step is exact,
+    z(t_k + s) = z_k + (a z_k + b₀) s ψ₁(a s) + (b₁ - b₀)/h s² ψ₂(a s),
+    ψ₁(x) = (e^x - 1)/x,   ψ_{n+1}(x) = (ψ_n(x) - 1/n!)/x,   d/ds s^n ψ_n(a s) = s^(n-1) ψ_{n-1}(a s).
 """
 
 from math import factorial
@@ -12,12 +14,13 @@ _DIGITS = 1e-17
 
 
 def filtered(a: np.ndarray, b: np.ndarray, h: np.ndarray, start: float) -> np.ndarray:
-    """z at the samples, (N,), from a, b over the intervals, (N - 1,), of lengths h [s]."""
+    """z at the samples, (N,), over intervals of lengths h [s]: a (N - 1,), b (2, N - 1) at both ends."""
     from scipy.linalg import get_lapack_funcs
 
     if not len(h):
         return np.array([start])
-    gain, drive = np.exp(a * h), b * h * _psi(1, a * h)
+    x, (first, last) = a * h, b
+    gain, drive = np.exp(x), h * (first * _psi(1, x) + (last - first) * _psi(2, x))
     if not (gain <= 1).all():  # elimination would pivot, and a state that grows overflow backwards
         return _stepped(gain, drive, start)
     ones, nothing = np.ones(len(gain) + 1), np.zeros(len(gain))
@@ -35,12 +38,13 @@ def _stepped(gain: np.ndarray, drive: np.ndarray, start: float) -> np.ndarray:
 def hat_means(z: np.ndarray, a: np.ndarray, b: np.ndarray, h: np.ndarray) -> np.ndarray:
     """Means of z under the hat function of each sample, (N,); at both ends of the half that there is.
 
-    The integral of s ψ₁(a s) under the falling half of a hat is h² ψ₃(a h), under both halves h² ψ₂(a h).
+    The integral of s^n ψ_n(a s) under the falling half of a hat is h^(n+1) ψ_{n+2}(a h), under both halves
+    h^(n+1) ψ_{n+1}(a h).
     """
-    x, slope = a * h, (b + a * z[:-1]) * h
-    second, third = _psi(2, x), _psi(3, x)
-    falling = z[:-1] + 2 * slope * third
-    rising = z[:-1] + 2 * slope * (second - third)
+    x, slope, bend = a * h, (b[0] + a * z[:-1]) * h, (b[1] - b[0]) * h
+    second, third, fourth = (_psi(n, x) for n in (2, 3, 4))
+    falling = z[:-1] + 2 * (slope * third + bend * fourth)
+    rising = z[:-1] + 2 * (slope * (second - third) + bend * (third - fourth))
     return np.concatenate([falling[:1], (rising[:-1] + falling[1:]) / 2, rising[-1:]])
 
 

@@ -128,15 +128,16 @@ class _Law:
     def _filtered(self, state: State) -> np.ndarray:
         """The state at the samples; under their hats where the torque is held."""
         h = np.diff(self._signal("time"))
-        means = []
+        ends, first = [], []
         for law in state.coefficients:
             left = self._function(law)(_WHOLE) + np.zeros(self.known.size)
             right = left
             if self.known.held and self._has_torque(law):
                 right = self._function(law, before=True)(_WHOLE) + np.zeros(self.known.size)
-            means.append(((left[:-1] + right[1:]) / 2, left[0]))
-        (a, a0), (b, b0) = means
-        start = law_states.equilibrium(a0, b0) if state.start is None else state.start
+            ends.append(np.array([left[:-1], right[1:]]))
+            first.append(float(left[0]))
+        a, b = ends[0].mean(axis=0), ends[1]
+        start = law_states.equilibrium(*first) if state.start is None else state.start
         z = law_states.filtered(a, b, h, start)
         return law_states.hat_means(z, a, b, h) if self.known.held else z
 

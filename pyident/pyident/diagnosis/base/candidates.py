@@ -134,13 +134,21 @@ def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
 
 
 def proper(
-    robot: Robot, candidate: Candidate, coefficients: Sequence[float], parameters: Mapping[str, float]
+    robot: Robot,
+    candidate: Candidate,
+    coefficients: Sequence[float],
+    parameters: Mapping[str, float],
+    period: float,
 ) -> bool:
-    """Whether the values found make the effect what its name says, beside the robot's own parameters."""
+    """Whether the values found make the effect what its name says, beside the robot's own parameters.
+
+    period   [s] of the logs
+    """
     law = law_of(robot, candidate)
     if law.proper is None:
         return True
     own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
+    own[signals.period.name] = period
     known = {
         symbol: own.get(symbol.name, parameters.get(of_joint(candidate.joint, f"{symbol.name}")))
         for symbol in law.proper.free_symbols

@@ -122,7 +122,8 @@ class Search:
             return True
         p, _ = self.fitted([*self.chosen, candidate])
         parameters = dict(zip(self.robot.linear_parameters, p.tolist(), strict=True))
-        return proper(self.robot, candidate, explained.coefficients.tolist(), parameters)
+        period = max(log.band.period for log in self.examination.logs)
+        return proper(self.robot, candidate, explained.coefficients.tolist(), parameters, period)
 
     def led_by(self, best: Found, ranked: Sequence[Found]) -> Step:
         """A ranking with `best` and those that cannot be told from it at its head, the simplest first.

@@ -132,13 +132,14 @@ def _fitted_laws(
     levels = [level.at(e.band) for e in data]
     listed = every_law(robot, data, base.p, RULES.periodic)
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
+    period = max(e.band.period for e in data)
     best: dict[tuple[str, int, int | None], _Law] = {}
     for i, candidate in enumerate(listed):
         X = columns(robot, candidate, data, levels)
         explained = gain(base, X, *bounds(robot, candidate))
         known = best.get(candidate.family)
         better = explained.energy > (known.gain.energy if known else 0.0)
-        if better and proper(robot, candidate, explained.coefficients.tolist(), own):
+        if better and proper(robot, candidate, explained.coefficients.tolist(), own, period):
             imitation = taken_over(base, X) @ explained.coefficients
             rows = frozenset(row for by_row in X for row in by_row)
             best[candidate.family] = _Law(candidate, explained, imitation, rows)
