@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from pyident.conditioning.smooth_motion import blurred
 from pyident.simulation.bends import bends
-from pyident.simulation.smooth_motion import blurred
 
 PERIOD, CORNER = 0.008, 0.12  # s; over the Nyquist frequency
 TIME = np.arange(0, 20, PERIOD)

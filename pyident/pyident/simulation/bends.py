@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter1d
 
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.rest import creeping, without_steps
-from pyident.simulation.smooth_motion import blurred, smooth
+from pyident.conditioning.smooth_motion import blurred, smooth
 
 _STANDS_OUT = 8.0  # standard deviations of what the torque usually has above the corner
 _MATTERS = 0.005  # of the torque's rms
