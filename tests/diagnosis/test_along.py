@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from six_axis_logs import arm, made, plain, three_laws
 
-from pyident.conditioning.smooth_motion import blurred, ends_of, reached, smooth
+from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, reached, smooth
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.setting import set_up
@@ -14,7 +14,6 @@ from pyident.diagnosis.diagnose import concluded, searched
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
 from pyident.simulation.along import along, resolution
-from pyident.simulation.sensor_noise import channel_noise
 
 
 def never(_):

@@ -16,7 +16,7 @@ from flexmodels.coordinate import Coordinate, Side, deformation_of, joint_name, 
 from flexmodels.robot import Robot
 from pyident.comparison.model_against_replicas import Part
 from pyident.conditioning.motion import Motion
-from pyident.regression.loads.bodies import link_torques
+from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.spectrum import Band, Floor, floor
 from pyident.rules.bins import BINS
 
@@ -200,7 +200,7 @@ def _states_of(robot: Robot, c: int, motion: Motion) -> dict[str, np.ndarray]:
         found["load"] = np.abs(joint.values["stiffness"]["k[1]"] * motion.q[:, twist])
         found["deformation"] = motion.q[:, twist if c == motor else c]
     else:
-        found["load"] = np.abs(link_torques(robot, motion)[:, k - 1])
+        found["load"] = np.abs(carried_loads(robot, motion)[:, k - 1])
     return found | {"time": motion.time - motion.time[0]}
 
 

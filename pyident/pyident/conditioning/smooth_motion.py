@@ -7,9 +7,12 @@ value, the second and the fourth derivative of the motion at both ends: its odd 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import Chebyshev
+
+from pyident.conditioning.motion import Motion
 
 _OVER_NOISE = 100.0  # times the noise's power: there it bends a parameter by a hundredth
 _LOWEST, _HIGHEST = 0.005, 0.9  # of the Nyquist frequency: ends of what the motion may reach
@@ -17,8 +20,10 @@ _NOTHING = 2.5  # times the frequency that the motion reaches: from there on not
 _RINGS = 1 / (_NOTHING - 1)  # periods of the highest frequency of the motion, until a step has settled
 _ENDS = (0.01, 0.05)  # of the samples, at either end, where a motion goes on that nobody knows: between
 _SETTLED = 3  # times what the low pass blurs: beside an end of a motion just below its corner
+_WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
+_SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
 
 
 def smooth(x: np.ndarray, corner: float) -> np.ndarray:
@@ -29,6 +34,21 @@ def smooth(x: np.ndarray, corner: float) -> np.ndarray:
     beyond = (np.linspace(0, 1, len(S)) / corner - 1) / (_NOTHING - 1)
     gain = np.cos(np.pi / 2 * np.clip(beyond, 0, 1)) ** 2
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
+
+
+def without_noise(motion: Motion) -> Motion:
+    """A log's motion below the frequency at which the noise of each coordinate begins.
+
+    As it is where it is no log's, without times, and where torques are held, as means under hats have less.
+    """
+    if motion.time is None or motion.tau_before is not None or len(motion.q) < _SHORTEST:
+        return motion
+    corners = [reached(x, channel_noise(x)) for x in motion.q.T]
+    q, dq, ddq = (
+        np.column_stack([smooth(x, corner) for x, corner in zip(rate.T, corners, strict=True)])
+        for rate in (motion.q, motion.dq, motion.ddq)
+    )
+    return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
 def blurred(corner: float) -> int:
@@ -60,6 +80,21 @@ def reached(x: np.ndarray, noise: float) -> float:
     mean = np.convolve(power, np.ones(bins) / bins, mode="same")
     above = np.flatnonzero(mean > _OVER_NOISE * noise**2)
     return float(np.clip((above[-1] if len(above) else 0) / len(S), _LOWEST, _HIGHEST))
+
+
+def channel_noise(values: np.ndarray) -> float:
+    """Standard deviation of the white noise that fills a smooth channel's (N,) highest frequencies.
+
+    By the mean power: where periods are alike they round alike, and the noise is a few lines.
+    """
+    return float(np.sqrt(top_power(values).mean()))
+
+
+def top_power(values: np.ndarray) -> np.ndarray:
+    """Power of a signal at its highest frequencies, as the variance of white noise that has it."""
+    window = np.hanning(len(values))
+    S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
+    return S[int(_WHITE_FROM * len(S)) :]
 
 
 def _course(x: np.ndarray, count: int) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import thin
 from pyident.conditioning.samples import Conditioned, Piece
+from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.loads.tangent import LoadTangent
 from pyident.regression.reduced import Reduced, reduce
 from pyident.regression.regressor import BLOCK, predicted, regressor_blocks
@@ -99,9 +100,11 @@ def _thinned(robot: Robot, piece: Piece) -> Iterator[Block]:
 def _linear(robot: Robot, part: Conditioned, block: int) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
     """Samples, and the equations Φ (B, n, P), y (B, n) there; a block is overwritten by the next one."""
     tangent = LoadTangent(robot)
+    loads = carried_loads(robot, part.motion) if tangent.acting else None
     for at, Phi in regressor_blocks(robot, part.motion, block):
         y = part.target[at].copy()
-        tangent.take(Phi, y)
+        if loads is not None:
+            tangent.take(Phi, y, loads[at])
         yield at, Phi, y
 
 

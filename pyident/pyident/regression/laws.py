@@ -13,7 +13,7 @@ from flexmodels.effects.effect import Effect, State
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression import law_memory as law_states
-from pyident.regression.loads.bodies import link_torques
+from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.rounded_signs import blurred
 
 _NUMPY = {
@@ -76,7 +76,7 @@ class Signals:
     def _carried(self) -> dict[str, np.ndarray]:
         """The loads of the rigid joints: as many operations as Φ takes, and seldom asked for."""
         rigid = [k for k, joint in self.robot.numbered if not joint.flexible]
-        torques = link_torques(self.robot, self.motion) if rigid else None
+        torques = carried_loads(self.robot, self.motion) if rigid else None
         return {} if torques is None else {of_joint(k, "load"): torques[:, k - 1] for k in rigid}
 
 

@@ -15,7 +15,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
 from pyident.conditioning.rest import away_from_rest
-from pyident.conditioning.smooth_motion import blurred, ends_of, reached, smooth
+from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, reached, smooth
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
@@ -24,7 +24,6 @@ from pyident.rules.rules import RULES
 from pyident.simulation.bends import telling
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
 from pyident.simulation.repetition import period_of
-from pyident.simulation.sensor_noise import channel_noise
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from scipy.optimize import nnls
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
+from pyident.conditioning.smooth_motion import top_power
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.regressor import residual_of
@@ -25,7 +26,6 @@ from pyident.simulation.feedforward import controller_torque, recoverable
 from pyident.simulation.recorded import loop_of
 
 _FROM, _TO = 0.6, 0.98  # of the band's width
-_WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
 _ROUNDING = 1e-9  # of the largest torque: less is arithmetic
 _PARTS = 8  # of the band
 _PROBE = 1e-3  # noise added, of a channel's rms change between samples
@@ -101,25 +101,10 @@ def torque_noise(robot: Robot, logs: Sequence[Log]) -> dict[str, float]:
     return {name: float(np.sqrt(np.mean(np.square(each)))) for name, each in found.items()}
 
 
-def channel_noise(values: np.ndarray) -> float:
-    """Standard deviation of the white noise that fills a smooth channel's (N,) highest frequencies.
-
-    By the mean power: where periods are alike they round alike, and the noise is a few lines.
-    """
-    return float(np.sqrt(_top(values).mean()))
-
-
 def _white(values: np.ndarray, least: float) -> float:
     """Standard deviation of white noise in a smooth signal, by its highest frequencies; 0 below least."""
-    sigma = float(np.sqrt(np.median(_top(values)) / np.log(2)))
+    sigma = float(np.sqrt(np.median(top_power(values)) / np.log(2)))
     return sigma if sigma > least else 0.0
-
-
-def _top(values: np.ndarray) -> np.ndarray:
-    """Power of a signal at its highest frequencies, as the variance of white noise that has it."""
-    window = np.hanning(len(values))
-    S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
-    return S[int(_WHITE_FROM * len(S)) :]
 
 
 def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]]) -> np.ndarray:

@@ -21,7 +21,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain, triangles
 from pyident.regression.candidate_columns import effect_columns
-from pyident.regression.loads.bodies import carries_friction, link_columns, link_torques
+from pyident.regression.loads.bodies import carried_loads, carries_friction, link_columns
 from pyident.regression.spectrum import Equations
 
 _LAW = "load_dependent_friction"
@@ -85,7 +85,7 @@ def _turns(robot: Robot, k: int, log: Equations) -> np.ndarray:
     """(N,) friction of the law per newton metre of its load, which has its sign: -1, 0 or 1, or between."""
     motion = log.part.motion
     friction = effect_columns(robot, k, _LAW, motion)["coefficient"][k - 1]
-    load = link_torques(robot, motion)[:, k - 1]
+    load = carried_loads(robot, motion)[:, k - 1]
     return np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
 
 

@@ -14,12 +14,11 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
-from pyident.conditioning.smooth_motion import blurred, ends_of, reached, smooth
+from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, reached, smooth
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, equations
 from pyident.simulation.bends import telling
-from pyident.simulation.sensor_noise import channel_noise
 
 
 def denoised(robot: Robot, log: Log) -> Conditioned:

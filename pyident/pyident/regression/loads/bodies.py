@@ -12,9 +12,12 @@ from flexmodels.joint import Joint
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.smooth_motion import without_noise
 from pyident.regression.links import LinkColumns
+from pyident.regression.recent import Recent
 
 _BLOCK = 1000  # samples at a time
+_loads: Recent[np.ndarray] = Recent(4)
 
 
 def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
@@ -27,6 +30,14 @@ def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
     for part, Phi in _blocks(robot, motion):
         torques[part] = Phi[:, :joints] @ p
     return torques
+
+
+def carried_loads(robot: Robot, motion: Motion) -> np.ndarray:
+    """(N, joints) [N m, N]: what a log's motion without its noise asks of the motors, as of `link_torques`.
+
+    Friction turns the sign of a load: noise in it would not cancel, but be friction.
+    """
+    return _loads.of((robot, motion), lambda: link_torques(robot, without_noise(motion)))
 
 
 def link_columns(robot: Robot, motion: Motion, joint: int) -> np.ndarray:

@@ -42,14 +42,13 @@ class LoadTangent:
                     self.shift[column] = _degree(law) * values[column]
                     self.acting.setdefault(k - 1, []).append(column)
         self.bodies = np.array([names.index(name) for name in _body_names(robot)])
-        self.values = values[self.bodies]
 
-    def take(self, Phi: np.ndarray, y: np.ndarray) -> None:
-        """Change equations Φ (B, n, P), y (B, n), in place."""
+    def take(self, Phi: np.ndarray, y: np.ndarray, loads: np.ndarray) -> None:
+        """Change equations Φ (B, n, P), y (B, n), in place; loads (B, joints), as of `carried_loads`."""
         for row, columns in self.acting.items():
             friction = Phi[:, row, columns] @ self.shift[columns]
-            load = Phi[:, row, self.bodies] @ self.values
             y[:, row] += friction
+            load = loads[:, row]
             slope = np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
             Phi[:, row, self.bodies] *= 1 + slope[:, None]
 
