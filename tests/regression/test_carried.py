@@ -29,13 +29,13 @@ def measured():
 
 def test_noise_that_differences_raise_does_not_turn_a_load(measured):
     motion, true = measured
-    inner = slice(100, -100)
+    inner = slice(300, -300)  # a low pass knows less at the ends
     error = [
         np.std(loads(ROBOT, motion)[inner] - true[inner], axis=0) for loads in (carried_loads, link_torques)
     ]
-    own = slice(1, 5)  # little loads the first axis, nothing the last
-    assert (error[0] < 0.2 * error[1])[own].all()
-    assert (error[0] < 0.1 * np.std(true, axis=0))[own].all()
+    own = slice(0, 5)  # nothing loads the last axis
+    assert (error[0] < 0.1 * error[1])[own].all()
+    assert (error[0] < 0.3 * np.std(true, axis=0))[own].all()
 
 
 def test_samples_that_are_no_log_stay_as_they_are(measured):
