@@ -28,7 +28,7 @@ def bends(torque: np.ndarray, moving: np.ndarray, corner: float) -> np.ndarray:
     if not moving.any():
         return np.zeros(len(torque), bool)
     above, blur = np.abs(torque - smooth(torque, corner)), blurred(corner)
-    usual = 1.4826 * float(np.median(above[moving]))
+    usual = 1.4826 * float(np.median(above))
     bent = above > max(_STANDS_OUT * usual, _MATTERS * float(np.sqrt(np.mean(torque**2))))
     bent &= ~_widened(~moving, blur)
     near = _widened(bent, blur)
