@@ -6,8 +6,17 @@ from six_axis_logs import arm, made
 from two_link_logs import two_link
 
 from flexmodels.files.robot_file import load_robot
+from pyident.conditioning.smooth_motion import without_noise
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.candidates import Candidate, described, law_of, motion_for, slopes, units_of
+from pyident.diagnosis.base.candidates import (
+    Candidate,
+    described,
+    law_of,
+    motion_for,
+    proper,
+    slopes,
+    units_of,
+)
 from pyident.regression.regressor import generalised_forces
 
 
@@ -24,11 +33,19 @@ def test_the_load_of_a_rigid_joint_is_what_the_links_need():
     robot = arm()
     motion = condition(made(robot, 0, duration=5.0), robot).motion
     oracle = PinocchioRobot(robot)
-    links = np.array([oracle.inverse_dynamics(*x) for x in zip(motion.q, motion.dq, motion.ddq, strict=True)])
+    quiet = without_noise(motion)
+    links = np.array([oracle.inverse_dynamics(*x) for x in zip(quiet.q, quiet.dq, quiet.ddq, strict=True)])
     (column,) = slopes(robot, Candidate("load_dependent_friction", 2), motion).values()
     sliding = np.abs(motion.dq[:, 1]) > 0.05
     expected = np.abs(links[:, 1]) * np.sign(motion.dq[:, 1])
     np.testing.assert_allclose(column[1][sliding], expected[sliding], atol=1e-6 * np.abs(links).max())
+
+
+def test_a_delay_that_no_clock_would_tell_is_none():
+    late = Candidate("torque_delay", 1, (("delay", 1e-3),))
+    assert proper(arm(), late, [1.0], {}, 0.004)
+    assert not proper(arm(), late, [0.05], {}, 0.004)
+    assert not proper(arm(), late, [1.0], {}, 0.1)
 
 
 def test_a_law_of_the_torque_gets_the_models():
