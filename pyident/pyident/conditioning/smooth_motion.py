@@ -91,7 +91,7 @@ def channel_noise(values: np.ndarray) -> float:
 
 
 def top_power(values: np.ndarray) -> np.ndarray:
-    """Power of a signal at its highest frequencies, as the variance of white noise that has it."""
+    """(M,) power of a signal (N,) at its highest frequencies, as the variance of white noise that has it."""
     window = np.hanning(len(values))
     S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
     return S[int(_WHITE_FROM * len(S)) :]
