@@ -120,7 +120,7 @@ class _Bilinear:
         scale = np.sqrt(np.diag(H))
         scale[scale == 0] = 1.0
         scaled = H / np.outer(scale, scale) + _KEPT * np.eye(len(H))
-        p = self.p + solve(scaled, (b - H @ self.p) / scale, assume_a="pos") / scale
+        p = self.p + solve(scaled, (b - H @ self.p) / scale, assume_a="sym") / scale
         return float(self.yy - 2 * b @ p + p @ H @ p), p
 
     def best(self) -> np.ndarray:
