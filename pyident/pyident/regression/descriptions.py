@@ -19,7 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
-from pyident.regression.loads.bodies import body_columns
+from pyident.regression.loads.bodies import bodies
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 
@@ -187,12 +187,7 @@ def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> d
 
 def _link_forces(robot: Robot, motion: Motion) -> np.ndarray:
     """(n, N) generalised forces of the links. By NumPy: compiling every geometry would take seconds each."""
-    structure, gravity = robot_structure.of_robot(robot), np.array(robot.gravity)
-    bodies = [np.array(list(link.values.values())) for link in robot.links]
-    for joint in robot.joints:
-        for law in joint.effects:
-            for parameter, weights in body_columns(robot, law).items():
-                bodies[robot.last_link - 1] += weights * joint.values[law.name][parameter]
+    structure, gravity, own = robot_structure.of_robot(robot), np.array(robot.gravity), bodies(robot)
     rates = (np.ascontiguousarray(x.T) for x in (motion.q, motion.dq, motion.ddq))
     pieces = zip(*(np.array_split(x, range(_PIECE, x.shape[1], _PIECE), axis=1) for x in rates), strict=True)
     out = []
@@ -202,7 +197,7 @@ def _link_forces(robot: Robot, motion: Motion) -> np.ndarray:
         out.append(
             sum(
                 np.einsum("xin,xn->in", DF, np.einsum("xpn,p->xn", reaction, body))
-                for body, (DF, reaction) in zip(bodies, factors, strict=True)
+                for body, (DF, reaction) in zip(own, factors, strict=True)
             )
         )
     return np.concatenate(out, axis=1)

@@ -12,7 +12,7 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.regression.laws import LawColumn, Signals, law_columns
 from pyident.regression.links import LinkColumns
-from pyident.regression.loads.bodies import body_columns
+from pyident.regression.loads.bodies import body_laws
 from pyident.regression.machine.threads import spread
 
 CACHED = 1000  # samples at a time: they stay in a core's cache, and no power of two (cache sets collide)
@@ -93,7 +93,7 @@ class _Builder:
         self.links = LinkColumns(robot, starts)
         self.laws = [(names.index(name), law) for name, law in _laws(robot, motion)]
         last = slice(starts[robot.last_link - 1], starts[robot.last_link - 1] + len(LINK_PARAMETERS))
-        self.bodies = [(names.index(name), last, weights) for name, weights in _bodies(robot)]
+        self.bodies = [(names.index(name), last, weights) for name, weights in body_laws(robot)]
         self.rates = [np.ascontiguousarray(rate, float) for rate in (motion.q, motion.dq, motion.ddq)]
 
     def fill(self, Phi: np.ndarray, start: int) -> None:
@@ -118,11 +118,3 @@ def _laws(robot: Robot, motion: Motion) -> Iterator[tuple[str, LawColumn]]:
         for effect in joint.effects:
             for column in law_columns(robot, signals, k, effect, joint.values[effect.name]):
                 yield parameter_name(k, effect.name, column.parameter), column
-
-
-def _bodies(robot: Robot) -> Iterator[tuple[str, np.ndarray]]:
-    """Parameter of every law that adds to the last link, and its column in terms of that link's."""
-    for k, joint in robot.numbered:
-        for effect in joint.effects:
-            for parameter, weights in body_columns(robot, effect).items():
-                yield parameter_name(k, effect.name, parameter), weights

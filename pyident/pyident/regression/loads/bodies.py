@@ -8,7 +8,7 @@ import sympy
 
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
-from flexmodels.joint import Joint
+from flexmodels.joint import Joint, parameter_name
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
@@ -25,7 +25,7 @@ def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
 
     What laws add to the last body is of it. Raises ValueError as `regressor` does.
     """
-    p, joints = _bodies(robot), len(robot.joints)
+    p, joints = bodies(robot).ravel(), len(robot.joints)
     torques = np.empty((len(motion.q), joints))
     for part, Phi in _blocks(robot, motion):
         torques[part] = Phi[:, :joints] @ p
@@ -43,7 +43,7 @@ def carried_loads(robot: Robot, motion: Motion) -> np.ndarray:
 def link_columns(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
     """(N, 10 links): what one unit of each of the links' parameters asks of a joint, from 1, at its motor.
 
-    In the order of the links and of `LINK_PARAMETERS`. Raises ValueError as `regressor` does.
+    In the order of `link_names`. Raises ValueError as `regressor` does.
     """
     return np.concatenate([Phi[:, joint - 1].copy() for _, Phi in _blocks(robot, motion)])
 
@@ -80,11 +80,22 @@ def carries_friction(joint: Joint) -> bool:
     return any(signals.load in law.symbols for law in joint.effects)
 
 
-def _bodies(robot: Robot) -> np.ndarray:
-    """(10 links,) the links' parameters."""
-    own = np.array([[link.values[name] for name in LINK_PARAMETERS] for link in robot.links], float)
-    for joint in robot.joints:
+def body_laws(robot: Robot) -> Iterator[tuple[str, np.ndarray]]:
+    """Parameter of every law that adds to the last link, and its column (10,) in terms of that link's."""
+    for k, joint in robot.numbered:
         for effect in joint.effects:
             for parameter, weights in body_columns(robot, effect).items():
-                own[robot.last_link - 1] += joint.values[effect.name][parameter] * weights
-    return own.ravel()
+                yield parameter_name(k, effect.name, parameter), weights
+
+
+def bodies(robot: Robot) -> np.ndarray:
+    """(links, 10) the links' parameters, with what laws add to the last one."""
+    own = np.array([[link.values[name] for name in LINK_PARAMETERS] for link in robot.links], float)
+    for name, weights in body_laws(robot):
+        own[robot.last_link - 1] += robot.parameters[name] * weights
+    return own
+
+
+def link_names(robot: Robot) -> list[str]:
+    """Of the links' parameters, in the order of the links and of `LINK_PARAMETERS`."""
+    return [f"link{k + 1}.{name}" for k in range(len(robot.links)) for name in LINK_PARAMETERS]

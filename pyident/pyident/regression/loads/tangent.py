@@ -17,9 +17,8 @@ import sympy
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.joint import parameter_name
-from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
-from pyident.regression.loads.bodies import body_columns
+from pyident.regression.loads.bodies import body_laws, link_names
 
 
 class LoadTangent:
@@ -41,7 +40,8 @@ class LoadTangent:
                     column = names.index(parameter_name(k, law.name, parameter.name))
                     self.shift[column] = _degree(law) * values[column]
                     self.acting.setdefault(k - 1, []).append(column)
-        self.bodies = np.array([names.index(name) for name in _body_names(robot)])
+        bodies = link_names(robot) + [name for name, _ in body_laws(robot)]
+        self.bodies = np.array([names.index(name) for name in bodies])
 
     def take(self, Phi: np.ndarray, y: np.ndarray, loads: np.ndarray) -> None:
         """Change equations Φ (B, n, P), y (B, n), in place; loads (B, joints), as of `carried_loads`."""
@@ -51,13 +51,6 @@ class LoadTangent:
             load = loads[:, row]
             slope = np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
             Phi[:, row, self.bodies] *= 1 + slope[:, None]
-
-
-def _body_names(robot: Robot) -> list[str]:
-    """Parameters of the links, and of the laws that add to the last one."""
-    links = [f"link{k + 1}.{name}" for k in range(len(robot.links)) for name in LINK_PARAMETERS]
-    laws = ((k, law) for k, joint in robot.numbered for law in joint.effects)
-    return links + [parameter_name(k, law.name, p) for k, law in laws for p in body_columns(robot, law)]
 
 
 @cache
