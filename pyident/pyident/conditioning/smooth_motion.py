@@ -36,6 +36,11 @@ def smooth(x: np.ndarray, corner: float) -> np.ndarray:
     return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
 
 
+def all_smooth(values: np.ndarray, corners: Sequence[float]) -> np.ndarray:
+    """(N, n) what `smooth` leaves of coordinates (N, n), each below its corner."""
+    return np.column_stack([smooth(x, corner) for x, corner in zip(values.T, corners, strict=True)])
+
+
 def without_noise(motion: Motion) -> Motion:
     """A log's motion below the frequency at which the noise of each coordinate begins.
 
@@ -43,11 +48,8 @@ def without_noise(motion: Motion) -> Motion:
     """
     if motion.time is None or motion.tau_before is not None or len(motion.q) < _SHORTEST:
         return motion
-    corners = [reached(x, channel_noise(x)) for x in motion.q.T]
-    q, dq, ddq = (
-        np.column_stack([smooth(x, corner) for x, corner in zip(rate.T, corners, strict=True)])
-        for rate in (motion.q, motion.dq, motion.ddq)
-    )
+    corners = all_reached(motion.q)
+    q, dq, ddq = (all_smooth(rate, corners) for rate in (motion.q, motion.dq, motion.ddq))
     return replace(motion, q=q, dq=dq, ddq=ddq)
 
 
@@ -80,6 +82,11 @@ def reached(x: np.ndarray, noise: float) -> float:
     mean = np.convolve(power, np.ones(bins) / bins, mode="same")
     above = np.flatnonzero(mean > _OVER_NOISE * noise**2)
     return float(np.clip((above[-1] if len(above) else 0) / len(S), _LOWEST, _HIGHEST))
+
+
+def all_reached(values: np.ndarray) -> list[float]:
+    """Of each of the coordinates (N, n), by the noise in its own channel, over the Nyquist frequency."""
+    return [reached(x, channel_noise(x)) for x in values.T]
 
 
 def channel_noise(values: np.ndarray) -> float:

@@ -15,7 +15,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
 from pyident.conditioning.rest import away_from_rest
-from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, reached, smooth
+from pyident.conditioning.smooth_motion import all_smooth, blurred, channel_noise, ends_of, reached
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
@@ -88,8 +88,7 @@ def along(
     if known is not None:
         noise = np.array([known[name] for name in robot.coordinates])
     corners = [reached(x, sigma) for x, sigma in zip(measured.T, noise, strict=True)]
-    q = np.column_stack([smooth(x, corner) for x, corner in zip(measured.T, corners, strict=True)])
-    q, dq, ddq = central_differences(_extended(q), log.period)
+    q, dq, ddq = central_differences(_extended(all_smooth(measured, corners)), log.period)
     names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
     motion = Motion(q, dq, ddq, tau, time - time[0])

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
-from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, reached, smooth
+from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, equations
@@ -41,7 +41,7 @@ def corners(robot: Robot, log: Log) -> np.ndarray:
     """(n,) frequency [Hz] up to which each coordinate's motion stands clear of noise; infinite: not asked."""
     if not denoises(robot):
         return np.full(len(robot.coordinates), np.inf)
-    return 0.5 / log.period * np.array(_reached(robot, log))
+    return 0.5 / log.period * np.array(all_reached(log.signals(robot.coordinates)))
 
 
 def denoises(robot: Robot) -> bool:
@@ -54,9 +54,9 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     """Nor its ends, nor where a low pass blurs a step of the acceleration: a reversal of friction, a jerk."""
     if not denoises(robot):
         return conditioned(log, robot)
-    reach, frame = _reached(robot, log), log.frame.copy()
-    motion = [smooth(x, corner) for x, corner in zip(log.signals(robot.coordinates).T, reach, strict=True)]
-    frame[list(robot.coordinates)] = np.column_stack(motion)
+    q, frame = log.signals(robot.coordinates), log.frame.copy()
+    reach = all_reached(q)
+    frame[list(robot.coordinates)] = all_smooth(q, reach)
     part = conditioned(replace(log, frame=frame), robot)
     use = part.use.copy()
     for k, corner in enumerate(reach):
@@ -64,8 +64,3 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     ends = ends_of(len(use), [blurred(corner) for corner in reach])
     use[:ends], use[-ends:] = 0.0, 0.0
     return replace(part, use=use)
-
-
-def _reached(robot: Robot, log: Log) -> list[float]:
-    """By coordinate, over the Nyquist frequency."""
-    return [reached(x, channel_noise(x)) for x in log.signals(robot.coordinates).T]
