@@ -7,8 +7,9 @@ which for any one μ, and given where the load L p turns its sign, is linear: y 
 are taken that belong to the best μ, if the law explains more with their loads than chance makes of any other.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,11 @@ from scipy.linalg import solve
 from scipy.optimize import minimize_scalar
 
 from flexmodels.joint import parameter_name
-from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, candidates, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain, triangles
 from pyident.regression.candidate_columns import effect_columns
-from pyident.regression.loads.bodies import carried_loads, carries_friction, link_columns
+from pyident.regression.loads.bodies import carried_loads, carries_friction, link_columns, link_names
 from pyident.regression.spectrum import Equations
 
 _LAW = "load_dependent_friction"
@@ -39,14 +39,12 @@ def with_carried_loads(
 
     chance   standard deviations by which a gain differs by chance
     """
-    acting = {c.joint for c in candidates(robot, logs) if c.effect == _LAW}
-    own = [k for k in sorted(acting) if not robot.joints[k - 1].flexible]
+    own = [k for k, joint in robot.numbered if not joint.flexible and not carries_friction(joint)]
     if not own or any(law.body for joint in robot.joints for law in joint.effects):
         return robot
-    plain = sum(R.T @ R for R in triangles(logs))
+    plain = np.asarray(sum(R.T @ R for R in triangles(logs)))
     for k in own:
-        if not carries_friction(robot.joints[k - 1]):
-            robot = _told(robot, k, logs, base, levels, np.asarray(plain), chance)
+        robot = _told(robot, k, logs, base, levels, plain, chance)
     return robot
 
 
@@ -69,13 +67,14 @@ def _told(
         return float(np.sqrt(gain(base, columns(carrying, law, logs, levels), *bounds(robot, law)).energy))
 
     best, most = robot, explained(robot) + chance
+    own = _own_equations(robot, k, logs, levels, constants)
+    plain = _with_constant(plain, own)
     at, turned = robot, None
     for _ in range(_ROUNDS):
         before, turned = turned, [_turns(at, k, e) for e in logs]
         if before is not None and all(map(np.array_equal, before, turned)):
             break
-        equations = _bilinear(at, k, logs, levels, turned, plain, constants)
-        at = _with_bodies(at, equations.best())
+        at = _with_bodies(at, _bilinear(at, own, turned, plain).best())
         if (energy := explained(at)) > most:
             best, most = at, energy
     return best
@@ -135,35 +134,62 @@ class _Bilinear:
         return self.solved(float(found.x) if found.fun < left[i] else float(tried[i]))[1]
 
 
-def _bilinear(
+@dataclass(frozen=True)
+class _Own:
+    """A joint's equations in one log: A (E, P) and y (E,) of them, whitened; and what links ask of it.
+
+    asked   (10 links, N) by `link_columns`;  whiten: (K, N) -> (E, K)
+    """
+
+    A: np.ndarray
+    y: np.ndarray
+    asked: np.ndarray
+    whiten: Callable[[np.ndarray], np.ndarray]
+
+
+def _own_equations(
     robot: Robot,
     k: int,
     logs: Sequence[Equations],
     levels: Sequence[np.ndarray],
-    turned: Sequence[np.ndarray],
-    plain: np.ndarray,
     constants: Columns | None,
+) -> list[_Own]:
+    """constants: one more column of Φ."""
+    found = []
+    for number, (log, level) in enumerate(zip(logs, levels, strict=True)):
+        A = log.A[k - 1] if constants is None else np.hstack([log.A[k - 1], constants[number][k - 1]])
+        asked = link_columns(robot, log.part.motion, k).T
+        found.append(_Own(A, log.y[k - 1], asked, partial(_whitened, log, level[k - 1], k - 1)))
+    return found
+
+
+def _whitened(log: Equations, level: np.ndarray, row: int, terms: np.ndarray) -> np.ndarray:
+    return log.band.transform(log.part.used(row, terms).T) / level[:, None]
+
+
+def _with_constant(plain: np.ndarray, own: Sequence[_Own]) -> np.ndarray:
+    """Products of [Φ, y], with those of the column of Φ that only the joint's equations may have."""
+    width, P = own[0].A.shape[1], len(plain) - 1
+    if width == P:
+        return plain
+    out = np.zeros((width + 1, width + 1))
+    kept = [*range(P), width]
+    out[np.ix_(kept, kept)] = plain
+    out[P] = out[:, P] = sum(e.A[:, P] @ np.column_stack([e.A, e.y]) for e in own)
+    return out
+
+
+def _bilinear(
+    robot: Robot, own: Sequence[_Own], turned: Sequence[np.ndarray], plain: np.ndarray
 ) -> _Bilinear:
-    """plain: (P + 1, P + 1) products of [Φ, y];  constants: one more column of Φ, at the joint."""
-    names = list(robot.linear_parameters)
-    links = [names.index(f"link{i + 1}.{n}") for i in range(len(robot.links)) for n in LINK_PARAMETERS]
-    P, row = len(names), k - 1
-    width = P + (constants is not None)
-    PP, PT, TT = np.zeros((3, width, width))
-    Py, Ty = np.zeros((2, width))
-    PP[:P, :P], Py[:P] = plain[:P, :P], plain[:P, P]
-    for number, (log, level, turns) in enumerate(zip(logs, levels, turned, strict=True)):
-        A, T = (np.zeros((log.y.shape[1], width)) for _ in range(2))
-        A[:, :P] = log.A[row]
-        asked = link_columns(robot, log.part.motion, k).T * turns
-        T[:, links] = log.band.transform(log.part.used(row, asked).T) / level[row][:, None]
-        if constants is not None:
-            A[:, P:] = constants[number][row]
-            PP[:P, P:] += A[:, :P].T @ A[:, P:]
-            PP[P:, P:] += A[:, P:].T @ A[:, P:]
-            Py[P:] += A[:, P:].T @ log.y[row]
-        PT, TT, Ty = PT + A.T @ T, TT + T.T @ T, Ty + T.T @ log.y[row]
-    PP[P:, :P] = PP[:P, P:].T
-    p = np.zeros(width)
-    p[:P] = list(robot.linear_parameters.values())
-    return _Bilinear(PP, PT, TT, Py, Ty, float(plain[P, P]), p)
+    """plain: (P + 1, P + 1) products of [Φ, y];  turned: per log, as of `_turns`."""
+    names, width = list(robot.linear_parameters), len(plain) - 1
+    links = [names.index(name) for name in link_names(robot)]
+    PT, TT = np.zeros((2, width, width))
+    Ty, p = np.zeros((2, width))
+    for e, turns in zip(own, turned, strict=True):
+        T = np.zeros_like(e.A)
+        T[:, links] = e.whiten(e.asked * turns)
+        PT, TT, Ty = PT + e.A.T @ T, TT + T.T @ T, Ty + T.T @ e.y
+    p[: len(names)] = list(robot.linear_parameters.values())
+    return _Bilinear(plain[:-1, :-1], PT, TT, plain[:-1, -1], Ty, float(plain[-1, -1]), p)
