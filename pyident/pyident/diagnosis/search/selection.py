@@ -251,14 +251,13 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
         return list(steps)
     kept = list(steps)
     for old in steps:
-        while old in kept:
-            others = [s for s in kept if s is not old]
-            new = _beside(search, old, others)
+        new = None
+        while new is None and old in kept:
+            new = _beside(search, old, [s for s in kept if s is not old])
             if new is None:
                 kept.remove(_least_missed(search, kept, old))
-                continue
+        if new is not None:
             kept[kept.index(old)] = new
-            break
     return kept
 
 
