@@ -2,36 +2,117 @@
 
 The search weighs an equation by what the model without any law leaves, so that a strong law makes its own
 equation light, and intervals from there are wide by as much as the law stands above the floor.
+
+Friction under the load of a rigid joint is a product of its coefficient and of the bodies that make the
+load. The search has it at the loads of the bodies found, as if these were known. Here the bodies are fitted
+with it, in rounds about the last values (see `LoadTangent`), so that an interval knows of the loads' error.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.effects import signals
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
-from pyident.diagnosis.base.candidates import Candidate, bounds
-from pyident.diagnosis.base.projection import Columns, Gain, extended, gain, joined, solve_base
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, slopes
+from pyident.diagnosis.base.carried_loads import whitened, with_bodies
+from pyident.diagnosis.base.projection import Columns, Gain, gain, joined, solve_base, taken_over
 from pyident.diagnosis.search.search import Search
+from pyident.regression.loads.bodies import carried_loads, link_columns, link_names
+from pyident.regression.loads.tangent import degree_in_load
 from pyident.regression.spectrum import Equations
+
+_ROUNDS = 20  # until a coefficient rests
+_RESTS = 0.05  # of its standard deviation
 
 
 def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidate) -> Gain:
-    """A candidate's gain and coefficients in the data, beside others and the model's own parameters."""
+    """A candidate's gain and coefficients in the data, beside others and the model's own parameters.
+
+    Where rounds do not come to rest, its coefficients are those at the loads of the search, and std is inf.
+    """
+    listed = [*others, candidate]
+    first = last = _fitted(search, search.robot, listed)
+    if not any(_reads_load(search.robot, c) for c in listed):
+        return _of_last(first.gain, candidate, search.robot)
+    for _ in range(_ROUNDS):
+        before, last = last, _fitted(search, last.robot, listed, last.gain.coefficients)
+        old, new = (_of_last(fit.gain, candidate, search.robot) for fit in (before, last))
+        if np.all(np.abs(new.coefficients - old.coefficients) <= _RESTS * new.std):
+            return new
+    own = _of_last(first.gain, candidate, search.robot)
+    return replace(own, std=np.full_like(own.std, np.inf))
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """gain: of all laws together;  robot: with the bodies found beside them."""
+
+    gain: Gain
+    robot: Robot
+
+
+def _fitted(
+    search: Search, robot: Robot, listed: Sequence[Candidate], coefficients: np.ndarray | None = None
+) -> _Fit:
+    """One round about a robot's bodies and the coefficients of all laws; none: with the loads as they are."""
     ex = search.examination
-    every = [_times(search.columns(c), ex.raised) for c in (*others, candidate)]
-    plain = [e.over(1 / ex.raised[:, None]) for e in ex.logs]
-    raised = raised_floors(_wider(plain, joined(every)), ex.raised)
-    base = solve_base([e.over(raised[:, None]) for e in plain])
-    *beside, own = (_times(columns, 1 / raised) for columns in every)
-    for columns in beside:
-        base = extended(base, columns)
-    return gain(base, own, *bounds(search.robot, candidate))
+    levels = [level / ex.raised[:, None] for level in ex.levels]
+    p = np.array(list(robot.linear_parameters.values()))
+    logs = [e.over(1 / ex.raised[:, None]) for e in ex.logs]
+    logs = [replace(e, y=e.y - e.A @ p) for e in logs]
+    if coefficients is not None:
+        frictions = _frictions(robot, listed, coefficients)
+        logs = [_tangent(robot, frictions, *of_log) for of_log in zip(logs, levels, strict=True)]
+    bearing = [robot if _reads_load(robot, c) else search.robot for c in listed]
+    X = joined([columns(at, c, ex.logs, levels) for at, c in zip(bearing, listed, strict=True)])
+    raised = raised_floors(_wider(logs, X), ex.raised)
+    base = solve_base([e.over(raised[:, None]) for e in logs])
+    X = [{row: part / raised[row] for row, part in rows.items()} for rows in X]
+    limits = [bounds(robot, c) for c in listed]
+    low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
+    found = gain(base, X, low, high)
+    p = p + base.p - taken_over(base, X) @ found.coefficients
+    return _Fit(found, with_bodies(robot, p))
 
 
-def _times(columns: Columns, factor: np.ndarray) -> Columns:
-    """Each equation's columns times its factor (n,)."""
-    return [{row: X * factor[row] for row, X in rows.items()} for rows in columns]
+Frictions = Sequence[tuple[Candidate, np.ndarray]]  # laws of the load, and their coefficients
+
+
+def _frictions(robot: Robot, listed: Sequence[Candidate], coefficients: np.ndarray) -> Frictions:
+    ends = np.cumsum([len(law_of(robot, c).linear) for c in listed])[:-1]
+    each = zip(listed, np.split(coefficients, ends), strict=True)
+    return [(c, x) for c, x in each if _reads_load(robot, c)]
+
+
+def _tangent(robot: Robot, frictions: Frictions, log: Equations, level: np.ndarray) -> Equations:
+    """The equations with what bodies change in friction among the bodies' columns. level: (n, E)."""
+    motion, names = log.part.motion, list(robot.linear_parameters)
+    links = [names.index(name) for name in link_names(robot)]
+    A = log.A.copy()
+    for c, x in frictions:
+        row = c.joint - 1
+        per_unit = [by_row[row] for by_row in slopes(robot, c, motion).values()]
+        load = carried_loads(robot, motion)[:, row]
+        growth = degree_in_load(law_of(robot, c)) * np.dot(x, per_unit)
+        slope = np.divide(growth, load, out=np.zeros_like(load), where=load != 0)
+        asked = link_columns(robot, motion, c.joint).T
+        A[row][:, links] += whitened(log, level[row], row, asked * slope)
+    return replace(log, A=A)
+
+
+def _reads_load(robot: Robot, candidate: Candidate) -> bool:
+    """Whether it is a law of the load of a rigid joint, which bodies make."""
+    rigid = not robot.joints[candidate.joint - 1].flexible
+    return rigid and not candidate.describes and signals.load in law_of(robot, candidate).symbols
+
+
+def _of_last(found: Gain, candidate: Candidate, robot: Robot) -> Gain:
+    """A gain with the coefficients of its last candidate alone."""
+    own = slice(-len(law_of(robot, candidate).linear), None)
+    return replace(found, coefficients=found.coefficients[own], std=found.std[own], alone=found.alone[own])
 
 
 def _wider(logs: Sequence[Equations], columns: Columns) -> list[Equations]:

@@ -74,7 +74,7 @@ def _told(
         before, turned = turned, [_turns(at, k, e) for e in logs]
         if before is not None and all(map(np.array_equal, before, turned)):
             break
-        at = _with_bodies(at, _bilinear(at, own, turned, plain).best())
+        at = with_bodies(at, _bilinear(at, own, turned, plain).best())
         if (energy := explained(at)) > most:
             best, most = at, energy
     return best
@@ -88,7 +88,7 @@ def _turns(robot: Robot, k: int, log: Equations) -> np.ndarray:
     return np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
 
 
-def _with_bodies(robot: Robot, p: np.ndarray) -> Robot:
+def with_bodies(robot: Robot, p: np.ndarray) -> Robot:
     """The robot with the links and rotors of p (P or more,), and its own friction."""
     values = dict(zip(robot.linear_parameters, p.tolist(), strict=False))
     rotors = {parameter_name(k, "motor_inertia", "J_m") for k, _ in robot.numbered}
@@ -159,11 +159,11 @@ def _own_equations(
     for number, (log, level) in enumerate(zip(logs, levels, strict=True)):
         A = log.A[k - 1] if constants is None else np.hstack([log.A[k - 1], constants[number][k - 1]])
         asked = link_columns(robot, log.part.motion, k).T
-        found.append(_Own(A, log.y[k - 1], asked, partial(_whitened, log, level[k - 1], k - 1)))
+        found.append(_Own(A, log.y[k - 1], asked, partial(whitened, log, level[k - 1], k - 1)))
     return found
 
 
-def _whitened(log: Equations, level: np.ndarray, row: int, terms: np.ndarray) -> np.ndarray:
+def whitened(log: Equations, level: np.ndarray, row: int, terms: np.ndarray) -> np.ndarray:
     return log.band.transform(log.part.used(row, terms).T) / level[:, None]
 
 

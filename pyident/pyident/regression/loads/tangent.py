@@ -38,7 +38,7 @@ class LoadTangent:
                     continue
                 for parameter in law.linear:
                     column = names.index(parameter_name(k, law.name, parameter.name))
-                    self.shift[column] = _degree(law) * values[column]
+                    self.shift[column] = degree_in_load(law) * values[column]
                     self.acting.setdefault(k - 1, []).append(column)
         bodies = link_names(robot) + [name for name, _ in body_laws(robot)]
         self.bodies = np.array([names.index(name) for name in bodies])
@@ -54,7 +54,7 @@ class LoadTangent:
 
 
 @cache
-def _degree(law: Effect) -> float:
+def degree_in_load(law: Effect) -> float:
     """Of a law's force in the load."""
     (force,) = law.forces.values()
     twice = sympy.Abs(force.subs(signals.load, 2 * signals.load) / force)
