@@ -19,6 +19,7 @@ from .sensors import Sensors, drawn_sensors, noise_of, noise_power, recorded, ro
 _HIDDEN = {"strong": 1, "medium": 1, "weak": 1, "outside": 1, "pair": 2, "triple": 3}
 _DRAWS = 30  # of an error of the geometry, until the logs can show it; then of another machine
 _MACHINES = 30
+_LOCKS = 2.0  # times its load: friction of that size
 _READABLE = 10.0  # standard deviations: from there on the logs tell an error's value within 20 %
 
 
@@ -56,13 +57,13 @@ def made(case: Case, most: int = 7) -> Made:
     for _ in range(_MACHINES):
         try:
             return _made(case, rng, most)
-        except (FloatingPointError, _NotShown):
+        except (FloatingPointError, NotDrawn):
             continue
     raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")
 
 
-class _NotShown(Exception):
-    """A machine hides the errors of its geometry: its bodies take them up."""
+class NotDrawn(Exception):
+    """A machine hides the errors of its geometry, which its bodies take up; or its friction would lock it."""
 
 
 def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
@@ -145,7 +146,10 @@ def hidden_in(
     noise: np.ndarray,
     taken: list[int],
 ) -> tuple[Hidden, Truth]:
-    """A law at a joint that no other has, if there is one left, as large as its kind asks for."""
+    """A law at a joint that no other has, if there is one left, as large as its kind asks for.
+
+    Raises NotDrawn where friction would be so much of its load that no gear moves.
+    """
     n = len(noise)
     joints = [k for k in range(n) if k not in taken] or list(range(n))
     k = int(rng.choice(joints))
@@ -155,6 +159,10 @@ def hidden_in(
     left = oracle.beyond(state, a, force)[:, k]
     unit = max(float(np.sqrt(np.mean(left**2))), 1e-3 * float(np.sqrt(np.mean(force**2))))
     size = float(rng.uniform(*SIZES.get(kind, SIZES["strong"])))
+    if law.name == "load" and size * noise[k] / unit > _LOCKS * float(
+        np.sqrt(np.mean(state.load[:, k] ** 2))
+    ):
+        raise NotDrawn
     names = tuple((name, k + 1) for name in law.names)
     return Hidden(law, k, size * noise[k] / unit), Truth(law.name, names, size)
 
@@ -162,7 +170,7 @@ def hidden_in(
 def _geometry(
     rng: np.random.Generator, oracle: Oracle, state: State, a: np.ndarray, power: np.ndarray
 ) -> tuple[Error, Truth]:
-    """An error whose value the logs can tell. power: of the noise (frequencies, n). Raises _NotShown."""
+    """An error whose value the logs can tell. power: of the noise (frequencies, n). Raises NotDrawn."""
     n = power.shape[1]
     for _ in range(_DRAWS):
         error = large_error(rng, n)
@@ -173,7 +181,7 @@ def _geometry(
             left = file.beyond(as_filed, a, force)
             size = float((np.sqrt(np.mean(left**2, axis=0) / power.mean(axis=0))).max())
             return error, Truth("geometry", ((error.quantity, error.joint),), size, error.amount)
-    raise _NotShown
+    raise NotDrawn
 
 
 def _filed(machine: Machine, error: Error) -> Machine:

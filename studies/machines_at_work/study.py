@@ -22,7 +22,7 @@ from pyident.sweep.studies import StudyResult, row
 
 from ..foreign_logs.cases import Case
 from ..foreign_logs.closed_loop import Hidden, loop_noise, simulated
-from ..foreign_logs.generator import Made, Truth, hidden_in, laws_of
+from ..foreign_logs.generator import Made, NotDrawn, Truth, hidden_in, laws_of
 from ..foreign_logs.machines import drawn_machine, owners_file
 from ..foreign_logs.methods import Answer, answer_of
 from ..foreign_logs.oracle import Oracle
@@ -78,7 +78,7 @@ def made(case: Case) -> Made:
     for _ in range(_MACHINES):
         try:
             return _made(case, case.rng)
-        except FloatingPointError:
+        except (FloatingPointError, NotDrawn):
             case = replace(case, seed=(case.seed[0], case.seed[1] + 100_000))
     raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")
 

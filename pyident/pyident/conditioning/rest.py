@@ -15,7 +15,7 @@ REACH = AROUND + 3  # samples on either side on which the answer for one depends
 STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill
 _FAST = 0.2  # of a joint's highest speed: faster is moving
 _CREEP = 0.05  # of its usual speed when moving
-_LONG = 0.25  # s
+_LINGERS = 1.5  # times what passing through zero takes at the acceleration before and after it
 _NOWHERE = 0.02  # of the way that it covers in the log
 _WIDENED = 0.1  # of the samples
 _BETWEEN = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # of an interval: where the speed is looked at
@@ -61,15 +61,18 @@ def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarr
     """(N,): whether a joint stands where it is, though it gives way to what the others do.
 
     position, speed   (N,) of the joint
-    It is far slower than when it moves, for longer than a reversal takes, and gets nowhere: what it does then
-    is decided by how a gear sticks, or a simulator rounds friction, and not by Coulomb's level.
+    It is far slower than when it moves, for longer than it takes to turn round or stop at the pace before and
+    after that, and gets nowhere: what it does then is decided by how a gear sticks, or a simulator rounds
+    friction, and not by Coulomb's level.
     """
     fast = np.abs(speed) > _FAST * np.abs(speed).max()
     usual = float(np.sqrt(np.mean(speed[fast] ** 2))) if fast.any() else 0.0
     out = np.zeros(len(speed), bool)
-    slow = np.abs(speed) < _CREEP * usual
-    for start, stop in stretches(slow):
-        if (stop - start) * period > _LONG and np.ptp(position[start:stop]) < _NOWHERE * np.ptp(position):
+    limit, pace = _CREEP * usual, np.abs(np.diff(speed)) / period
+    for start, stop in stretches(np.abs(speed) < limit):
+        ends = [pace[i] for i in (start - 1, stop - 1) if 0 <= i < len(pace)]
+        lingers = (stop - start - 1) * period > _LINGERS * sum(limit / max(a, 1e-300) for a in ends)
+        if lingers and np.ptp(position[start:stop]) < _NOWHERE * np.ptp(position):
             out[start:stop] = True
     return out
 

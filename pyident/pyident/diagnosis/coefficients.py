@@ -18,7 +18,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, slopes
 from pyident.diagnosis.base.carried_loads import whitened, with_bodies
-from pyident.diagnosis.base.projection import Columns, Gain, gain, joined, solve_base, taken_over
+from pyident.diagnosis.base.projection import Gain, gain, joined, solve_base, taken_over, wider
 from pyident.diagnosis.search.search import Search
 from pyident.regression.loads.bodies import carried_loads, link_columns, link_names
 from pyident.regression.loads.tangent import degree_in_load
@@ -68,7 +68,7 @@ def _fitted(
         logs = [_tangent(robot, frictions, *of_log) for of_log in zip(logs, levels, strict=True)]
     bearing = [robot if _reads_load(robot, c) else search.robot for c in listed]
     X = joined([columns(at, c, ex.logs, levels) for at, c in zip(bearing, listed, strict=True)])
-    raised = raised_floors(_wider(logs, X), ex.raised)
+    raised = raised_floors(wider(logs, X), ex.raised)
     base = solve_base([e.over(raised[:, None]) for e in logs])
     X = [{row: part / raised[row] for row, part in rows.items()} for rows in X]
     limits = [bounds(robot, c) for c in listed]
@@ -113,15 +113,3 @@ def _of_last(found: Gain, candidate: Candidate, robot: Robot) -> Gain:
     """A gain with the coefficients of its last candidate alone."""
     own = slice(-len(law_of(robot, candidate).linear), None)
     return replace(found, coefficients=found.coefficients[own], std=found.std[own], alone=found.alone[own])
-
-
-def _wider(logs: Sequence[Equations], columns: Columns) -> list[Equations]:
-    """The equations with K more unknowns."""
-    out = []
-    for log, rows in zip(logs, columns, strict=True):
-        K = next(iter(rows.values())).shape[1]
-        dense = np.zeros((*log.y.shape, K))
-        for row, X in rows.items():
-            dense[row] = X
-        out.append(replace(log, A=np.concatenate([log.A, dense], axis=2)))
-    return out

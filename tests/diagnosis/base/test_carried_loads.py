@@ -69,6 +69,20 @@ def test_each_joint_keeps_what_the_others_tell():
     assert max(off(after, motion, 1), off(after, motion, 2)) < 0.05
 
 
+def test_strong_friction_bends_the_bodies_until_the_load_has_another_sign():
+    """The torque's sign is nearer the load's then than that of the bodies found."""
+    before, after, motion = carried({2: 0.5, 3: 0.5})
+    for joint, least in ((2, 0.2), (3, 0.05)):
+        assert off(before, motion, joint) > least
+        assert off(after, motion, joint) < 0.01
+
+
+def test_a_joint_that_tells_nothing_is_left_as_it_was():
+    before, after, motion = carried({3: 0.5})
+    assert off(after, motion, 3) < 0.01
+    assert off(after, motion, 2) < 2 * off(before, motion, 2)
+
+
 def test_without_such_friction_nothing_moves():
     before, after, _ = carried({})
     assert after is before

@@ -5,11 +5,13 @@ what no torque tells: the share of a joint's inertia that is its rotor's. A law 
 these bodies' loads explains a fraction of what it should. With it the equations are y = Φ p + μ |L p| s,
 which for any one μ, and given where the load L p turns its sign, is linear: y = (Φ + μ T) p. So the bodies
 are taken that belong to the best μ, if the law explains more with their loads than chance makes of any other.
+Where the load turns its sign is first taken from the bodies found without the law, then from the torque, most
+of which it is; the better end counts. Joints are asked in the order of what the law explains there, and those
+that told have it while the others are asked.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ from scipy.optimize import minimize_scalar
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
-from pyident.diagnosis.base.projection import Base, Columns, extended, gain, triangles
+from pyident.diagnosis.base.projection import Base, Columns, extended, gain, joined, triangles, wider
 from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.loads.bodies import carried_loads, carries_friction, link_columns, link_names
 from pyident.regression.spectrum import Equations
@@ -29,6 +31,7 @@ _MOST = 2.0  # coefficient
 _TRIED = 17  # coefficients, before the best is refined
 _FINE = 1e-4
 _ROUNDS = 12  # until the load turns its sign where it did before
+_SWEEPS = 2  # over the joints: the first of them have not heard the last
 _KEPT = 1e-9  # of a parameter's own weight: what equations leave open stays as it was
 
 
@@ -42,50 +45,27 @@ def with_carried_loads(
     own = [k for k, joint in robot.numbered if not joint.flexible and not carries_friction(joint)]
     if not own or any(law.body for joint in robot.joints for law in joint.effects):
         return robot
+    constants = [Candidate("offset", k) for k in own if "offset" not in robot.joints[k - 1].values]
+    if constants:
+        X = joined([columns(robot, c, logs, levels) for c in constants])
+        logs, base = wider(logs, X), extended(base, X)
+    joints = [_Joint(robot, k, logs, levels) for k in own]
+    joints.sort(key=lambda joint: -joint.explained(robot, base))
     plain = np.asarray(sum(R.T @ R for R in triangles(logs)))
-    for k in own:
-        robot = _told(robot, k, logs, base, levels, plain, chance)
-    return robot
-
-
-def _told(
-    robot: Robot,
-    k: int,
-    logs: Sequence[Equations],
-    base: Base,
-    levels: Sequence[np.ndarray],
-    plain: np.ndarray,
-    chance: float,
-) -> Robot:
-    law, constant = (Candidate(name, k) for name in (_LAW, "offset"))
-    constants = None
-    if constant.effect not in robot.joints[k - 1].values:
-        constants = columns(robot, constant, logs, levels)
-        base = extended(base, constants)
-
-    def explained(carrying: Robot) -> float:
-        return float(np.sqrt(gain(base, columns(carrying, law, logs, levels), *bounds(robot, law)).energy))
-
-    best, most = robot, explained(robot) + chance
-    own = _own_equations(robot, k, logs, levels, constants)
-    plain = _with_constant(plain, own)
-    at, turned = robot, None
-    for _ in range(_ROUNDS):
-        before, turned = turned, [_turns(at, k, e) for e in logs]
-        if before is not None and all(map(np.array_equal, before, turned)):
+    told: dict[int, _Friction] = {}
+    for _ in range(_SWEEPS):
+        for joint in joints:
+            others = [j for j in joints if j is not joint and j.k in told]
+            beside = plain + sum(j.products(told[j.k]) - j.products(None) for j in others)
+            rests = base
+            for other in others:
+                rests = extended(rests, other.columns(robot))
+            robot, friction = joint.tells(robot, rests, beside, chance)
+            if friction is not None:
+                told[joint.k] = friction
+        if len(told) < 2:
             break
-        at = with_bodies(at, _bilinear(at, own, turned, plain).best())
-        if (energy := explained(at)) > most:
-            best, most = at, energy
-    return best
-
-
-def _turns(robot: Robot, k: int, log: Equations) -> np.ndarray:
-    """(N,) friction of the law per newton metre of its load, which has its sign: -1, 0 or 1, or between."""
-    motion = log.part.motion
-    friction = effect_columns(robot, k, _LAW, motion)["coefficient"][k - 1]
-    load = carried_loads(robot, motion)[:, k - 1]
-    return np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
+    return robot
 
 
 def with_bodies(robot: Robot, p: np.ndarray) -> Robot:
@@ -93,6 +73,102 @@ def with_bodies(robot: Robot, p: np.ndarray) -> Robot:
     values = dict(zip(robot.linear_parameters, p.tolist(), strict=False))
     rotors = {parameter_name(k, "motor_inertia", "J_m") for k, _ in robot.numbered}
     return robot.with_parameters({n: v for n, v in values.items() if n in rotors or n.startswith("link")})
+
+
+def whitened(log: Equations, level: np.ndarray, row: int, terms: np.ndarray) -> np.ndarray:
+    """(E, K) torques (K, N) in an equation of a log, over its level (E,)."""
+    return log.band.transform(log.part.used(row, terms).T) / level[:, None]
+
+
+@dataclass(frozen=True)
+class _Friction:
+    """Of one joint under its load. turns: per log (N,), friction per newton metre of load and coefficient."""
+
+    coefficient: float
+    turns: Sequence[np.ndarray]
+
+
+class _Joint:
+    """A joint's equations in all logs, and what friction under its load makes of them."""
+
+    def __init__(self, robot: Robot, k: int, logs: Sequence[Equations], levels: Sequence[np.ndarray]):
+        self.k, self._logs, self._levels = k, logs, levels
+        names = list(robot.linear_parameters)
+        self._links = [names.index(name) for name in link_names(robot)]
+        self._asked = [link_columns(robot, log.part.motion, k).T for log in logs]
+
+    def tells(
+        self, robot: Robot, base: Base, plain: np.ndarray, chance: float
+    ) -> tuple[Robot, _Friction | None]:
+        """The robot with the bodies of this joint's friction, and that; as it is where it tells nothing.
+
+        base    without it, with what others told;  plain: (P + 1, P + 1) products of [Φ, y] of all equations
+        """
+        best, most = (robot, None), self.explained(robot, base) + chance
+        for turns in (self._turns(robot), self._torque_turns()):
+            at = robot
+            for _ in range(_ROUNDS):
+                coefficient, p = self._bilinear(at, turns, plain).best()
+                at = with_bodies(at, p)
+                if (found := self.explained(at, base)) > most:
+                    best, most = (at, _Friction(coefficient, turns)), found
+                before, turns = turns, self._turns(at)
+                if all(map(np.array_equal, before, turns)):
+                    break
+        return best
+
+    def products(self, friction: _Friction | None) -> np.ndarray:
+        """(P + 1, P + 1) of [Φ + μ T, y], of this joint's equations."""
+        found = 0.0
+        for number, log in enumerate(self._logs):
+            A, y = log.A[self.k - 1], log.y[self.k - 1]
+            if friction is not None:
+                A = A + friction.coefficient * self._load(number, friction.turns[number])
+            whole = np.column_stack([A, y])
+            found = found + whole.T @ whole
+        return np.asarray(found)
+
+    def columns(self, robot: Robot) -> Columns:
+        """Of the law, with the loads of a robot's bodies."""
+        return columns(robot, Candidate(_LAW, self.k), self._logs, self._levels)
+
+    def explained(self, robot: Robot, base: Base) -> float:
+        """Root of the energy that the law takes of what a base leaves."""
+        limits = bounds(robot, Candidate(_LAW, self.k))
+        return float(np.sqrt(gain(base, self.columns(robot), *limits).energy))
+
+    def _turns(self, robot: Robot) -> list[np.ndarray]:
+        """As of `_Friction`, with the sign of a robot's loads: -1, 0 or 1, or between."""
+        found = []
+        for log in self._logs:
+            motion = log.part.motion
+            friction = effect_columns(robot, self.k, _LAW, motion)["coefficient"][self.k - 1]
+            load = carried_loads(robot, motion)[:, self.k - 1]
+            found.append(np.divide(friction, load, out=np.zeros_like(load), where=load != 0))
+        return found
+
+    def _torque_turns(self) -> list[np.ndarray]:
+        """The same where the load has the sign of the torque."""
+        row = self.k - 1
+        return [np.sign(log.part.target[:, row] * log.part.motion.dq[:, row]) for log in self._logs]
+
+    def _load(self, number: int, turns: np.ndarray) -> np.ndarray:
+        """T (E, P) in a log."""
+        log, row = self._logs[number], self.k - 1
+        T = np.zeros_like(log.A[row])
+        T[:, self._links] = whitened(log, self._levels[number][row], row, self._asked[number] * turns)
+        return T
+
+    def _bilinear(self, robot: Robot, turns: Sequence[np.ndarray], plain: np.ndarray) -> "_Bilinear":
+        P = len(plain) - 1
+        PT, TT = np.zeros((2, P, P))
+        Ty, p = np.zeros((2, P))
+        for number, (log, turned) in enumerate(zip(self._logs, turns, strict=True)):
+            A, y, T = log.A[self.k - 1], log.y[self.k - 1], self._load(number, turned)
+            PT, TT, Ty = PT + A.T @ T, TT + T.T @ T, Ty + T.T @ y
+        values = list(robot.linear_parameters.values())
+        p[: len(values)] = values
+        return _Bilinear(plain[:-1, :-1], PT, TT, plain[:-1, -1], Ty, float(plain[-1, -1]), p)
 
 
 @dataclass(frozen=True)
@@ -122,8 +198,8 @@ class _Bilinear:
         p = self.p + solve(scaled, (b - H @ self.p) / scale, assume_a="sym") / scale
         return float(self.yy - 2 * b @ p + p @ H @ p), p
 
-    def best(self) -> np.ndarray:
-        """(P,) of the coefficient that leaves least."""
+    def best(self) -> tuple[float, np.ndarray]:
+        """The coefficient that leaves least, and its p (P,)."""
         tried = np.linspace(0, _MOST, _TRIED)
         left = [self.solved(mu)[0] for mu in tried.tolist()]
         i = int(np.argmin(left))
@@ -131,65 +207,5 @@ class _Bilinear:
         found: Any = minimize_scalar(
             lambda mu: self.solved(mu)[0], bounds=around, method="bounded", options={"xatol": _FINE}
         )
-        return self.solved(float(found.x) if found.fun < left[i] else float(tried[i]))[1]
-
-
-@dataclass(frozen=True)
-class _Own:
-    """A joint's equations in one log: A (E, P) and y (E,) of them, whitened; and what links ask of it.
-
-    asked   (10 links, N) by `link_columns`;  whiten: (K, N) -> (E, K)
-    """
-
-    A: np.ndarray
-    y: np.ndarray
-    asked: np.ndarray
-    whiten: Callable[[np.ndarray], np.ndarray]
-
-
-def _own_equations(
-    robot: Robot,
-    k: int,
-    logs: Sequence[Equations],
-    levels: Sequence[np.ndarray],
-    constants: Columns | None,
-) -> list[_Own]:
-    """constants: one more column of Φ."""
-    found = []
-    for number, (log, level) in enumerate(zip(logs, levels, strict=True)):
-        A = log.A[k - 1] if constants is None else np.hstack([log.A[k - 1], constants[number][k - 1]])
-        asked = link_columns(robot, log.part.motion, k).T
-        found.append(_Own(A, log.y[k - 1], asked, partial(whitened, log, level[k - 1], k - 1)))
-    return found
-
-
-def whitened(log: Equations, level: np.ndarray, row: int, terms: np.ndarray) -> np.ndarray:
-    return log.band.transform(log.part.used(row, terms).T) / level[:, None]
-
-
-def _with_constant(plain: np.ndarray, own: Sequence[_Own]) -> np.ndarray:
-    """Products of [Φ, y], with those of the column of Φ that only the joint's equations may have."""
-    width, P = own[0].A.shape[1], len(plain) - 1
-    if width == P:
-        return plain
-    out = np.zeros((width + 1, width + 1))
-    kept = [*range(P), width]
-    out[np.ix_(kept, kept)] = plain
-    out[P] = out[:, P] = sum(e.A[:, P] @ np.column_stack([e.A, e.y]) for e in own)
-    return out
-
-
-def _bilinear(
-    robot: Robot, own: Sequence[_Own], turned: Sequence[np.ndarray], plain: np.ndarray
-) -> _Bilinear:
-    """plain: (P + 1, P + 1) products of [Φ, y];  turned: per log, as of `_turns`."""
-    names, width = list(robot.linear_parameters), len(plain) - 1
-    links = [names.index(name) for name in link_names(robot)]
-    PT, TT = np.zeros((2, width, width))
-    Ty, p = np.zeros((2, width))
-    for e, turns in zip(own, turned, strict=True):
-        T = np.zeros_like(e.A)
-        T[:, links] = e.whiten(e.asked * turns)
-        PT, TT, Ty = PT + e.A.T @ T, TT + T.T @ T, Ty + T.T @ e.y
-    p[: len(names)] = list(robot.linear_parameters.values())
-    return _Bilinear(plain[:-1, :-1], PT, TT, plain[:-1, -1], Ty, float(plain[-1, -1]), p)
+        mu = float(found.x) if found.fun < left[i] else float(tried[i])
+        return mu, self.solved(mu)[1]

@@ -9,7 +9,7 @@ where only coefficients within their physical bounds count (Frisch and Waugh 193
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -195,6 +195,18 @@ def joined(several: Sequence[Columns]) -> Columns:
                 for c in present
             }
         )
+    return out
+
+
+def wider(logs: Sequence[Equations], columns: Columns) -> list[Equations]:
+    """The equations with K more unknowns, after the others."""
+    out = []
+    for log, rows in zip(logs, columns, strict=True):
+        K = next(iter(rows.values())).shape[1]
+        dense = np.zeros((*log.y.shape, K))
+        for row, X in rows.items():
+            dense[row] = X
+        out.append(replace(log, A=np.concatenate([log.A, dense], axis=2)))
     return out
 
 

@@ -9,9 +9,10 @@ rest (a jackknife by blocks, Künsch 1989). A law that loses most of its gain by
 its own force, is not what explains them. Presliding, Stribeck and others that act near rest keep their name:
 they lose the force as well.
 
-At full speed there is no such excuse, but friction that grows with the square of the speed differs from
-Coulomb and viscous friction hardly anywhere else. There a law has to hold what its own coefficients promise
-of the rest.
+A true law may differ from the others hardly anywhere else: friction that grows with the square of the speed
+at full speed, the constant torque of a joint that moves now and then where it turns back. Then a law has to
+hold what its own coefficients promise of the rest; and beside the slowest samples, where the excuse is at
+hand, the rest must show it beyond chance by itself.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -77,7 +78,8 @@ def block_of(
             continue  # it acts there
         rest = _without(robot, logs, levels, kept)
         explained, promised = _explained(robot, rest, levels, others, candidate, whole.coefficients)
-        needed = whole.energy if name == "slowest" else min(whole.energy, promised)
+        excused = name == "fastest" or explained > rules.chance**2
+        needed = min(whole.energy, promised) if excused else whole.energy
         if explained < (1 - rules.block_gain) * needed:
             return f"the {100 * rules.block:.0f} % {name} samples of joint {joint}"
     return ""

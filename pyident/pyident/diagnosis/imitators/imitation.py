@@ -3,7 +3,9 @@
 Friction that grows with the bending of the next bearing looks like friction that grows with the load, in
 part. What is left then is still a smooth function of that bending; such a function by itself leaves much less
 than the law does, and with it in the base the law has little to explain. A true law that an unknown force
-accompanies keeps what it explains beside it.
+accompanies keeps what it explains beside it. Where a law of the catalogue takes of what is left as much as
+the smooth function does, nothing unknown is there: a constant torque is a part of some function of the speed,
+and so is the friction beside it.
 """
 
 from flexmodels.coordinate import signal_of
@@ -11,6 +13,7 @@ from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import extended
+from pyident.diagnosis.search.gate import main_rows
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
 
@@ -39,7 +42,16 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     if search.examination.beyond_floor(instead, [row]) > search.rules.foreign_richer * left:
         return ""
     by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
-    return dependence.said if beside < search.rules.foreign_kept * by_itself else ""
+    if beside >= search.rules.foreign_kept * by_itself or _has_a_name(search, row, dependence):
+        return ""
+    return dependence.said
+
+
+def _has_a_name(search: Search, row: int, dependence: Dependence) -> bool:
+    """Whether a law of the catalogue takes as much of what is left on an equation."""
+    least = search.rules.tie * (dependence.gain - dependence.pretended)
+    there = (f for f in search.step().ranked if row in main_rows(search, f.candidate))
+    return any(search.p_value(f) <= search.rules.level and f.excess >= least for f in there)
 
 
 def _foreign(dependence: Dependence, known: frozenset[str]) -> bool:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate
+from flexmodels.effects import signals
+from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import fall_per_row
 from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
@@ -94,6 +95,24 @@ def counts(search: Search, found: Found) -> bool:
     ) <= search.rules.level and found.excess >= search.rules.material * search.floor_energy_on(
         search.rows(found.candidate)
     )
+
+
+def owns(search: Search, found: Found, rows: Sequence[int]) -> bool:
+    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
+
+    A small one must leave nothing there: beside an inexact law it may be that law's remainder. A constant has
+    no form that could be inexact, so what it took does not count.
+    """
+    left, constants = search.remaining_on(rows), [c for c in search.chosen if _constant(search, c)]
+    if found.excess >= search.rules.part * search.resting_on(constants).remaining_on(rows):
+        return found.excess >= search.rules.own * left
+    return found.excess >= search.rules.whole * left
+
+
+def _constant(search: Search, candidate: Candidate) -> bool:
+    """Whether it is a force that depends on nothing."""
+    forces = law_of(search.robot, candidate).forces.values()
+    return bool(forces) and all(force.free_symbols.isdisjoint(signals.ALL) for force in forces)
 
 
 def _over_floor(search: Search, candidate: Candidate) -> float:

@@ -22,7 +22,7 @@ from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.imitators.modulation import grows_with
 from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.further_orders import with_further_orders
-from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, sets_for, share_on
+from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, owns, sets_for, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 
@@ -70,7 +70,7 @@ def select(search: Search, held: HeldOut) -> Selection:
         chosen = _with_orders(search, [*chosen, *group])
         view = search.resting_on(_candidates(chosen))
         step = view.step()
-    chosen = _judged_together(search, chosen)
+    chosen = _judged_together(search, chosen, held)
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
@@ -152,7 +152,7 @@ def _further(
 ) -> tuple[list[Step], Refusal | None]:
     """An effect beside those that its equations have already."""
     entry = admission(view, lead, [lead.candidate], held)
-    if not _owns(view, lead, entry.rows):
+    if not owns(view, lead, entry.rows):
         return [], replace(
             entry, reason="beside the effects found there it takes too little of the rest"
         ).refusal
@@ -180,17 +180,6 @@ def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
         if law.family in same or kept < view.rules.apart * lead.gain.energy:
             return f"{law.effect} at joint{law.joint}"
     return ""
-
-
-def _owns(view: Search, found: Found, rows: Sequence[int]) -> bool:
-    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
-
-    A small one must leave nothing there: beside an inexact law it may be that law's remainder.
-    """
-    left = view.remaining_on(rows)
-    if found.excess >= view.rules.part * view.excess_on(rows):
-        return found.excess >= view.rules.own * left
-    return found.excess >= view.rules.whole * left
 
 
 def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, str]]:
@@ -245,7 +234,7 @@ def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
     return out
 
 
-def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
+def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> list[Step]:
     """Each effect ranked again with the others in the base; those that others have made needless are gone."""
     if len(steps) < 2:
         return list(steps)
@@ -253,7 +242,7 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     for old in steps:
         new = None
         while new is None and old in kept:
-            new = _beside(search, old, [s for s in kept if s is not old])
+            new = _beside(search, old, [s for s in kept if s is not old], held)
             if new is None:
                 kept.remove(_least_missed(search, kept, old))
         if new is not None:
@@ -261,14 +250,14 @@ def _judged_together(search: Search, steps: Sequence[Step]) -> list[Step]:
     return kept
 
 
-def _beside(search: Search, old: Step, others: Sequence[Step]) -> Step | None:
+def _beside(search: Search, old: Step, others: Sequence[Step], held: HeldOut) -> Step | None:
     """An effect ranked again beside others; None where they have made it needless."""
     view = search.resting_on([*_candidates(others), *old.orders])
     step, family = view.step(), old.best.candidate.family
     again = next((f for f in step.ranked if f.candidate.family == family), None)
     if again is None or not counts(view, again):
         return None
-    new = replace(_best_there(view, step, again, others), orders=())
+    new = replace(_best_there(view, step, again, others, held), orders=())
     if _left_by(view, new, others):
         return None
     return replace(new, orders=old.orders if new.best.candidate.family == family else ())
@@ -286,11 +275,12 @@ def _least_missed(search: Search, kept: Sequence[Step], old: Step) -> Step:
     return there[int(np.argmin(left))]
 
 
-def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step]) -> Step:
-    """What takes most of an effect's equations beside the others: the effect itself or a rival."""
+def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step], held: HeldOut) -> Step:
+    """What takes most of an effect's equations beside the others: the effect itself or a rival that may."""
     named = {s.best.candidate.family for s in others}
     joint = again.candidate.joint
     rivals = [f for f in step.ranked if f.candidate.joint == joint and counts(view, f)]
-    rivals = [f for f in rivals if f is again or _owns(view, f, main_rows(view, f.candidate))]
-    best = next((f for f in rivals if f.candidate.family not in named), again)
+    rivals = [f for f in rivals if f is again or owns(view, f, main_rows(view, f.candidate))]
+    free = (f for f in rivals if f.candidate.family not in named)
+    best = next((f for f in free if f is again or not admission(view, f, [f.candidate], held).reason), again)
     return view.led_by(best, step.ranked)
