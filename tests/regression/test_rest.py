@@ -83,3 +83,14 @@ def test_a_reversal_is_no_stand():
     time = np.arange(0, 20, period)
     assert not creeping(np.sin(2 * time), 2 * np.cos(2 * time), period).any()
     assert not creeping(np.zeros(50), np.zeros(50), period).any()
+
+
+def test_a_joint_that_lingers_where_it_turns_round_stands_meanwhile():
+    """Friction holds it for a sixth of a second between two ramps of speed, as it gives way a little."""
+    period, ramp = 0.005, np.arange(0.5, 0.01, -0.0025)
+    hold = np.linspace(0.01, -0.01, 34)
+    speed = np.concatenate([ramp, hold, -ramp[::-1], ramp[1:] - 0.51, 0.51 - ramp[::-1]])
+    found = creeping(np.cumsum(speed) * period, speed, period)
+    assert found[len(ramp) : len(ramp) + len(hold)].all()
+    beside = slice(len(ramp) - 20, len(ramp) + len(hold) + 20)
+    assert not np.delete(found, np.arange(len(speed))[beside]).any()
