@@ -8,7 +8,7 @@ cubic through four of them.
 """
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import maximum_filter1d
 
 AROUND = 2  # samples on either side of a reversal that are left out
 REACH = AROUND + 3  # samples on either side on which the answer for one depends
@@ -46,15 +46,22 @@ def without_steps(known: np.ndarray, acceleration: np.ndarray, samples: int) -> 
 
     A motion that is followed closely turns round with the least jerk, and nothing is left out beside its
     rests. One that is not, in a loop that the friction disturbs, has its jerk there; a low pass spreads that
-    over so many samples on either side, which are left out as well, a tenth of all at most.
+    over so many samples on either side, which are left out as well, a tenth of all at most: those of the
+    largest jerks.
     """
-    rests = np.count_nonzero(known[:-1] & ~known[1:]) + 1
-    further = min(samples, int(_WIDENED * len(known) / (2 * rests)))
-    kept = minimum_filter1d(known.astype(np.uint8), 2 * further + 1).astype(bool)
-    jerk = np.abs(np.gradient(acceleration))
-    if not kept.any() or kept.all() or np.median(jerk[~kept]) <= np.median(jerk[kept]):
+    jerk = maximum_filter1d(np.abs(np.gradient(acceleration)), 2 * samples + 1)
+    ends = stretches(~known)
+    sides = [(end, max(end - samples, 0), end) for end in ends[:, 0].tolist()]
+    sides += [(end - 1, end, end + samples) for end in ends[:, 1].tolist()]
+    if not sides or np.median([jerk[end] for end, *_ in sides]) <= np.median(jerk[known]):
         return known
-    return kept
+    kept, may_go = known.copy(), _WIDENED * len(known)
+    for _, start, stop in sorted(sides, key=lambda side: -jerk[side[0]]):
+        may_go -= np.count_nonzero(kept[start:stop])
+        if may_go < 0:
+            break
+        kept[start:stop] = False
+    return kept if kept.any() else known
 
 
 def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarray:
