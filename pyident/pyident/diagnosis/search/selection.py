@@ -87,8 +87,8 @@ def _group(
 ) -> tuple[list[Step], Refusal | None, dict[str, str]]:
     """The set that explains the lead's equations, else why there is none; and what only imitates, with why.
 
-    Equations that have an effect already get a single one that takes the rest. A larger set takes the place
-    of a smaller one only where that leaves what stands out and it takes most of this.
+    Equations that have an effect already get one that takes the rest, or several that leave nothing. A larger
+    set takes the place of a smaller one only where that leaves what stands out and it takes most of this.
     """
     rows = main_rows(view, lead.candidate)
     taken = {row for s in chosen for row in view.rows(s.best.candidate)}
@@ -150,12 +150,12 @@ def _betters(view: Search, larger: Sequence[Step], smaller: Sequence[Step], rows
 def _further(
     view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut
 ) -> tuple[list[Step], Refusal | None]:
-    """An effect beside those that its equations have already."""
+    """Effects beside those that its equations have already."""
     entry = admission(view, lead, [lead.candidate], held)
     if not owns(view, lead, entry.rows):
-        return [], replace(
-            entry, reason="beside the effects found there it takes too little of the rest"
-        ).refusal
+        several = _several(view, step, lead, chosen, held)
+        too_little = "beside the effects found there it takes too little of the rest"
+        return several, None if several else replace(entry, reason=too_little).refusal
     if entry.reason:
         return [], entry.refusal
     found = view.led_by(lead, step.ranked)
@@ -163,6 +163,19 @@ def _further(
     if again:
         return [], replace(entry, reason=f"it is what {again} leaves of another form").refusal
     return [found], None
+
+
+def _several(view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut) -> list[Step]:
+    """Several further effects that together leave nothing of a rest too large to be an inexact law's."""
+    rows = main_rows(view, lead.candidate)
+    if view.remaining_on(rows) < view.rules.part * view.excess_on(rows):
+        return []
+    for found, why in sets_for(view, step, lead, held):
+        if len(found) < 2 or why is not None or any(_left_by(view, s, chosen) for s in found):
+            continue
+        if share_on(view, _candidates(found), rows) >= view.rules.whole:
+            return found
+    return []
 
 
 def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
