@@ -3,9 +3,9 @@
 Friction that grows with the bending of the next bearing looks like friction that grows with the load, in
 part. What is left then is still a smooth function of that bending; such a function by itself leaves much less
 than the law does, and with it in the base the law has little to explain. A true law that an unknown force
-accompanies keeps what it explains beside it. Where a law of the catalogue takes of what is left as much as
-the smooth function does, nothing unknown is there: a constant torque is a part of some function of the speed,
-and so is the friction beside it.
+accompanies keeps what it explains beside it. Where a law of the catalogue takes most of what the function
+does, nothing unknown is there: a constant torque is a part of some function of the speed, and so is the
+friction beside it.
 """
 
 from flexmodels.coordinate import signal_of
@@ -48,8 +48,8 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
 
 
 def _has_a_name(search: Search, row: int, dependence: Dependence) -> bool:
-    """Whether a law of the catalogue takes as much of what is left on an equation."""
-    least = search.rules.tie * (dependence.gain - dependence.pretended)
+    """Whether a law of the catalogue takes most of what the dependence takes of an equation."""
+    least = search.rules.own * (dependence.gain - dependence.pretended)
     there = (f for f in search.step().ranked if row in main_rows(search, f.candidate))
     return any(search.p_value(f) <= search.rules.level and f.excess >= least for f in there)
 
