@@ -12,6 +12,7 @@ from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 
 SIGMA = 0.02  # N m of white noise
+FALLS = 0.1  # s2/rad2: a third less at the rms speed
 RESOLVED = 2.3  # orders per turn: two that lie as far apart differ by a period along this motion
 
 
@@ -61,3 +62,10 @@ def test_a_ripple_has_the_orders_that_were_put_in(orders):
     further = [note for note in found.notes if "further orders" in note]
     listed = [float(n) for note in further for n in note.split(": ")[1].split(" per")[0].split(", ")]
     assert listed == pytest.approx(orders[1:], abs=RESOLVED / 10)
+
+
+def test_a_ripple_that_falls_with_the_speed_keeps_its_name():
+    """As one does that is faster than its sampling follows."""
+    found = diagnosed(lambda q, v, load: 0.4 * np.sin(13 * q + 0.4) / (1 + FALLS * v**2))
+    (main,) = ripples(found)
+    assert main == pytest.approx(13.0, abs=0.1)

@@ -5,7 +5,9 @@ fits part of it, at a wrong number, and further orders take much of what is left
 comes back the speed is nearly a function of the angle. So the law is held against itself with an amplitude
 a + b w, its order fitted anew, w the speed, the torque, the load or one of their squares. Such a law has
 fewer parameters than two orders: where it leaves far less than one order does, further orders must leave far
-less than it. Else the motion cannot tell them, and the law is not named.
+less than it. Else the motion cannot tell them, and the law is not named. A ripple of one amplitude that is
+faster than its sampling can follow falls with the speed; and one that leaves a tenth is a ripple, whatever it
+does besides.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,11 +37,11 @@ def grows_with(search: Search, candidate: Candidate) -> str:
     one = view.best(candidate.effect, candidate.joint)
     assert one is not None  # the candidate is one of its family
     left = view.with_further([one.candidate]).remaining_on(rows)
-    if left <= rules.foreign_left * search.excess_on(rows):
+    if left <= rules.part * search.excess_on(rows):
         return ""
     rivals = dict(_left_of_rivals(view, candidate, rows))
-    words = min(rivals, key=lambda name: rivals[name])
-    if rivals[words] >= rules.foreign_richer * left:
+    words = min(rivals, key=lambda name: rivals[name], default="")
+    if not words or rivals[words] >= rules.foreign_richer * left:
         return ""
     return "" if search.remaining_on(rows) < rules.foreign_richer * rivals[words] else words
 
@@ -50,7 +52,9 @@ def _left_of_rivals(view: Search, candidate: Candidate, rows: Sequence[int]) -> 
         size = max(float(np.sqrt(np.mean(np.square(np.concatenate(values))))), 1e-300)
         for said, power in _POWERS.items():
             X = _best_under(view, candidate, [(v / size) ** power for v in values])
-            yield said.format(signal), view.examination.beyond_floor(extended(view.base, X), rows)
+            own, more = np.split(gain(view.base, X).coefficients, 2)
+            if np.linalg.norm(own + more) > np.linalg.norm(own):
+                yield said.format(signal), view.examination.beyond_floor(extended(view.base, X), rows)
 
 
 def _sizes(view: Search, joint: int) -> Iterator[tuple[str, list[np.ndarray]]]:
