@@ -8,7 +8,6 @@ cubic through four of them.
 """
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 AROUND = 2  # samples on either side of a reversal that are left out
 REACH = AROUND + 3  # samples on either side on which the answer for one depends
@@ -49,14 +48,18 @@ def without_steps(known: np.ndarray, acceleration: np.ndarray, samples: int) -> 
     over so many samples on either side, which are left out as well, a tenth of all at most: those of the
     largest jerks.
     """
-    jerk = maximum_filter1d(np.abs(np.gradient(acceleration)), 2 * samples + 1)
-    ends = stretches(~known)
-    sides = [(end, max(end - samples, 0), end) for end in ends[:, 0].tolist()]
-    sides += [(end - 1, end, end + samples) for end in ends[:, 1].tolist()]
-    if not sides or np.median([jerk[end] for end, *_ in sides]) <= np.median(jerk[known]):
+    rests, may_go = stretches(~known), _WIDENED * len(known)
+    jerk, further = np.abs(np.gradient(acceleration)), min(samples, int(may_go / (2 * max(len(rests), 1))))
+    beside = np.zeros(len(known), bool)
+    for end in rests.ravel().tolist():
+        beside[max(end - further, 0) : end + further] = True
+    usual = known & ~beside
+    if not usual.any() or not beside.any() or np.median(jerk[beside]) <= np.median(jerk[usual]):
         return known
-    kept, may_go = known.copy(), _WIDENED * len(known)
-    for _, start, stop in sorted(sides, key=lambda side: -jerk[side[0]]):
+    sides = [(max(end - samples, 0), end) for end in rests[:, 0].tolist()]
+    sides += [(end, end + samples) for end in rests[:, 1].tolist() if end < len(known)]
+    kept = known.copy()
+    for start, stop in sorted((s for s in sides if s[0] < s[1]), key=lambda s: -jerk[slice(*s)].max()):
         may_go -= np.count_nonzero(kept[start:stop])
         if may_go < 0:
             break
