@@ -62,6 +62,19 @@ def test_a_blurred_step_of_the_acceleration_is_left_out():
     assert without_steps(known, acceleration, 1000).mean() > 0.85  # of a tenth at most
 
 
+def test_quick_stops_are_left_out_before_gentle_ones():
+    """A joint stands for long between moves; two of its stops are hard, and a tenth of the samples may go."""
+    known = np.zeros(4000, bool)
+    known[:1000], known[1400:2400], known[2800:3800] = True, True, True
+    acceleration = 0.01 * np.sin(0.05 * np.arange(4000.0))
+    acceleration[1000:1010] += 5.0
+    acceleration[2400:2410] += 5.0
+    kept = without_steps(known, acceleration, 150)
+    assert not kept[850:1000].any()
+    assert not kept[2250:2400].any()
+    assert np.count_nonzero(known & ~kept) <= 400
+
+
 def test_a_motion_that_turns_round_smoothly_keeps_its_samples():
     known, acceleration = _turns(0.0)
     assert (without_steps(known, acceleration, 8) == known).all()
