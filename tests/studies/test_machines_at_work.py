@@ -43,14 +43,18 @@ def test_what_mends_a_law_does_not_take_its_place():
     """Friction under a load that is not quite in proportion to it: a coupling would take what is left.
 
     Beside that the friction would drive the joint. It takes eight times as much, so the coupling goes.
-    The case was looked at when the rule was made.
+    The case was looked at when the rule was made. The load is much of a function of the angle, so that
+    friction of the angle may stand beside it in a tie.
     """
     (case,) = (c for c in case_list(2171, 36) if c.id == "014")
     machine = made(case)
     fitted, unseen = (as_log(machine.robot, frame, "log") for frame in (machine.fit, machine.heldout))
     found = concluded(searched(machine.robot, [fitted], runs_here), runs_here, [unseen])
-    first = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
-    assert first == {("load_dependent_friction", "joint4"), ("offset", "joint2"), ("offset", "joint5")}
+    ties = [{(n.effect, n.joint) for n in f.tie} for f in found.findings]
+    hidden = [("load_dependent_friction", "joint4"), ("offset", "joint2"), ("offset", "joint5")]
+    assert len(ties) == len(hidden)
+    assert all(sum(name in tie for tie in ties) == 1 for name in hidden)
+    assert "joint_coupling" not in {effect for tie in ties for effect, _ in tie}
 
 
 def test_a_zero_that_is_told_is_right_and_another_name_is_not():
