@@ -159,12 +159,11 @@ def hidden_in(
     left = oracle.beyond(state, a, force)[:, k]
     unit = max(float(np.sqrt(np.mean(left**2))), 1e-3 * float(np.sqrt(np.mean(force**2))))
     size = float(rng.uniform(*SIZES.get(kind, SIZES["strong"])))
-    if law.name == "load" and size * noise[k] / unit > _LOCKS * float(
-        np.sqrt(np.mean(state.load[:, k] ** 2))
-    ):
+    amplitude = size * noise[k] / unit
+    if law.name == "load" and amplitude > _LOCKS * float(np.sqrt(np.mean(state.load[:, k] ** 2))):
         raise NotDrawn
     names = tuple((name, k + 1) for name in law.names)
-    return Hidden(law, k, size * noise[k] / unit), Truth(law.name, names, size)
+    return Hidden(law, k, amplitude), Truth(law.name, names, size)
 
 
 def _geometry(

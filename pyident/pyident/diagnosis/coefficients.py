@@ -8,7 +8,7 @@ load. The search has it at the loads of the bodies found, as if these were known
 with it, in rounds about the last values (see `LoadTangent`), so that an interval knows of the loads' error.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of
 from pyident.diagnosis.base.carried_loads import whitened, with_bodies
 from pyident.diagnosis.base.projection import Gain, gain, joined, solve_base, taken_over, wider
 from pyident.diagnosis.search.search import Search
-from pyident.regression.loads.bodies import carried_loads, link_columns, link_names
+from pyident.regression.loads.bodies import carried_loads, link_columns, link_names, per_load
 from pyident.regression.loads.tangent import degree_in_load
 from pyident.regression.spectrum import Equations
 
@@ -35,15 +35,26 @@ def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidat
     """
     listed = [*others, candidate]
     first = last = _fitted(search, search.robot, listed)
-    if not any(_reads_load(search.robot, c) for c in listed):
+    loaded = {c.joint for c in listed if _reads_load(search.robot, c)}
+    if not loaded:
         return _of_last(first.gain, candidate, search.robot)
+    motions = [log.part.motion for log in search.examination.logs]
+    asked = [{k: link_columns(search.robot, motion, k).T for k in loaded} for motion in motions]
     for _ in range(_ROUNDS):
-        before, last = last, _fitted(search, last.robot, listed, last.gain.coefficients)
+        before, last = last, _fitted(search, last.robot, listed, _About(last.gain.coefficients, asked))
         old, new = (_of_last(fit.gain, candidate, search.robot) for fit in (before, last))
         if np.all(np.abs(new.coefficients - old.coefficients) <= _RESTS * new.std):
             return new
     own = _of_last(first.gain, candidate, search.robot)
     return replace(own, std=np.full_like(own.std, np.inf))
+
+
+@dataclass(frozen=True)
+class _About:
+    """What a round is about. coefficients: of all laws;  asked: per log, joint -> (10 links, N)."""
+
+    coefficients: np.ndarray
+    asked: Sequence[Mapping[int, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -54,18 +65,17 @@ class _Fit:
     robot: Robot
 
 
-def _fitted(
-    search: Search, robot: Robot, listed: Sequence[Candidate], coefficients: np.ndarray | None = None
-) -> _Fit:
+def _fitted(search: Search, robot: Robot, listed: Sequence[Candidate], about: _About | None = None) -> _Fit:
     """One round about a robot's bodies and the coefficients of all laws; none: with the loads as they are."""
     ex = search.examination
     levels = [level / ex.raised[:, None] for level in ex.levels]
     p = np.array(list(robot.linear_parameters.values()))
     logs = [e.over(1 / ex.raised[:, None]) for e in ex.logs]
     logs = [replace(e, y=e.y - e.A @ p) for e in logs]
-    if coefficients is not None:
-        frictions = _frictions(robot, listed, coefficients)
-        logs = [_tangent(robot, frictions, *of_log) for of_log in zip(logs, levels, strict=True)]
+    if about is not None:
+        frictions = _frictions(robot, listed, about.coefficients)
+        each = zip(logs, levels, about.asked, strict=True)
+        logs = [_tangent(robot, frictions, *of_log) for of_log in each]
     bearing = [robot if _reads_load(robot, c) else search.robot for c in listed]
     X = joined([columns(at, c, ex.logs, levels) for at, c in zip(bearing, listed, strict=True)])
     raised = raised_floors(wider(logs, X), ex.raised)
@@ -87,19 +97,22 @@ def _frictions(robot: Robot, listed: Sequence[Candidate], coefficients: np.ndarr
     return [(c, x) for c, x in each if _reads_load(robot, c)]
 
 
-def _tangent(robot: Robot, frictions: Frictions, log: Equations, level: np.ndarray) -> Equations:
-    """The equations with what bodies change in friction among the bodies' columns. level: (n, E)."""
+def _tangent(
+    robot: Robot, frictions: Frictions, log: Equations, level: np.ndarray, asked: Mapping[int, np.ndarray]
+) -> Equations:
+    """The equations with what bodies change in friction among the bodies' columns.
+
+    level   (n, E);  asked: joint -> (10 links, N)
+    """
     motion, names = log.part.motion, list(robot.linear_parameters)
     links = [names.index(name) for name in link_names(robot)]
     A = log.A.copy()
     for c, x in frictions:
         row = c.joint - 1
         per_unit = [by_row[row] for by_row in slopes(robot, c, motion).values()]
-        load = carried_loads(robot, motion)[:, row]
         growth = degree_in_load(law_of(robot, c)) * np.dot(x, per_unit)
-        slope = np.divide(growth, load, out=np.zeros_like(load), where=load != 0)
-        asked = link_columns(robot, motion, c.joint).T
-        A[row][:, links] += whitened(log, level[row], row, asked * slope)
+        slope = per_load(growth, carried_loads(robot, motion)[:, row])
+        A[row][:, links] += whitened(log, level[row], row, asked[c.joint] * slope)
     return replace(log, A=A)
 
 

@@ -23,7 +23,13 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain, joined, triangles, wider
 from pyident.regression.candidate_columns import effect_columns
-from pyident.regression.loads.bodies import carried_loads, carries_friction, link_columns, link_names
+from pyident.regression.loads.bodies import (
+    carried_loads,
+    carries_friction,
+    link_columns,
+    link_names,
+    per_load,
+)
 from pyident.regression.spectrum import Equations
 
 _LAW = "load_dependent_friction"
@@ -143,8 +149,7 @@ class _Joint:
         for log in self._logs:
             motion = log.part.motion
             friction = effect_columns(robot, self.k, _LAW, motion)["coefficient"][self.k - 1]
-            load = carried_loads(robot, motion)[:, self.k - 1]
-            found.append(np.divide(friction, load, out=np.zeros_like(load), where=load != 0))
+            found.append(per_load(friction, carried_loads(robot, motion)[:, self.k - 1]))
         return found
 
     def _torque_turns(self) -> list[np.ndarray]:

@@ -1,5 +1,6 @@
 """What one ranking of a search finds: candidates at their best values, and which cannot be told apart."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from pyident.diagnosis.base.candidates import Candidate
@@ -55,3 +56,8 @@ class Step:
     @property
     def ranked(self) -> tuple[Found, ...]:
         return self.tie + self.others
+
+
+def candidates_of(steps: Iterable[Step]) -> list[Candidate]:
+    """What a model takes in with several steps, in their order."""
+    return [c for step in steps for c in step.candidates]

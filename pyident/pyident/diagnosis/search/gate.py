@@ -12,7 +12,7 @@ import numpy as np
 from flexmodels.effects import signals
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import fall_per_row
-from pyident.diagnosis.search.found import Found, Step
+from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Search
@@ -146,7 +146,7 @@ def sets_for(
     steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
     rows = main_rows(search, lead.candidate)
     for needed in search.rules.explained:
-        entry = admission(search, steps[0].best, _candidates(steps), held)
+        entry = admission(search, steps[0].best, candidates_of(steps), held)
         if entry.share < needed:
             yield steps, _too_little(entry, needed)
         elif entry.reason:
@@ -159,16 +159,12 @@ def sets_for(
         steps = _exchanged(search, [*steps, further], rows)
 
 
-def _candidates(steps: Sequence[Step]) -> list[Candidate]:
-    return [c for s in steps for c in s.candidates]
-
-
 def _not_each(search: Search, steps: Sequence[Step], rows: Sequence[int], held: HeldOut) -> Refusal | None:
     """The first of several effects that does not hold on held-out logs beside the others, if there is one."""
     if len(steps) < 2:
         return None
     for own in steps:
-        view = search.with_further(_candidates([s for s in steps if s is not own]))
+        view = search.with_further(candidates_of([s for s in steps if s is not own]))
         share, unseen = share_on(view, own.candidates, rows), held.share(view, own.candidates, rows)
         if unseen is not None and not held.holds(unseen, share, search.rules):
             reason = f"on held-out data it takes {unseen} of what the others leave"
@@ -187,7 +183,7 @@ def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | 
 
 def _best_beside(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
     """What takes most of some equations beside a set, and counts."""
-    beside = search.with_further(_candidates(steps))
+    beside = search.with_further(candidates_of(steps))
     step = beside.step()
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
@@ -205,7 +201,7 @@ def _exchanged(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> li
             better = _best_beside(search, [*out[:place], *out[place + 1 :]], rows)
             if better is not None:
                 out[place] = better
-        before, left = left, search.with_further(_candidates(out)).remaining_on(rows)
+        before, left = left, search.with_further(candidates_of(out)).remaining_on(rows)
         if not left < before:
             break
     return out

@@ -20,7 +20,7 @@ from pyident.diagnosis.imitators.breadth import rests_on
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.imitators.modulation import grows_with
-from pyident.diagnosis.search.found import Found, Step
+from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.further_orders import with_further_orders
 from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, owns, sets_for, share_on
 from pyident.diagnosis.search.held_out import HeldOut
@@ -46,7 +46,7 @@ class Selection:
 
     @property
     def candidates(self) -> list[Candidate]:
-        return _candidates(self.steps)
+        return candidates_of(self.steps)
 
 
 def select(search: Search, held: HeldOut) -> Selection:
@@ -68,7 +68,7 @@ def select(search: Search, held: HeldOut) -> Selection:
             refusals[worst] = refusal  # of the lead's own equations: it may have been exchanged
             continue
         chosen = _with_orders(search, [*chosen, *group])
-        view = search.resting_on(_candidates(chosen))
+        view = search.resting_on(candidates_of(chosen))
         step = view.step()
     chosen = _judged_together(search, chosen, held)
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
@@ -107,7 +107,7 @@ def _group(
         best = group or best
         if not notable(view, rows):
             break
-        if best and not view.with_further(_candidates(best)).standing_out[list(rows)].any():
+        if best and not view.with_further(candidates_of(best)).standing_out[list(rows)].any():
             break
     return best, None if best else first, imitators
 
@@ -137,12 +137,12 @@ def _checked(
 
 def _betters(view: Search, larger: Sequence[Step], smaller: Sequence[Step], rows: Sequence[int]) -> bool:
     """Whether a set takes most of what a smaller one leaves, and each of it a part of the whole."""
-    least, left = view.rules.part * view.excess_on(rows), view.with_further(_candidates(smaller))
+    least, left = view.rules.part * view.excess_on(rows), view.with_further(candidates_of(smaller))
     each = [
-        view.with_further(_candidates([s for s in larger if s is not own])).remaining_on(rows)
+        view.with_further(candidates_of([s for s in larger if s is not own])).remaining_on(rows)
         for own in larger
     ]
-    rest = view.with_further(_candidates(larger)).remaining_on(rows)
+    rest = view.with_further(candidates_of(larger)).remaining_on(rows)
     mostly = rest <= (1 - view.rules.own) * left.remaining_on(rows)
     return mostly and all(without - rest >= least for without in each)
 
@@ -173,7 +173,7 @@ def _several(view: Search, step: Step, lead: Found, chosen: Sequence[Step], held
     for found, why in sets_for(view, step, lead, held):
         if len(found) < 2 or why is not None or any(_left_by(view, s, chosen) for s in found):
             continue
-        if share_on(view, _candidates(found), rows) >= view.rules.whole:
+        if share_on(view, candidates_of(found), rows) >= view.rules.whole:
             return found
     return []
 
@@ -197,14 +197,14 @@ def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
 
 def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, str]]:
     """The group without imitators, where the rest explains enough; and the faults of those."""
-    whole = view.with_further(_candidates(group))
+    whole = view.with_further(candidates_of(group))
     faults = {id(s): _fault(whole, s.best.candidate) for s in group}
     kept = [s for s in group if not faults[id(s)]]
     named = {f"{s.best.candidate.effect} at joint{s.best.candidate.joint}": faults[id(s)] for s in group}
     if 0 < len(kept) < len(group):
         rows = main_rows(view, kept[0].best.candidate)
         needed = view.rules.explained[min(len(kept), len(view.rules.explained)) - 1]
-        if share_on(view, _candidates(kept), rows) < needed:
+        if share_on(view, candidates_of(kept), rows) < needed:
             kept = []
     return kept, {name: why for name, why in named.items() if why}
 
@@ -230,17 +230,13 @@ def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
     return Refusal(lead.candidate, rows, share, None, next(iter(faults.values()), "it only imitates"))
 
 
-def _candidates(steps: Sequence[Step]) -> list[Candidate]:
-    return [c for step in steps for c in step.candidates]
-
-
 def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
     """Periodic laws with their further orders, else these would hide what else is missing."""
     out = list(steps)
     for i, step in enumerate(steps):
         if step.orders or law_of(search.robot, step.best.candidate).order is None:
             continue
-        others = _candidates([s for s in out if s is not out[i]])
+        others = candidates_of([s for s in out if s is not out[i]])
         first, *further = with_further_orders(search, others, step.best.candidate)
         main = search.resting_on([*others, *further]).best(first.effect, first.joint)
         out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(further))
@@ -265,7 +261,7 @@ def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> li
 
 def _beside(search: Search, old: Step, others: Sequence[Step], held: HeldOut) -> Step | None:
     """An effect ranked again beside others; None where they have made it needless."""
-    view = search.resting_on([*_candidates(others), *old.orders])
+    view = search.resting_on([*candidates_of(others), *old.orders])
     step, family = view.step(), old.best.candidate.family
     again = next((f for f in step.ranked if f.candidate.family == family), None)
     if again is None or not counts(view, again):
@@ -283,7 +279,7 @@ def _least_missed(search: Search, kept: Sequence[Step], old: Step) -> Step:
     """
     rows = search.rows(old.best.candidate)
     there = [s for s in kept if s is old or not set(rows).isdisjoint(search.rows(s.best.candidate))]
-    without = (search.resting_on(_candidates([s for s in kept if s is not gone])) for gone in there)
+    without = (search.resting_on(candidates_of([s for s in kept if s is not gone])) for gone in there)
     left = [view.remaining_on(rows) for view in without]
     return there[int(np.argmin(left))]
 

@@ -13,15 +13,15 @@ What else the model lacks, and noise in closed loop, bend the value of an error 
 deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is given.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pyident.conditioning.standing import standing_in
-from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
+from pyident.diagnosis.base.candidates import bounds, described, units_of
 from pyident.diagnosis.imitators.constancy import changes_with
-from pyident.diagnosis.search.found import Found, Step
+from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import measured
@@ -39,7 +39,7 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     among = search_of(search.examination.of_others(listed))
     steps, imitators = list(selection.steps), dict(selection.imitators)
     for step in selection.steps:
-        view = among.resting_on(_candidates(s for s in steps if s is not step))
+        view = among.resting_on(candidates_of(s for s in steps if s is not step))
         rivals = _rivals(view, step, held)
         if rivals is None:
             continue
@@ -89,7 +89,7 @@ def _beside(
     """
     named: list[Step] = []
     while len(steps) + len(named) < among.rules.most:
-        view = among.resting_on(_candidates([*steps, *named]))
+        view = among.resting_on(candidates_of([*steps, *named]))
         step = view.step()
         entry = admission(view, step.best, [step.best.candidate], held)
         if entry.reason or not entry.rows or not _small(view, step.best):
@@ -158,7 +158,3 @@ def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
 
 def _place(found: Found) -> str:
     return place_name(found.candidate.joint, found.candidate.effect)
-
-
-def _candidates(steps: Iterable[Step]) -> list[Candidate]:
-    return [c for step in steps for c in step.candidates]

@@ -96,6 +96,11 @@ def bodies(robot: Robot) -> np.ndarray:
     return own
 
 
+def per_load(friction: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """(N,) friction per unit of the load (N,) that makes it; 0 where nothing is carried."""
+    return np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
+
+
 def link_names(robot: Robot) -> list[str]:
     """Of the links' parameters, in the order of the links and of `LINK_PARAMETERS`."""
     return [f"link{k + 1}.{name}" for k in range(len(robot.links)) for name in LINK_PARAMETERS]

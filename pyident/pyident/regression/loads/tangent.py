@@ -18,7 +18,7 @@ from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.regression.loads.bodies import body_laws, link_names
+from pyident.regression.loads.bodies import body_laws, link_names, per_load
 
 
 class LoadTangent:
@@ -48,9 +48,7 @@ class LoadTangent:
         for row, columns in self.acting.items():
             friction = Phi[:, row, columns] @ self.shift[columns]
             y[:, row] += friction
-            load = loads[:, row]
-            slope = np.divide(friction, load, out=np.zeros_like(load), where=load != 0)
-            Phi[:, row, self.bodies] *= 1 + slope[:, None]
+            Phi[:, row, self.bodies] *= 1 + per_load(friction, loads[:, row])[:, None]
 
 
 @cache
