@@ -76,16 +76,25 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
     )
     rows = main_rows(view, step.best.candidate)
     unseen = held.share(view, step.candidates, rows)
-    beside = [*view.chosen, *step.orders]
+    beside, alike = [*view.chosen, *step.orders], _alike(view, step)
     return Finding(
-        tie=tuple(_together(search, f, beside) for f in step.tie),
+        tie=tuple(_together(search, f, beside, held) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
         share_percent=100 * _share_of_excess(view, step.candidates, rows),
         heldout_gain_percent=None if unseen is None else 100 * unseen.share,
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
-        experiment=asked_for(search.robot, [f.candidate for f in step.tie]),
+        experiment="" if alike else asked_for(search.robot, [f.candidate for f in step.tie]),
+        alike=alike,
     )
+
+
+def _alike(view: Search, step: Step) -> bool:
+    """Whether all of a tie are errors of the robot file that one correction mends, whatever the motion."""
+    best, *others = (f.candidate for f in step.tie)
+    beside = view.with_further([best])
+    errors = bool(others) and all(f.candidate.describes for f in step.tie)
+    return errors and all(beside.imitates(c) for c in others)
 
 
 def _share_of_excess(view: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
@@ -95,10 +104,14 @@ def _share_of_excess(view: Search, candidates: Sequence[Candidate], rows: Sequen
     return max(share_on(view, candidates, rows), 0.0)
 
 
-def _together(search: Search, found: Found, others: Sequence[Candidate]) -> Named:
-    """A candidate as it is reported, with the coefficients that it has beside others."""
+def _together(search: Search, found: Found, others: Sequence[Candidate], held: HeldOut) -> Named:
+    """A candidate as it is reported, with the coefficients that it has beside others.
+
+    An error of the robot file is small beside the noise, so that its value is that of all logs.
+    """
     if found.candidate.describes:
-        return named(search, found)
+        value = held.together(search.resting_on(others), found.candidate)
+        return named(search, replace(found, gain=replace(found.gain, coefficients=value)))
     own = gain_beside(search, others, found.candidate)
     coefficients = replace(found.gain, coefficients=own.coefficients, std=own.std)
     return named(search, replace(found, gain=coefficients))

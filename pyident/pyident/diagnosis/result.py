@@ -56,6 +56,7 @@ class Finding:
                           there were none
     heldout_std_percent   its standard deviation
     experiment            the motion that would separate the tie, empty when there is nothing to separate
+    alike                 whether the tie's names describe one robot, so that any of them may be corrected
     """
 
     tie: tuple[Named, ...]
@@ -65,6 +66,12 @@ class Finding:
     heldout_gain_percent: float | None
     experiment: str = ""
     heldout_std_percent: float | None = None
+    alike: bool = False
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing is left to be told apart."""
+        return len(self.tie) == 1 or self.alike
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ from pyident.diagnosis.result import Finding, Named, Place, VerdictName
 from pyident.regression.descriptions import place_name, stated
 
 _UNTOLD = ", these logs cannot tell which"
+_ALIKE = ", which describe the same robot: correct one of them"
 _HARDLY = 10.0  # per cent of an excess: less than any effect takes that is named for its share
 
 
 def verdict_of(findings: Sequence[Finding], stands_out: bool) -> VerdictName:
     """stands_out: whether the residual exceeds the replicas' by far."""
     if findings:
-        return "missing_effect" if all(len(f.tie) == 1 for f in findings) else "cannot_tell"
+        return "missing_effect" if all(f.settled for f in findings) else "cannot_tell"
     return "unexplained" if stands_out else "nothing_detectable"
 
 
@@ -43,16 +44,19 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    each = [
-        f"{' or '.join(_said(n) for n in f.tie)} ({taken_by(f)}){_UNTOLD if len(f.tie) > 1 else ''}"
-        for f in findings
-    ]
+    each = [f"{' or '.join(_said(n) for n in f.tie)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
     left = [f"{p.joint}, {p.balance} side ({_floors(p)})" for p in places if p.state == "unexplained"]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
     wrong = {n.describes for f in findings for n in f.tie}
     begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
     return f"{begin}: {names}.{rest}"
+
+
+def _of_tie(finding: Finding) -> str:
+    if len(finding.tie) == 1:
+        return ""
+    return _ALIKE if finding.alike else _UNTOLD
 
 
 def _floors(place: Place) -> str:

@@ -15,7 +15,7 @@ def commands(d: Diagnosis, model: str) -> list[tuple[str, list[str]]]:
         chosen = [f.tie[0] for f in d.findings]
         return [("Add it and fit again, then diagnose the new model", _chain(d, model, chosen))]
     if d.verdict == "cannot_tell":
-        tie = next(f.tie for f in d.findings if len(f.tie) > 1)
+        tie = next(f.tie for f in d.findings if not f.settled)
         rest = [f.tie[0] for f in d.findings if f.tie is not tie]
         return [(f"If it is {n.effect} at {n.joint}", _chain(d, model, [n, *rest])) for n in tie]
     return []

@@ -48,7 +48,7 @@ def test_far_from_zero(size, counts):
         Unseen(0.02, 0.02, 0.1, 0.9),  # two deviations
         Unseen(0.02, 0.0005, 0.1, 1.8),  # 1.4 times its size
         Unseen(0.02, 0.0005, 0.1, 0.2),  # 0.6 times
-        Unseen(0.02, 0.006, 0.1, 2.6),  # 1.8 times, though each is known to a fifth only
+        Unseen(0.02, 0.006, 0.1, 3.4),  # 2.2 times, though each is known to a fifth only
     ],
 )
 def test_held_out_logs_must_find_the_same(unseen):
@@ -59,9 +59,22 @@ def test_positions_that_were_moved_in_time_show_no_such_error():
     assert not measured(search(0.3, late=0.004), AXIS, SEEN_AGAIN)
 
 
-def test_sizes_that_differ_by_chance_are_one_size():
-    """1.4 times the size, each known to some ten per cent."""
-    assert measured(search(0.3), AXIS, Unseen(0.02, 0.003, 0.1, 1.8))
+@pytest.mark.parametrize(("std", "kept"), [(0.003, 1.8), (0.006, 2.6)])
+def test_sizes_that_differ_by_chance_are_one_size(std, kept):
+    """1.4 times the size, known to some ten per cent; 1.8 times, known to a fifth."""
+    assert measured(search(0.3), AXIS, Unseen(0.02, std, 0.1, kept))
+
+
+@pytest.mark.parametrize(
+    ("size", "std", "counts"),
+    [
+        (0.14, 0.006, True),  # 4.4 standard deviations in the fitted logs, 7 in the held-out ones
+        (0.14, 0.011, False),  # 4.4 and 3.8
+        (0.1, 0.005, False),  # 2.7 and 8
+    ],
+)
+def test_either_log_tells_it_beyond_any_chance_and_the_other_surely(size, std, counts):
+    assert measured(search(size), AXIS, Unseen(0.02, std, 0.1, 0.9)) == counts
 
 
 def test_an_error_needs_its_share_beside_what_stands_out():

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate, columns
-from pyident.diagnosis.base.projection import Base, solve_base
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.projection import Base, gain, joined, solve_base
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.lateness import all_earlier
 from pyident.diagnosis.search.search import Search
@@ -51,13 +51,15 @@ class Unseen:
     def of_one_size(self, rules: SearchRules, std: float = 0.0) -> bool:
         """Whether what is missing there has about the size of what the effects take, or differs by chance.
 
-        By chance or not, less than half of it or half more again is another size.
+        By chance or not, half of it or twice it is another size: which logs were fitted does not matter.
 
         std   of that size in the fitted logs, as a share of it
         """
         size = (1 + self.kept) / 2  # by these logs themselves, over that of the fitted ones
+        if not rules.unseen <= size <= 1 / rules.unseen:
+            return False
         chance = np.hypot(size / max(self.deviations, 1e-300), std) if self.deviations else 0.0
-        return abs(size - 1) <= min(max(rules.unseen / 2, rules.again * chance), rules.unseen)
+        return abs(size - 1) <= max(rules.unseen / 2, rules.again * chance)
 
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"
@@ -88,6 +90,22 @@ class HeldOut:
         beside = search.with_further(further)
         found = [self._share(beside, before, after, rows, carried) for carried in (True, False)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
+
+    def together(self, search: Search, candidate: Candidate) -> np.ndarray:
+        """(K,) a candidate's coefficients beside what the search rests on, in the fitted logs and these.
+
+        Of the fitted logs alone where each of them has a friction of its own.
+        """
+        ex = search.examination
+        if ex.base.basis[0].shape[2] > ex.base.directions.shape[1]:
+            return search.gain_of(candidate).coefficients
+        logs = [*ex.logs, *self.equations]
+        levels = [*search.levels, *(ex.floor.at(log.band) for log in self.equations)]
+        listed = [*search.chosen, candidate]
+        limits = [bounds(search.robot, c) for c in listed]
+        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
+        X = joined([columns(search.robot, c, logs, levels) for c in listed])
+        return gain(solve_base(logs), X, low, high).coefficients[-len(limits[-1][0]) :]
 
     def left(self, search: Search, rows: Sequence[int]) -> float:
         """Energy beyond the floor that the search leaves on some equations of these logs; 0 without any."""

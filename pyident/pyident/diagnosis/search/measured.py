@@ -2,9 +2,10 @@
 
 An axis that is turned by a fifth of a degree may explain a hundredth of a residual, and over thousands of
 samples be certain all the same. Shares of the excess say nothing there; its value does: it is far from zero
-in the fitted logs, and held-out logs, which move otherwise, find the same one. Standard deviations are those
-of coloured noise, from the residual at the very frequencies where the error acts (White 1980). Positions that
-had to be moved in time are where they belong to a fiftieth of a sample, which is more than such an error.
+in the fitted logs, and held-out logs, which move otherwise, find the same one. Either of the two must tell it
+beyond any chance, the other surely. Standard deviations are those of coloured noise, from the residual at the
+very frequencies where the error acts (White 1980). Positions that had to be moved in time are where they
+belong to a fiftieth of a sample, which is more than such an error.
 """
 
 import numpy as np
@@ -25,7 +26,8 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
     fitted = _deviations(search, candidate)
-    return fitted >= rules.chance and unseen.of_one_size(rules, 1 / fitted)
+    either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
+    return either and unseen.of_one_size(rules, 1 / fitted)
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:

@@ -170,8 +170,11 @@ class Search:
 
     def _holds(self, wider: Found, law: Found) -> bool:
         """Whether a law's columns are among those of a wider one."""
-        beside = extended(self.base, self.columns(wider.candidate))
-        return bool(np.isinf(self.gain_of(law.candidate, beside).alone).all())
+        return self.with_further([wider.candidate]).imitates(law.candidate)
+
+    def imitates(self, candidate: Candidate) -> bool:
+        """Whether what the search rests on does all that a candidate does."""
+        return bool(np.isinf(self.gain_of(candidate).alone).all())
 
     def gain_of(self, candidate: Candidate, base: Base | None = None) -> Gain:
         """What a candidate explains of a base's residual; none: of the present base's."""

@@ -45,7 +45,8 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
             continue
         law, (share, of_error) = step.best.candidate, _shares(view, step, rivals.best)
         if share >= search.rules.tie * of_error:
-            rivals = replace(step, tie=(*step.tie, *rivals.tie))
+            first = step.best.excess >= search.rules.tie * rivals.best.excess  # over all equations
+            rivals = replace(step, tie=(*step.tie, *rivals.tie) if first else (*rivals.tie, *step.tie))
         else:
             takes = f"it takes {100 * share:.0f} %, an error of {_place(rivals.best)} {100 * of_error:.0f} %"
             imitators[f"{law.effect} at joint{law.joint}"] = takes

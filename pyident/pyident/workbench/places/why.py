@@ -161,7 +161,9 @@ def _finding(page: Tab, number: int, finding: Any) -> None:
     from pyident.verbs.judged import said_value
 
     with ui.card().classes("w-full").props(f'data-testid="finding-{number + 1}"'):
-        if len(finding.tie) > 1:
+        if finding.alike:
+            ui.label("These describe the same robot; correct one of them:").classes("text-sm")
+        elif not finding.settled:
             ui.label("These logs cannot tell these apart:").classes("text-sm")
         for i, named in enumerate(finding.tie):
             values = ", ".join(said_value(named, n) for n in named.values)
