@@ -4,7 +4,8 @@ A regression without such friction bends the bodies until they explain as much o
 what no torque tells: the share of a joint's inertia that is its rotor's. A law of the load that is put to
 these bodies' loads explains a fraction of what it should. With it the equations are y = Φ p + μ |L p| s,
 which for any one μ, and given where the load L p turns its sign, is linear: y = (Φ + μ T) p. So the bodies
-are taken that belong to the best μ, if the law explains more with their loads than chance makes of any other.
+are taken that belong to the best μ, if the law explains more with their loads than with those found without
+it, in energy: chance adds that of a few parameters.
 Where the load turns its sign is first taken from the bodies found without the law, then from the torque, most
 of which it is; the better end counts. Joints are asked in the order of what the law explains there, and those
 that told have it while the others are asked.
@@ -110,7 +111,7 @@ class _Joint:
 
         base    without it, with what others told;  plain: (P + 1, P + 1) products of [Φ, y] of all equations
         """
-        best, most = (robot, None), self.explained(robot, base) + chance
+        best, most = (robot, None), self.explained(robot, base) + chance**2
         for turns in (self._turns(robot), self._torque_turns()):
             at = robot
             for _ in range(_ROUNDS):
@@ -139,9 +140,8 @@ class _Joint:
         return columns(robot, Candidate(_LAW, self.k), self._logs, self._levels)
 
     def explained(self, robot: Robot, base: Base) -> float:
-        """Root of the energy that the law takes of what a base leaves."""
-        limits = bounds(robot, Candidate(_LAW, self.k))
-        return float(np.sqrt(gain(base, self.columns(robot), *limits).energy))
+        """Energy that the law takes of what a base leaves."""
+        return gain(base, self.columns(robot), *bounds(robot, Candidate(_LAW, self.k))).energy
 
     def _turns(self, robot: Robot) -> list[np.ndarray]:
         """As of `_Friction`, with the sign of a robot's loads: -1, 0 or 1, or between."""
