@@ -93,7 +93,7 @@ def test_without_such_friction_nothing_moves():
 
 
 def test_a_single_axis_tells_its_inertia_beside_a_weight_that_never_turns_round():
-    """Closed form: the the right bodies take a sixth more than those found without friction, by 18 deviations."""
+    """Closed form: the right bodies take a sixth more than those found without friction."""
     robot = one_joint()
     joint = replace(robot.joints[0], x=(0.0, 1.0, 0.0), y=(0.0, 0.0, 1.0))
     robot = replace(robot, joints=(joint,), controller=None).with_settings(processing=Processing())
