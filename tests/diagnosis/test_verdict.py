@@ -8,7 +8,7 @@ import pytest
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.conclusion import _warnings
+from pyident.diagnosis.conclusion import _of_gears, _warnings
 from pyident.diagnosis.result import Finding, Named
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.rules.rules import RULES
@@ -73,6 +73,12 @@ def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
     both = replace(_finding(), tie=(gain, *ONE.tie))
     sentence = sentence_of("cannot_tell", [both], [], ("joint1", "motor"))
     assert sentence.startswith("Missing or wrong: the logged torque of joint1 by about -0.021 of itself or")
+
+
+@pytest.mark.parametrize(("joint", "said"), [("joint2", True), ("joint3", False)])
+def test_a_gear_that_drives_with_more_losses_looks_like_a_gain(joint, said):
+    found = [_finding(("load_dependent_friction", "joint2")), _finding(("torque_gain", joint))]
+    assert [note.split()[0] for note in _of_gears(found)] == ["joint2"] * said
 
 
 def test_place_and_question_of_a_law():

@@ -23,6 +23,8 @@ from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 
+_OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
+
 
 def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Sequence[Log]) -> Diagnosis:
     """Of a search that rests on nothing. heldout: the logs of `held`."""
@@ -60,6 +62,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *(_orders_of(step) for step in steps if step.orders),
             *_warnings(search, verdict, _in_motion(search, places)),
             *_in_doubt(beside, places),
+            *_of_gears(findings),
             *selection.notes,
         ),
         noise=ex.setting.noise,
@@ -235,6 +238,19 @@ def _of_time(setting: Setting) -> Iterator[str]:
             "than the torques, or all drives lag by that much; give their columns a delay of about "
             f"{setting.late:.2g} s in the mapping"
         )
+
+
+def _of_gears(findings: Sequence[Finding]) -> Iterator[str]:
+    """Where a gain of the torque may be a gear's: friction under a load F that is larger while the motor
+    drives it is μ |F| sign(v) + μ' F, and no bodies are larger by μ' for one joint alone.
+    """
+    named = {(n.effect, n.joint) for f in findings for n in f.tie}
+    for joint in sorted({joint for effect, joint in named if effect == "torque_gain"}):
+        if {(law, joint) for law in _OF_LOAD} & named:
+            yield (
+                f"{joint} has friction under its load: a gear that loses more while it drives than while it "
+                "is driven looks like a gain of its logged torque"
+            )
 
 
 def _orders_of(step: Step) -> str:
