@@ -3,7 +3,7 @@
 Two orders are two only where the motion resolves them, with a whole period of their difference within the
 angle that the joint passes (Rayleigh); and an order that does not pass a period itself is a slow change over
 the range. Closer waves beat, and the beat follows whatever changes along the range: they would imitate an
-amplitude that grows with the speed.
+amplitude that grows with the speed. Where another law takes more, it comes first.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ def with_further_orders(search: Search, others: Sequence[Candidate], first: Cand
     for _ in range(search.rules.orders):
         view = search.resting_on([*others, *orders])
         more = view.best(first.effect, first.joint)
-        if more is None or not (counts(view, more) and _takes(view, more)):
+        if more is None or not (counts(view, more) and _takes(view, more)) or _another(view, more):
             break
         wider = _refitted(search, others, [*orders, more.candidate])
         if not _resolved(search, [dict(c.values)[law.name] for c in wider], first.joint):
@@ -47,6 +47,15 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
 def _takes(view: Search, found: Found) -> bool:
     """Whether it takes its share of what still exceeds the floor on its equations."""
     return found.excess >= view.rules.order * view.remaining_on(view.rows(found.candidate))
+
+
+def _another(view: Search, found: Found) -> bool:
+    """Whether another law takes more of the same equations: a low order imitates a spring, or a hose."""
+    rows = set(view.rows(found.candidate))
+    others = (f for f in view.step().ranked if f.candidate.effect != found.candidate.effect)
+    return any(
+        f.excess > found.excess and counts(view, f) and rows & set(view.rows(f.candidate)) for f in others
+    )
 
 
 def _resolved(search: Search, orders: Sequence[float], joint: int) -> bool:
