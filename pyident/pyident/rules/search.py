@@ -54,6 +54,12 @@ class SearchRules:
         "it may be a remainder",
         _TUNING,
     )
+    together: int = rule(
+        5,
+        "effects of one set: each must hold on held-out logs beside the others",
+        "a joint that lacks four laws shows none of them alone; each costs a search",
+        "by reason, after four at one joint; sets of up to five have no wrong name for what no law is",
+    )
     most: int = rule(24, "effects at once", "only a stop: several at every joint of an arm", "by reason")
     orders: int = rule(2, "further orders of a periodic law", "each costs a search", _TUNING)
     order: float = rule(0.3, "what still exceeds the floor that a further order takes", "as `own`", _TUNING)
@@ -157,10 +163,14 @@ class SearchRules:
         "by reason",
     )
 
+    def needed(self, effects: int) -> float:
+        """Share of an excess that so many effects must take for their names."""
+        return self.explained[min(effects, len(self.explained)) - 1]
+
     def __post_init__(self) -> None:
         shares = ("level", "part", "own", "whole", "order", "tie", "apart", "changes", "imitated")
         in_range(self, "search", 0, 1, *shares, "block", "block_gain", "block_force", "power")
-        in_range(self, "search", 1, 100, "most")
+        in_range(self, "search", 1, 100, "most", "together")
         if list(self.explained) != sorted(self.explained) or not all(0 < x <= 1 for x in self.explained):
             raise RulesError("rules: search.explained must rise, with shares between 0 and 1")
         if self.part > self.explained[0]:

@@ -39,6 +39,7 @@ _TRIED = 17  # coefficients, before the best is refined
 _FINE = 1e-4
 _ROUNDS = 12  # until the load turns its sign where it did before
 _SWEEPS = 2  # over the joints: the first of them have not heard the last
+_LARGEST = 3.0  # load over the torque: what a rotor asks for can hardly be as large, and opposite
 _KEPT = 1e-9  # of a parameter's own weight: what equations leave open stays as it was
 
 
@@ -117,12 +118,19 @@ class _Joint:
             for _ in range(_ROUNDS):
                 coefficient, p = self._bilinear(at, turns, plain).best()
                 at = with_bodies(at, p)
-                if (found := self.explained(at, base)) > most:
+                if self._possible(at) and (found := self.explained(at, base)) > most:
                     best, most = (at, _Friction(coefficient, turns)), found
                 before, turns = turns, self._turns(at)
                 if all(map(np.array_equal, before, turns)):
                     break
         return best
+
+    def _possible(self, robot: Robot) -> bool:
+        """Whether its load is of the torque's size: a huge one, of a coefficient near 0, fits other laws."""
+        row = self.k - 1
+        pairs = [(carried_loads(robot, log.part.motion), log.part.target) for log in self._logs]
+        load, torque = (np.concatenate([x[:, row] for x in each]) for each in zip(*pairs, strict=True))
+        return float(np.mean(load**2)) <= _LARGEST**2 * float(np.mean(torque**2))
 
     def products(self, friction: _Friction | None) -> np.ndarray:
         """(P + 1, P + 1) of [Φ + μ T, y], of this joint's equations."""

@@ -145,7 +145,8 @@ def sets_for(
     """
     steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
     rows = main_rows(search, lead.candidate)
-    for needed in search.rules.explained:
+    for size in range(1, search.rules.together + 1):
+        needed = search.rules.needed(size)
         entry = admission(search, steps[0].best, candidates_of(steps), held)
         if entry.share < needed:
             yield steps, _too_little(entry, needed)

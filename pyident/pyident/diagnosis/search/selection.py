@@ -203,8 +203,7 @@ def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, s
     named = {f"{s.best.candidate.effect} at joint{s.best.candidate.joint}": faults[id(s)] for s in group}
     if 0 < len(kept) < len(group):
         rows = main_rows(view, kept[0].best.candidate)
-        needed = view.rules.explained[min(len(kept), len(view.rules.explained)) - 1]
-        if share_on(view, candidates_of(kept), rows) < needed:
+        if share_on(view, candidates_of(kept), rows) < view.rules.needed(len(kept)):
             kept = []
     return kept, {name: why for name, why in named.items() if why}
 
