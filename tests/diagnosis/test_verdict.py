@@ -8,7 +8,7 @@ import pytest
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.conclusion import _of_gears, _warnings
+from pyident.diagnosis.notes import of_gears, warnings
 from pyident.diagnosis.result import Finding, Named
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.rules.rules import RULES
@@ -78,7 +78,7 @@ def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
 @pytest.mark.parametrize(("joint", "said"), [("joint2", True), ("joint3", False)])
 def test_a_gear_that_drives_with_more_losses_looks_like_a_gain(joint, said):
     found = [_finding(("load_dependent_friction", "joint2")), _finding(("torque_gain", joint))]
-    assert [note.split()[0] for note in _of_gears(found)] == ["joint2"] * said
+    assert [note.split()[0] for note in of_gears(found)] == ["joint2"] * said
 
 
 def test_place_and_question_of_a_law():
@@ -104,9 +104,9 @@ def test_what_makes_a_verdict_worth_less_is_said(floor, ratio, verdict, said):
     place = SimpleNamespace(
         joint="joint1", balance="motor", state="in_order", floor_percent=floor, over_floor=(ratio, ratio)
     )
-    warnings = list(_warnings(search, verdict, cast(Any, [place])))
-    assert len(warnings) == len(said)
-    assert all(warning.startswith(words) for warning, words in zip(warnings, said, strict=True))
+    found = list(warnings(search, verdict, cast(Any, [place])))
+    assert len(found) == len(said)
+    assert all(warning.startswith(words) for warning, words in zip(found, said, strict=True))
 
 
 def test_a_share_without_held_out_logs_is_said_alone():

@@ -6,14 +6,22 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.coordinate import joint_name
-from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES
-from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
 from pyident.diagnosis.coefficients import gain_beside
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
+from pyident.diagnosis.notes import (
+    in_doubt,
+    in_motion,
+    in_time,
+    of_gears,
+    of_one_order,
+    of_time,
+    orders_of,
+    warnings,
+)
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
@@ -22,8 +30,6 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
-
-_OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
 def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Sequence[Log]) -> Diagnosis:
@@ -44,7 +50,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=_in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
+        sentence=in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(
@@ -58,11 +64,12 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
         ),
         notes=(
-            *_of_time(ex.setting),
-            *(_orders_of(step) for step in steps if step.orders),
-            *_warnings(search, verdict, _in_motion(search, places)),
-            *_in_doubt(beside, places),
-            *_of_gears(findings),
+            *of_time(ex.setting),
+            *(orders_of(step) for step in steps if step.orders),
+            *of_one_order(search, selection, held),
+            *warnings(search, verdict, in_motion(search, places)),
+            *in_doubt(beside, places),
+            *of_gears(findings),
             *selection.notes,
         ),
         noise=ex.setting.noise,
@@ -179,84 +186,6 @@ def _worst_band(beside: Search, row: int, out: np.ndarray) -> tuple[float, float
 def _said(refusal: Refusal) -> str:
     c = refusal.candidate
     return f"{c.effect} at joint{c.joint} comes nearest, but {refusal.reason}"
-
-
-def _in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
-    """Without the motor sides of joints that stand still, where friction may hold any torque."""
-    still = standing_in([log.part.motion for log in search.examination.logs], len(search.robot.joints))
-    parked = {(joint_name(k), "motor") for k in still}
-    return [place for place in places if (place.joint, place.balance) not in parked]
-
-
-def _warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[str]:
-    """What makes a verdict worth less than it seems."""
-    rules = search.rules
-    weak = [p for p in places if p.floor_percent > 100 * rules.worthless]
-    if weak and verdict == "nothing_detectable":
-        worst = max(weak, key=lambda p: p.floor_percent)
-        yield (
-            f"this says little: replicas leave {worst.floor_percent:.0f} % of the torque of {worst.joint} "
-            "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
-        )
-    quiet = [p for p in places if p.over_floor[0] < rules.below_floor and p.state != "unobserved"]
-    if quiet:
-        listed = ", ".join(f"{p.joint}, {p.balance} side ({p.over_floor[0]:.2g} times)" for p in quiet)
-        yield (
-            f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
-            "there, and hide what is smaller than their floor"
-        )
-
-
-def _in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
-    """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
-    ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
-    doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
-    ends = (*EDGES, float(ex.floor.frequencies[-1]))
-    doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
-    for row in np.flatnonzero(doubted.any(axis=1)):
-        band, c = int(np.argmax(doubted[row])), beside.robot.q[row]
-        yield (
-            f"at {joint_name(c.joint)}, {c.side} side, the residual is {doubted[row, band]:.2g} times its "
-            f"floor from {ends[band]:g} to {ends[band + 1]:g} Hz: slow noise of the torque may do that, "
-            f"which these logs do not show below {ex.setting.continued[row]:.2g} Hz, or something small that "
-            "is missing; a log of a motion that repeats would tell"
-        )
-
-
-def _in_time(setting: Setting) -> str:
-    if not setting.late:
-        return ""
-    late = f"{1e3 * abs(setting.late):.2g} ms {'late' if setting.late > 0 else 'early'}"
-    return f"All positions come about {late} against the torques. That put right: "
-
-
-def _of_time(setting: Setting) -> Iterator[str]:
-    """How positions that come late are mended."""
-    if setting.late:
-        yield (
-            "all positions were moved in time before anything was judged: they have another clock or filter "
-            "than the torques, or all drives lag by that much; give their columns a delay of about "
-            f"{setting.late:.2g} s in the mapping"
-        )
-
-
-def _of_gears(findings: Sequence[Finding]) -> Iterator[str]:
-    """Where a gain of the torque may be a gear's: friction under a load F that is larger while the motor
-    drives it is μ |F| sign(v) + μ' F, and no bodies are larger by μ' for one joint alone.
-    """
-    named = {(n.effect, n.joint) for f in findings for n in f.tie}
-    for joint in sorted({joint for effect, joint in named if effect == "torque_gain"}):
-        if {(law, joint) for law in _OF_LOAD} & named:
-            yield (
-                f"{joint} has friction under its load: a gear that loses more while it drives than while it "
-                "is driven looks like a gain of its logged torque"
-            )
-
-
-def _orders_of(step: Step) -> str:
-    best = step.best.candidate
-    more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
-    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
 
 
 def _beside(search: Search, beside: Search, found: Found) -> Named:

@@ -17,7 +17,7 @@ from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, examine
 from pyident.diagnosis.base.setting import set_up, workers_of
-from pyident.diagnosis.conclusion import _in_doubt
+from pyident.diagnosis.notes import in_doubt
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
@@ -149,10 +149,10 @@ def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
     search = search_of(residual, bands, np.ones((20, 2)), 4.0)
     assert bool(search.standing_out[0]) == stands_out
     place: Any = SimpleNamespace(state="in_order")
-    doubts = list(_in_doubt(search, [place]))
+    doubts = list(in_doubt(search, [place]))
     assert bool(doubts) == (not stands_out)
     unexplained: Any = SimpleNamespace(state="unexplained")
-    assert not list(_in_doubt(search, [unexplained]))
+    assert not list(in_doubt(search, [unexplained]))
     if doubts:
         assert doubts[0].startswith(f"at joint1, motor side, the residual is {np.sqrt(energy):.2g} times its")
         assert "from 0 to 0.5 Hz" in doubts[0]

@@ -15,6 +15,7 @@ from pyident.diagnosis.base.projection import fall_per_row
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
+from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 
 _EXCHANGES = 4  # rounds; two are the rule
@@ -80,9 +81,11 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
-    elif unseen is not None and unseen.of_floor(rules) < rules.material:
+    elif unseen is None or same_order(search, candidates[0], held):
+        pass
+    elif unseen.of_floor(rules) < rules.material:
         reason = f"on held-out data it takes {unseen}, too little beside the floor to matter"
-    elif unseen is not None and not held.holds(unseen, share, rules):
+    elif not held.holds(unseen, share, rules):
         reason = f"on held-out data it takes {unseen}"
     held_out = unseen is not None and unseen.deviations >= rules.chance
     return Admission(lead.candidate, rows, p_value, share, unseen, reason, counted, held_out)

@@ -6,14 +6,14 @@ motion hardly shows may leave more there than what is missing, and hide it; and 
 may imitate what is missing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
-from pyident.diagnosis.base.projection import Base, gain, joined, solve_base
+from pyident.diagnosis.base.projection import Base, extended, gain, joined, solve_base
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.lateness import all_earlier
 from pyident.diagnosis.search.search import Search
@@ -90,6 +90,14 @@ class HeldOut:
         beside = search.with_further(further)
         found = [self._share(beside, before, after, rows, carried) for carried in (True, False)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
+
+    def beside(self, search: Search) -> Iterator[tuple[Equations, Base]]:
+        """Each log with its own parameters, and coefficients of what the search rests on."""
+        for log in self.equations:
+            base, level = solve_base([log]), [search.examination.floor.at(log.band)]
+            for candidate in search.chosen:
+                base = extended(base, columns(search.robot, candidate, [log], level))
+            yield log, base
 
     def together(self, search: Search, candidate: Candidate) -> np.ndarray:
         """(K,) a candidate's coefficients beside what the search rests on, in the fitted logs and these.

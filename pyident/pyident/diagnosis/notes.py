@@ -1,0 +1,116 @@
+"""What is said beside the findings of a diagnosis: what makes it worth less, and what may be behind it."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from flexmodels.coordinate import joint_name
+from pyident.conditioning.standing import standing_in
+from pyident.diagnosis.base.residual_over_floor import EDGES
+from pyident.diagnosis.base.setting import Setting
+from pyident.diagnosis.base.standing_out import bands_in_doubt
+from pyident.diagnosis.result import Finding, Place
+from pyident.diagnosis.search.found import Step, candidates_of
+from pyident.diagnosis.search.gate import main_rows, share_on
+from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.same_order import same_order
+from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.search.selection import Selection
+
+_OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
+
+
+def in_time(setting: Setting) -> str:
+    """What came late, before the verdict; empty: nothing."""
+    if not setting.late:
+        return ""
+    late = f"{1e3 * abs(setting.late):.2g} ms {'late' if setting.late > 0 else 'early'}"
+    return f"All positions come about {late} against the torques. That put right: "
+
+
+def in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
+    """Without the motor sides of joints that stand still, where friction may hold any torque."""
+    still = standing_in([log.part.motion for log in search.examination.logs], len(search.robot.joints))
+    parked = {(joint_name(k), "motor") for k in still}
+    return [place for place in places if (place.joint, place.balance) not in parked]
+
+
+def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[str]:
+    """What makes a verdict worth less than it seems."""
+    rules = search.rules
+    weak = [p for p in places if p.floor_percent > 100 * rules.worthless]
+    if weak and verdict == "nothing_detectable":
+        worst = max(weak, key=lambda p: p.floor_percent)
+        yield (
+            f"this says little: replicas leave {worst.floor_percent:.0f} % of the torque of {worst.joint} "
+            "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
+        )
+    quiet = [p for p in places if p.over_floor[0] < rules.below_floor and p.state != "unobserved"]
+    if quiet:
+        listed = ", ".join(f"{p.joint}, {p.balance} side ({p.over_floor[0]:.2g} times)" for p in quiet)
+        yield (
+            f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
+            "there, and hide what is smaller than their floor"
+        )
+
+
+def in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
+    """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
+    ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
+    doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
+    ends = (*EDGES, float(ex.floor.frequencies[-1]))
+    doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
+    for row in np.flatnonzero(doubted.any(axis=1)):
+        band, c = int(np.argmax(doubted[row])), beside.robot.q[row]
+        yield (
+            f"at {joint_name(c.joint)}, {c.side} side, the residual is {doubted[row, band]:.2g} times its "
+            f"floor from {ends[band]:g} to {ends[band + 1]:g} Hz: slow noise of the torque may do that, "
+            f"which these logs do not show below {ex.setting.continued[row]:.2g} Hz, or something small that "
+            "is missing; a log of a motion that repeats would tell"
+        )
+
+
+def of_time(setting: Setting) -> Iterator[str]:
+    """How positions that come late are mended."""
+    if setting.late:
+        yield (
+            "all positions were moved in time before anything was judged: they have another clock or filter "
+            "than the torques, or all drives lag by that much; give their columns a delay of about "
+            f"{setting.late:.2g} s in the mapping"
+        )
+
+
+def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:
+    """Ripples of which held-out logs bear out the order alone (see `same_order`)."""
+    for step in selection.steps:
+        best = step.best.candidate
+        view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
+        rows = main_rows(view, best)
+        unseen, share = held.share(view, step.candidates, rows), share_on(view, step.candidates, rows)
+        holds = unseen is None or held.holds(unseen, share, search.rules)
+        if not holds and same_order(view, best, held):
+            yield (
+                f"{best.effect} at joint{best.joint}: held-out logs show the same order, with another size "
+                "and phase; a loop answers a fast ripple the less the faster the joint turns, so that its "
+                "size is that of these logs' speeds"
+            )
+
+
+def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
+    """Where a gain of the torque may be a gear's: friction under a load F that is larger while the motor
+    drives it is μ |F| sign(v) + μ' F, and no bodies are larger by μ' for one joint alone.
+    """
+    named = {(n.effect, n.joint) for f in findings for n in f.tie}
+    for joint in sorted({joint for effect, joint in named if effect == "torque_gain"}):
+        if {(law, joint) for law in _OF_LOAD} & named:
+            yield (
+                f"{joint} has friction under its load: a gear that loses more while it drives than while it "
+                "is driven looks like a gain of its logged torque"
+            )
+
+
+def orders_of(step: Step) -> str:
+    """Further orders of a periodic law."""
+    best = step.best.candidate
+    more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
