@@ -102,9 +102,10 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
 def _alike(view: Search, step: Step) -> bool:
     """Whether all of a tie are errors of the robot file that one correction mends, whatever the motion."""
     best, *others = (f.candidate for f in step.tie)
+    if not others or not all(f.candidate.describes for f in step.tie):
+        return False
     beside = view.with_further([best])
-    errors = bool(others) and all(f.candidate.describes for f in step.tie)
-    return errors and all(beside.imitates(c) for c in others)
+    return all(beside.imitates(c) for c in others)
 
 
 def _share_of_excess(view: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:

@@ -81,14 +81,22 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
-    elif unseen is None or same_order(search, candidates[0], held):
-        pass
-    elif unseen.of_floor(rules) < rules.material:
-        reason = f"on held-out data it takes {unseen}, too little beside the floor to matter"
-    elif not held.holds(unseen, share, rules):
-        reason = f"on held-out data it takes {unseen}"
+    elif unseen is not None:
+        reason = _not_held(search, candidates, share, unseen, held)
     held_out = unseen is not None and unseen.deviations >= rules.chance
     return Admission(lead.candidate, rows, p_value, share, unseen, reason, counted, held_out)
+
+
+def _not_held(
+    search: Search, candidates: Sequence[Candidate], share: float, unseen: Unseen, held: HeldOut
+) -> str:
+    """Why held-out logs do not bear out effects; empty: they do."""
+    matters = unseen.of_floor(search.rules) >= search.rules.material
+    if matters and held.holds(unseen, share, search.rules):
+        return ""
+    if len(candidates) == 1 and same_order(search, candidates[0], held):
+        return ""
+    return f"on held-out data it takes {unseen}{'' if matters else ', too little beside the floor to matter'}"
 
 
 def counts(search: Search, found: Found) -> bool:
