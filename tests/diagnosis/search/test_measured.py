@@ -122,6 +122,7 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
 ):
     monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
     monkeypatch.setattr(gate, "share_on", lambda *_: 1.0)
+    monkeypatch.setattr(gate, "same_order", lambda *_: False)
     unseen = Unseen(taken, taken / 20, 0.0, 0.9)
     held: Any = SimpleNamespace(share=lambda *_: unseen, holds=lambda *_: True)
     view = search(0.3)
