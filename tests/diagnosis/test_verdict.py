@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from one_joint import one_joint
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
@@ -86,6 +87,7 @@ def test_place_and_question_of_a_law():
     stribeck, hardening = Candidate("stribeck", 2), Candidate("hardening_stiffness", 1)
     assert place_of(robot, stribeck) == ("joint2", "motor")
     assert place_of(robot, hardening) == ("joint1", "transmission")
+    assert place_of(one_joint(), Candidate("axis[y]", 1)) == ("joint1", "motor")
     assert asked_for(robot, [stribeck]) == ""
     assert asked_for(robot, [stribeck, hardening]).count("at joint") == 2
 

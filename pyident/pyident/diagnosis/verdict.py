@@ -29,10 +29,11 @@ def asked_for(robot: Robot, tie: Sequence[Candidate]) -> str:
 
 
 def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
-    """Joint and side of the law that was found."""
+    """Joint and side of the law that was found; an error of the robot file shows at the joint's last side."""
     acts = {str(q) for q in law_of(robot, candidate).forces}
-    sides = [c.side for c in robot.q if c.joint == candidate.joint and c.symbol in acts]
-    return joint_name(candidate.joint), sides[0] if sides else "link"
+    there = [c for c in robot.q if c.joint == candidate.joint]
+    sides = [c.side for c in there if c.symbol in acts]
+    return joint_name(candidate.joint), sides[0] if sides else there[-1].side
 
 
 def sentence_of(
