@@ -16,7 +16,7 @@ import numpy as np
 from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, slopes
+from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of, slopes
 from pyident.diagnosis.base.carried_loads import whitened, with_bodies
 from pyident.diagnosis.base.projection import Gain, gain, joined, solve_base, taken_over, wider
 from pyident.diagnosis.search.search import Search
@@ -81,9 +81,7 @@ def _fitted(search: Search, robot: Robot, listed: Sequence[Candidate], about: _A
     raised = raised_floors(wider(logs, X), ex.raised)
     base = solve_base([e.over(raised[:, None]) for e in logs])
     X = [{row: part / raised[row] for row, part in rows.items()} for rows in X]
-    limits = [bounds(robot, c) for c in listed]
-    low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
-    found = gain(base, X, low, high)
+    found = gain(base, X, *bounds_of(robot, listed))
     p = p + base.p - taken_over(base, X) @ found.coefficients
     return _Fit(found, with_bodies(robot, p))
 

@@ -23,7 +23,7 @@ from pyident.diagnosis.notes import (
     warnings,
 )
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.found import Found, Step
+from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
@@ -81,9 +81,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
 
 def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -> Finding:
     step = selection.steps[number]
-    view = search.resting_on(
-        [c for i, other in enumerate(selection.steps) if i != number for c in other.candidates]
-    )
+    view = search.resting_on(candidates_of(other for other in selection.steps if other is not step))
     rows = main_rows(view, step.best.candidate)
     unseen = held.share(view, step.candidates, rows)
     beside, alike = [*view.chosen, *step.orders], _alike(view, step)
@@ -198,6 +196,6 @@ def _beside(search: Search, beside: Search, found: Found) -> Named:
 def _stages(search: Search, findings: Sequence[Finding], steps: Sequence[Step]) -> Iterator[Stage]:
     """One finding after the other."""
     for n in range(len(steps) + 1):
-        view = search.resting_on([c for step in steps[:n] for c in step.candidates])
+        view = search.resting_on(candidates_of(steps[:n]))
         added = findings[n - 1].tie[0] if n else None
         yield Stage(added, float(np.mean(view.over_floor)))

@@ -85,10 +85,11 @@ def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterato
     for step in selection.steps:
         best = step.best.candidate
         view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
+        if not same_order(view, best, held):
+            continue
         rows = main_rows(view, best)
         unseen, share = held.share(view, step.candidates, rows), share_on(view, step.candidates, rows)
-        holds = unseen is None or held.holds(unseen, share, search.rules)
-        if not holds and same_order(view, best, held):
+        if unseen is not None and not held.holds(unseen, share, search.rules):
             yield (
                 f"{best.effect} at joint{best.joint}: held-out logs show the same order, with another size "
                 "and phase; a loop answers a fast ripple the less the faster the joint turns, so that its "

@@ -133,6 +133,12 @@ def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     return np.array([p.lower for p in law.linear]), np.array([p.upper for p in law.linear])
 
 
+def bounds_of(robot: Robot, listed: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper (K,) of the linear parameters of several, one after the other."""
+    lower, upper = zip(*(bounds(robot, c) for c in listed), strict=True)
+    return np.concatenate(lower), np.concatenate(upper)
+
+
 def proper(
     robot: Robot,
     candidate: Candidate,

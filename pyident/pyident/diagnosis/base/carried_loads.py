@@ -103,6 +103,7 @@ class _Joint:
         self.k, self._logs, self._levels = k, logs, levels
         names = list(robot.linear_parameters)
         self._links = [names.index(name) for name in link_names(robot)]
+        self._torque = float(np.mean(np.concatenate([log.part.target[:, k - 1] for log in logs]) ** 2))
         self._asked = [link_columns(robot, log.part.motion, k).T for log in logs]
 
     def tells(
@@ -127,10 +128,8 @@ class _Joint:
 
     def _possible(self, robot: Robot) -> bool:
         """Whether its load is of the torque's size: a huge one, of a coefficient near 0, fits other laws."""
-        row = self.k - 1
-        pairs = [(carried_loads(robot, log.part.motion), log.part.target) for log in self._logs]
-        load, torque = (np.concatenate([x[:, row] for x in each]) for each in zip(*pairs, strict=True))
-        return float(np.mean(load**2)) <= _LARGEST**2 * float(np.mean(torque**2))
+        load = np.concatenate([carried_loads(robot, log.part.motion)[:, self.k - 1] for log in self._logs])
+        return float(np.mean(load**2)) <= _LARGEST**2 * self._torque
 
     def products(self, friction: _Friction | None) -> np.ndarray:
         """(P + 1, P + 1) of [Φ + μ T, y], of this joint's equations."""

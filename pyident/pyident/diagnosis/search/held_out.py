@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns
+from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of
 from pyident.diagnosis.base.projection import Base, extended, gain, joined, solve_base
 from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
 from pyident.diagnosis.lateness import all_earlier
@@ -93,8 +93,8 @@ class HeldOut:
 
     def beside(self, search: Search) -> Iterator[tuple[Equations, Base]]:
         """Each log with its own parameters, and coefficients of what the search rests on."""
-        for log in self.equations:
-            base, level = solve_base([log]), [search.examination.floor.at(log.band)]
+        for log, base in zip(self.equations, self._bases, strict=True):
+            level = [search.examination.floor.at(log.band)]
             for candidate in search.chosen:
                 base = extended(base, columns(search.robot, candidate, [log], level))
             yield log, base
@@ -110,10 +110,9 @@ class HeldOut:
         logs = [*ex.logs, *self.equations]
         levels = [*search.levels, *(ex.floor.at(log.band) for log in self.equations)]
         listed = [*search.chosen, candidate]
-        limits = [bounds(search.robot, c) for c in listed]
-        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
         X = joined([columns(search.robot, c, logs, levels) for c in listed])
-        return gain(solve_base(logs), X, low, high).coefficients[-len(limits[-1][0]) :]
+        found = gain(solve_base(logs), X, *bounds_of(search.robot, listed))
+        return found.coefficients[-len(law_of(search.robot, candidate).linear) :]
 
     def left(self, search: Search, rows: Sequence[int]) -> float:
         """Energy beyond the floor that the search leaves on some equations of these logs; 0 without any."""

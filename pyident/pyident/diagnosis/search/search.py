@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns, law_of, proper
+from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, columns, law_of, proper
 from pyident.diagnosis.base.nonlinear_values import of_whole_periods, refined, wants_no_period
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains, joined, taken_over
 from pyident.diagnosis.base.residual_over_floor import Examination
@@ -62,9 +62,7 @@ class Search:
         if not chosen:
             return base.p, np.zeros(0)
         X = joined([self.columns(c) for c in chosen])
-        limits = [bounds(self.robot, c) for c in chosen]
-        low, high = (np.concatenate(ends) for ends in zip(*limits, strict=True))
-        x = gain(base, X, low, high).coefficients
+        x = gain(base, X, *bounds_of(self.robot, chosen)).coefficients
         return base.p - taken_over(base, X) @ x, x
 
     def step(self) -> Step:
