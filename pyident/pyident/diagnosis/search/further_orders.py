@@ -7,16 +7,39 @@ amplitude that grows with the speed. Where another law takes more, it comes firs
 """
 
 from collections.abc import Sequence
-
-import numpy as np
+from dataclasses import replace
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
-from pyident.diagnosis.search.found import Found
+from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import counts
 from pyident.diagnosis.search.search import Search
 
 
-def with_further_orders(search: Search, others: Sequence[Candidate], first: Candidate) -> list[Candidate]:
+def as_orders(chosen: Sequence[Step], further: Sequence[Step]) -> list[Step]:
+    """All steps; a further wave of a periodic law that was chosen already is one of its orders."""
+    waves = {s.best.candidate.family: s.best.candidate for s in further}
+    named = {s.best.candidate.family for s in chosen}
+    out = []
+    for step in chosen:
+        wave = waves.get(step.best.candidate.family)
+        out.append(step if wave is None else replace(step, orders=(*step.orders, wave)))
+    return [*out, *(s for s in further if s.best.candidate.family not in named)]
+
+
+def with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
+    """Periodic laws with their further orders, else these would hide what else is missing."""
+    out = list(steps)
+    for i, step in enumerate(steps):
+        if step.orders or law_of(search.robot, step.best.candidate).order is None:
+            continue
+        others = candidates_of([s for s in out if s is not out[i]])
+        first, *further = _further(search, others, step.best.candidate)
+        main = search.resting_on([*others, *further]).best(first.effect, first.joint)
+        out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(further))
+    return out
+
+
+def _further(search: Search, others: Sequence[Candidate], first: Candidate) -> list[Candidate]:
     """A periodic law's orders beside `others`, the first one first; a law without orders stays alone."""
     law = law_of(search.robot, first).order
     if law is None:
@@ -28,7 +51,7 @@ def with_further_orders(search: Search, others: Sequence[Candidate], first: Cand
         if more is None or not (counts(view, more) and _takes(view, more)) or _another(view, more):
             break
         wider = _refitted(search, others, [*orders, more.candidate])
-        if not _resolved(search, [dict(c.values)[law.name] for c in wider], first.joint):
+        if not search.resolves(wider):
             break
         orders = wider
     return orders
@@ -56,9 +79,3 @@ def _another(view: Search, found: Found) -> bool:
     return any(
         f.excess > found.excess and counts(view, f) and rows & set(view.rows(f.candidate)) for f in others
     )
-
-
-def _resolved(search: Search, orders: Sequence[float], joint: int) -> bool:
-    angles = np.concatenate([log.part.motion.q[:, joint - 1] for log in search.examination.logs])
-    least = np.diff([0.0, *sorted(orders)]).min()
-    return bool(least * np.ptp(angles) >= 2 * np.pi)

@@ -132,10 +132,13 @@ def _over_floor(search: Search, candidate: Candidate) -> float:
 
 
 def main_rows(search: Search, candidate: Candidate) -> tuple[int, ...]:
-    """The equations on which a candidate takes most of what it takes."""
+    """The equations on which a candidate takes most of what it takes, and a part of what they lack."""
     fall = fall_per_row(search.base, search.columns(candidate))
-    rows = np.flatnonzero(fall >= search.rules.part * max(float(fall.max()), 1e-300))
-    return tuple(int(row) for row in rows)
+    excess = np.array([search.remaining_on([row]) for row in range(len(fall))])
+    part = search.rules.part
+    matters = (fall >= part * max(float(fall.max()), 1e-300)) & (fall >= part * excess)
+    matters[int(np.argmax(fall))] = True
+    return tuple(int(row) for row in np.flatnonzero(matters))
 
 
 def share_on(search: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
@@ -200,9 +203,16 @@ def _best_beside(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> 
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
         acts = set(main_rows(beside, found.candidate)) & set(rows)
-        if acts and found.candidate.family not in named and counts(beside, found):
+        free = found.candidate.family not in named and _of_its_own(search, found.candidate)
+        if acts and free and counts(beside, found):
             return beside.led_by(found, step.ranked)
     return None
+
+
+def _of_its_own(search: Search, candidate: Candidate) -> bool:
+    """Whether it is not what the search rests on already; a wave may be a further one."""
+    same = [c for c in search.chosen if c.family == candidate.family]
+    return not same or search.resolves([*same, candidate])
 
 
 def _exchanged(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> list[Step]:

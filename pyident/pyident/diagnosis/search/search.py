@@ -174,6 +174,15 @@ class Search:
         """Whether what the search rests on does all that a candidate does."""
         return bool(np.isinf(self.gain_of(candidate).alone).all())
 
+    def resolves(self, waves: Sequence[Candidate]) -> bool:
+        """Whether the motion tells the orders of a joint's periodic law apart, and the least from none."""
+        law = law_of(self.robot, waves[0]).order
+        if law is None:
+            return False
+        orders = sorted(dict(c.values)[law.name] for c in waves)
+        angles = np.concatenate([log.part.motion.q[:, waves[0].joint - 1] for log in self.examination.logs])
+        return bool(np.diff([0.0, *orders]).min() * np.ptp(angles) >= 2 * np.pi)
+
     def gain_of(self, candidate: Candidate, base: Base | None = None) -> Gain:
         """What a candidate explains of a base's residual; none: of the present base's."""
         base = base or self.base

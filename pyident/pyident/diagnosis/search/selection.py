@@ -21,9 +21,10 @@ from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.imitators.modulation import grows_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
-from pyident.diagnosis.search.further_orders import with_further_orders
+from pyident.diagnosis.search.further_orders import as_orders, with_orders
 from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, owns, sets_for, share_on
 from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.remainder import may_be_remainder
 from pyident.diagnosis.search.search import Search
 
 
@@ -67,7 +68,7 @@ def select(search: Search, held: HeldOut) -> Selection:
             worst = max(main_rows(view, lead.candidate), key=lambda row: view.remaining_on([row]))
             refusals[worst] = refusal  # of the lead's own equations: it may have been exchanged
             continue
-        chosen = _with_orders(search, [*chosen, *group])
+        chosen = with_orders(search, as_orders(chosen, group))
         view = search.resting_on(candidates_of(chosen))
         step = view.step()
     chosen = _judged_together(search, chosen, held)
@@ -91,8 +92,8 @@ def _group(
     set takes the place of a smaller one only where that leaves what stands out and it takes most of this.
     """
     rows = main_rows(view, lead.candidate)
-    taken = {row for s in chosen for row in view.rows(s.best.candidate)}
-    if not taken.isdisjoint(rows):
+    there = [s for s in chosen if not set(rows).isdisjoint(view.rows(s.best.candidate))]
+    if any(may_be_remainder(view, lead.candidate, s, rows) for s in there):
         found, why = _further(view, step, lead, chosen, held)
         return _checked(view, found, why, lead, chosen)
     best: list[Step] = []
@@ -131,7 +132,7 @@ def _checked(
     """What passed the gate, with all its orders and without imitators."""
     if why is not None:
         return [], why, {}
-    group, faults = _faultless(view, _with_orders(view, [*chosen, *found])[len(chosen) :])
+    group, faults = _faultless(view, with_orders(view, [*chosen, *found])[len(chosen) :])
     return group, None if group else _imitator(view, lead, faults), faults
 
 
@@ -227,19 +228,6 @@ def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
     rows = main_rows(view, lead.candidate)
     share = 100 * share_on(view, [lead.candidate], rows)
     return Refusal(lead.candidate, rows, share, None, next(iter(faults.values()), "it only imitates"))
-
-
-def _with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
-    """Periodic laws with their further orders, else these would hide what else is missing."""
-    out = list(steps)
-    for i, step in enumerate(steps):
-        if step.orders or law_of(search.robot, step.best.candidate).order is None:
-            continue
-        others = candidates_of([s for s in out if s is not out[i]])
-        first, *further = with_further_orders(search, others, step.best.candidate)
-        main = search.resting_on([*others, *further]).best(first.effect, first.joint)
-        out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(further))
-    return out
 
 
 def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> list[Step]:
