@@ -7,10 +7,11 @@ import numpy as np
 
 from pyident.diagnosis.base.candidates import bounds
 from pyident.diagnosis.base.projection import Base, Columns, gain
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.next_steps import candidate_of
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.found import Found
-from pyident.diagnosis.search.gate import main_rows
+from pyident.diagnosis.search.gate import region_of
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 
@@ -39,8 +40,10 @@ def bound(search: Search, diagnosis: Diagnosis, truth: Sequence[Name], held: Hel
     found = [candidate_of(search, finding.tie[0]) for finding in diagnosis.findings]
     search = search.resting_on(())
     true = [f.candidate for f in best]
-    rows = sorted({row for candidate in true for row in main_rows(search, candidate)})
-    reached, achievable = (held.share(search, listed, rows) for listed in (found, true))
+    rows = {row for candidate in true for row in region_of(search, candidate).rows}
+    reached, achievable = (
+        held.share(search, listed, Region(tuple(sorted(rows)))) for listed in (found, true)
+    )
     if reached is None or achievable is None:
         return None
     return Bound(

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from one_joint import one_joint
 
-from pyident.conditioning.order_waves import highest_of, orders_within, peaks_of, without_waves
+from pyident.conditioning.order_waves import (
+    highest_of,
+    orders_within,
+    peaks_at_speeds,
+    peaks_of,
+    without_waves,
+)
 from pyident.rules.rules import RULES
 
 PERIOD, SIGMA = 0.004, 0.1
@@ -54,3 +60,22 @@ def test_a_screw_of_four_millimetres_is_within_the_orders_of_a_slider():
     (found,) = peaks_of([noise(3) + SIGMA * np.cos(order * travel)], [travel], orders, RULES.periodic)
     assert found == pytest.approx(order, abs=orders[1] - orders[0])
     assert highest_of(hinge, RULES.periodic) == RULES.periodic.highest < order
+
+
+def answered(order: float) -> np.ndarray:
+    """What an oscillator of 8 Hz makes of a wave: large at one speed, its phase turned round there."""
+    speed = order * SPEED / (2 * np.pi * 8.0)
+    gain = 1 / (1 - speed**2 + 0.2j * speed)
+    return SIGMA * np.real(gain * np.exp(1j * order * ANGLE))
+
+
+@pytest.mark.parametrize("order", [33.4, 57.0])
+def test_a_wave_whose_phase_turns_with_the_speed_is_found_part_by_part(order):
+    x = noise(3) + answered(order)
+    found = peaks_at_speeds([x], [ANGLE], [SPEED], ORDERS, RULES.periodic)
+    assert min(abs(n - order) for n in found) < 1.5
+
+
+def test_noise_has_no_wave_at_any_speed():
+    for seed in range(10):
+        assert peaks_at_speeds([noise(seed)], [ANGLE], [SPEED], ORDERS, RULES.periodic) == []

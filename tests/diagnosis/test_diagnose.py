@@ -12,6 +12,7 @@ from two_link_logs import TWO_LINK, hidden, in_process, loaded, made_log, two_li
 from flexmodels.robot import Robot
 from pyident.cli.main import main
 from pyident.diagnosis.base.candidates import Candidate, proper
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.imitators.imitation import stands_in_for
@@ -133,7 +134,7 @@ def test_a_true_law_beside_an_unknown_force_stands_in_for_nothing(folder):
     unknown = RowSearch(search.examination, search.base, row, left).strongest()
     assert unknown is not None
     assert unknown[0].on == "joint1.eps2"
-    assert left > RULES.search.foreign_left * search.excess_on([row])  # else nothing would be asked
+    assert left > RULES.search.foreign_left * search.excess_in(Region((row,)))  # else nothing would be asked
     assert unknown[0].gain > 0.5 * left
     assert stands_in_for(search, candidate) == ""
 

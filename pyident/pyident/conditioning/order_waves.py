@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
+from scipy.stats import gamma
 
 from flexmodels.joint import Joint
 from pyident.rules.periodic import PeriodicRules
 
 _PER_PEAK = 3.0  # orders tried per resolved one
 _MEDIAN = float(np.log(2))  # of an exponential variable, per its mean
+_ANSWERED = 2  # peaks with a size of their own at every speed: each costs as much as many laws
 _BLOCK = 64  # orders at once
 
 
@@ -47,12 +49,40 @@ def peaks_of(
     """Orders that stand out of signals (N,) along angles (N,), the strongest first."""
     if len(orders) < rules.neighbours:
         return []
-    energy = np.zeros(len(orders))
-    for r, q in zip(left, angles, strict=True):
-        energy += _energies(r, q, orders)
-    typical = median_filter(energy, rules.neighbours, mode="reflect")
-    ratio = energy / np.maximum(typical / _MEDIAN, 1e-300)
+    energy = np.sum([_energies(r, q, orders) for r, q in zip(left, angles, strict=True)], axis=0)
     chance = np.log(len(orders) / rules.chance) * (1 + len(left)) / 2  # of a mean over logs, at most
+    return _peaks(_over_neighbours(energy, rules), chance, orders, rules)
+
+
+def peaks_at_speeds(
+    left: Sequence[np.ndarray],
+    angles: Sequence[np.ndarray],
+    speeds: Sequence[np.ndarray],
+    orders: np.ndarray,
+    rules: PeriodicRules,
+) -> list[float]:
+    """The same of waves whose size and phase are those of the speed, as of what answers a wave: each part of
+    the speeds has its own spectrum, and the sum of those, each over its noise, is a gamma variable.
+    """
+    if len(orders) < rules.neighbours:
+        return []
+    edges = np.quantile(np.concatenate(speeds), np.linspace(0.0, 1.0, rules.speeds + 1)[1:-1])
+    ratios = []
+    for r, q, v in zip(left, angles, speeds, strict=True):
+        part = np.digitize(v, edges)
+        for i in np.unique(part):
+            ratios.append(_over_neighbours(_energies(r[part == i], q[part == i], orders), rules))
+    chance = float(gamma.isf(rules.chance / len(orders), len(ratios)))
+    return _peaks(np.sum(ratios, axis=0), rules.answered * chance, orders, rules)[:_ANSWERED]
+
+
+def _over_neighbours(energy: np.ndarray, rules: PeriodicRules) -> np.ndarray:
+    """(F,) over the mean of what its neighbours say that noise is."""
+    typical = median_filter(energy, rules.neighbours, mode="reflect")
+    return energy / np.maximum(typical / _MEDIAN, 1e-300)
+
+
+def _peaks(ratio: np.ndarray, chance: float, orders: np.ndarray, rules: PeriodicRules) -> list[float]:
     out: list[float] = []
     for i in np.argsort(-ratio):
         if ratio[i] < chance or len(out) == rules.peaks:

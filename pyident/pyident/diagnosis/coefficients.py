@@ -16,7 +16,7 @@ import numpy as np
 from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
-from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of, slopes
+from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of, slopes, width
 from pyident.diagnosis.base.carried_loads import whitened, with_bodies
 from pyident.diagnosis.base.projection import Gain, gain, joined, solve_base, taken_over, wider
 from pyident.diagnosis.search.search import Search
@@ -90,7 +90,7 @@ Frictions = Sequence[tuple[Candidate, np.ndarray]]  # laws of the load, and thei
 
 
 def _frictions(robot: Robot, listed: Sequence[Candidate], coefficients: np.ndarray) -> Frictions:
-    ends = np.cumsum([len(law_of(robot, c).linear) for c in listed])[:-1]
+    ends = np.cumsum([width(robot, c) for c in listed])[:-1]
     each = zip(listed, np.split(coefficients, ends), strict=True)
     return [(c, x) for c, x in each if _reads_load(robot, c)]
 
@@ -122,5 +122,5 @@ def _reads_load(robot: Robot, candidate: Candidate) -> bool:
 
 def _of_last(found: Gain, candidate: Candidate, robot: Robot) -> Gain:
     """A gain with the coefficients of its last candidate alone."""
-    own = slice(-len(law_of(robot, candidate).linear), None)
+    own = slice(-width(robot, candidate), None)
     return replace(found, coefficients=found.coefficients[own], std=found.std[own], alone=found.alone[own])

@@ -8,7 +8,7 @@ import numpy as np
 from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.floor_shares import floor_shares
-from pyident.diagnosis.base.residual_over_floor import EDGES
+from pyident.diagnosis.base.residual_over_floor import EDGES, Region
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
 from pyident.diagnosis.coefficients import gain_beside
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
@@ -18,13 +18,14 @@ from pyident.diagnosis.notes import (
     in_time,
     of_gears,
     of_one_order,
+    of_speeds,
     of_time,
     orders_of,
     warnings,
 )
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.found import Found, Step, candidates_of
-from pyident.diagnosis.search.gate import Refusal, main_rows, share_on
+from pyident.diagnosis.search.gate import Refusal, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
@@ -67,6 +68,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *of_time(ex.setting),
             *(orders_of(step) for step in steps if step.orders),
             *of_one_order(search, selection, held),
+            *of_speeds(search, selection),
             *warnings(search, verdict, in_motion(search, places)),
             *in_doubt(beside, places),
             *of_gears(findings),
@@ -82,14 +84,14 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
 def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -> Finding:
     step = selection.steps[number]
     view = search.resting_on(candidates_of(other for other in selection.steps if other is not step))
-    rows = main_rows(view, step.best.candidate)
-    unseen = held.share(view, step.candidates, rows)
+    region = region_of(view, step.best.candidate)
+    unseen = held.share(view, step.candidates, region)
     beside, alike = [*view.chosen, *step.orders], _alike(view, step)
     return Finding(
         tie=tuple(_together(search, f, beside, held) for f in step.tie),
         p_value=step.p_value,
         excess_gain_percent=100 * step.best.excess / search.examination.base.energy,
-        share_percent=100 * _share_of_excess(view, step.candidates, rows),
+        share_percent=100 * _share_of_excess(view, step.candidates, region),
         heldout_gain_percent=None if unseen is None else 100 * unseen.share,
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
         experiment="" if alike else asked_for(search.robot, [f.candidate for f in step.tie]),
@@ -106,11 +108,11 @@ def _alike(view: Search, step: Step) -> bool:
     return all(beside.imitates(c) for c in others)
 
 
-def _share_of_excess(view: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
+def _share_of_excess(view: Search, candidates: Sequence[Candidate], region: Region) -> float:
     """What a finding takes of what exceeds the floor; of so little that none would be named for it: 0."""
-    if view.remaining_on(rows) < view.rules.material * view.floor_energy_on(rows):
+    if view.remaining_in(region) < view.rules.material * view.floor_energy_on(region.rows):
         return 0.0
-    return max(share_on(view, candidates, rows), 0.0)
+    return max(share_in(view, candidates, region), 0.0)
 
 
 def _together(search: Search, found: Found, others: Sequence[Candidate], held: HeldOut) -> Named:
@@ -131,17 +133,31 @@ def named(search: Search, found: Found) -> Named:
     robot, c = search.robot, found.candidate
     law = law_of(robot, c)
     linear = [p.name for p in law.linear]
-    std = np.full(len(linear), np.inf) if c.describes else found.gain.std  # see `wrong_description`
+    x, std = _at_its_speed(search, found)
+    std = np.full(len(linear), np.inf) if c.describes else std  # see `wrong_description`
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
-        values=dict(zip(linear, found.gain.coefficients.tolist(), strict=True)) | dict(c.values),
+        values=dict(zip(linear, x.tolist(), strict=True)) | dict(c.values),
         std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
         units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
         nonlinear=tuple(linear) if c.describes else tuple(name for name, _ in c.values),
     )
+
+
+def _at_its_speed(search: Search, found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """The coefficients of a law and their standard deviations; of one that has them at every speed, those at
+    the speed nearest to the mean of its joint's.
+    """
+    c, gain = found.candidate, found.gain
+    if not c.speeds:
+        return gain.coefficients, gain.std
+    speed = np.concatenate([log.part.motion.dq[:, c.joint - 1] for log in search.examination.logs])
+    nearest = int(np.argmin(np.abs(np.array(c.speeds) - np.abs(speed).mean())))
+    at = slice(nearest, None, len(c.speeds))
+    return gain.coefficients[at], gain.std[at]
 
 
 def percent(energy: float, search: Search) -> float:
@@ -158,7 +174,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
     doubted = bands_in_doubt(search.examination, beside.base)
     for row, coordinate in enumerate(robot.q):
-        refusal = next((r for r in selection.refusals if row in r.rows), None)
+        refusal = next((r for r in selection.refusals if row in r.region.rows), None)
         bands = above[row]
         if refusal is not None and refusal.certain:
             bands = bands | doubted[row]

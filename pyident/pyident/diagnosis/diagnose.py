@@ -15,7 +15,7 @@ from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.floor_shares import worth_little
-from pyident.diagnosis.base.residual_over_floor import examine
+from pyident.diagnosis.base.residual_over_floor import Region, examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
@@ -171,7 +171,7 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
     """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    beside, everywhere = search.resting_on(selection.candidates), range(len(search.robot.q))
+    beside, everywhere = search.resting_on(selection.candidates), Region(tuple(range(len(search.robot.q))))
     by_log = friction_by_log(search) if notable(beside, everywhere) else None
     if by_log is not None:
         again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]

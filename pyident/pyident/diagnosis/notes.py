@@ -6,12 +6,13 @@ import numpy as np
 
 from flexmodels.coordinate import joint_name
 from pyident.conditioning.standing import standing_in
+from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.result import Finding, Place
 from pyident.diagnosis.search.found import Step, candidates_of
-from pyident.diagnosis.search.gate import main_rows, share_on
+from pyident.diagnosis.search.gate import region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
@@ -87,14 +88,34 @@ def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterato
         view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
         if not same_order(view, best, held):
             continue
-        rows = main_rows(view, best)
-        unseen, share = held.share(view, step.candidates, rows), share_on(view, step.candidates, rows)
+        region = region_of(view, best)
+        unseen, share = held.share(view, step.candidates, region), share_in(view, step.candidates, region)
         if unseen is not None and not held.holds(unseen, share, search.rules):
             yield (
                 f"{best.effect} at joint{best.joint}: held-out logs show the same order, with another size "
                 "and phase; a loop answers a fast ripple the less the faster the joint turns, so that its "
                 "size is that of these logs' speeds"
             )
+
+
+def of_speeds(search: Search, selection: Selection) -> Iterator[str]:
+    """Ripples that have a size of their own at every speed: what these are."""
+    for step in selection.steps:
+        best = step.best.candidate
+        if not best.speeds:
+            continue
+        view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
+        waves = view.gain_of(best).coefficients.reshape(-1, len(best.speeds))
+        sizes = np.sqrt(np.square(waves).sum(axis=0))
+        least, most = int(np.argmin(sizes)), int(np.argmax(sizes))
+        unit, *_ = units_of(search.robot, best).values()
+        speeds = np.abs(best.speeds)
+        yield (
+            f"{best.effect} at joint{best.joint}: its size and phase are those of the speed, as where an arm "
+            f"shakes or a loop answers: from {sizes[least]:.2g} {unit} at {speeds[least]:.2g} rad/s to "
+            f"{sizes[most]:.2g} {unit} at {speeds[most]:.2g} rad/s; the parameters named are those at the "
+            "joint's mean speed, and a law with these at all speeds takes less"
+        )
 
 
 def of_gears(findings: Sequence[Finding]) -> Iterator[str]:

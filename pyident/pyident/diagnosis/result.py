@@ -50,8 +50,8 @@ class Finding:
 
     p_value               probability of such a gain anywhere in the search with nothing missing
     excess_gain_percent   of the residual's energy, beyond what replicas pretend
-    share_percent         of what exceeds the floor on its equations: 100 explains it all; 0 where hardly
-                          anything exceeds it
+    share_percent         of what exceeds the floor where it acts, in rows and bands: 100 explains it all; 0
+                          where hardly anything exceeds it
     heldout_gain_percent  share of what exceeds the floor on its equations, on logs that were not used; None:
                           there were none
     heldout_std_percent   its standard deviation

@@ -29,6 +29,24 @@ class PeriodicRules:
         "fewer hold the peak itself",
         "60 pairs of drawn logs of 20 s: a wave of 0.3 of the noise is found in 98 % (half: 90)",
     )
+    speeds: int = rule(
+        16,
+        "parts of a joint's speeds, in each of which a wave may have another size and phase",
+        "a resonance is narrow, and turns the phase round with the direction",
+        "by reason, after ripples that shake an arm",
+    )
+    teeth: float = rule(
+        30.0,
+        "orders from which a wave may have a size of its own at every speed",
+        "below, it is friction over the angle as well; a law's own grid ends there",
+        "by reason, after friction over the angle that came out as such a wave",
+    )
+    answered: float = rule(
+        2.0,
+        "a chance peak of the sum over these parts",
+        "the noise of a loop has broad hills, which are no waves",
+        "by reason, after hills of 1.2 in logs with nothing hidden; waves that shake an arm have 3 to 15",
+    )
     quiet: float = rule(20.0, "percent of the neighbours: noise", "others are skirts of the peak", _FORCES)
     chance: float = rule(0.001, "chance of such a peak in a spectrum", "many joints and logs", "convention")
     peaks: int = rule(3, "peaks of a joint that laws are tried at", "each costs a candidate", _TIME)

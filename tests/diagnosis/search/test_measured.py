@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search import gate, wrong_description
 from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.held_out import Unseen
@@ -97,7 +98,7 @@ def _found(candidate: Candidate, energy: float) -> Any:
     ],
 )
 def test_an_error_is_in_a_tie_with_a_law_that_held_out_logs_show_too(unseen, spring, tie, monkeypatch):
-    monkeypatch.setattr(wrong_description, "main_rows", lambda *_: (1,))
+    monkeypatch.setattr(wrong_description, "region_of", lambda *_: Region((1,)))
     held: Any = SimpleNamespace(share=lambda *_: unseen)
     errors = Step((_found(AXIS, 100.0),), 0.05, ())
     step = wrong_description._with_law(search(0.3), errors, _found(SPRING, spring), held)
@@ -106,8 +107,8 @@ def test_an_error_is_in_a_tie_with_a_law_that_held_out_logs_show_too(unseen, spr
 
 def test_a_law_alone_needs_its_share(monkeypatch):
     """What an error of the robot file counts by is not enough for a law."""
-    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
-    monkeypatch.setattr(gate, "share_on", lambda *_: 0.01)
+    monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "share_in", lambda *_: 0.01)
     held: Any = SimpleNamespace(share=lambda *_: SEEN_AGAIN, holds=lambda *_: True)
     view = search(0.3)
     view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0
@@ -120,8 +121,8 @@ def test_a_law_alone_needs_its_share(monkeypatch):
 def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_error(
     taken, matters, monkeypatch
 ):
-    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
-    monkeypatch.setattr(gate, "share_on", lambda *_: 1.0)
+    monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
     monkeypatch.setattr(gate, "same_order", lambda *_: False)
     unseen = Unseen(taken, taken / 20, 0.0, 0.9)
     held: Any = SimpleNamespace(share=lambda *_: unseen, holds=lambda *_: True)
@@ -136,8 +137,8 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
 
 @pytest.mark.parametrize(("over", "named"), [(0.6, False), (0.8, True)])
 def test_a_residual_far_below_its_floor_shows_no_law(over, named, monkeypatch):
-    monkeypatch.setattr(gate, "main_rows", lambda *_: (1,))
-    monkeypatch.setattr(gate, "share_on", lambda *_: 1.0)
+    monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
     held: Any = SimpleNamespace(share=lambda *_: None, holds=lambda *_: True)
     view = search(0.3)
     view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0

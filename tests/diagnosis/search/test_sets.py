@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from analytic_joint import COULOMB, INERTIA, VISCOUS, free_joint
 
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.search.gate import sets_for
 from pyident.diagnosis.search.held_out import held_out
@@ -67,7 +68,7 @@ def test_friction_that_has_warmed_up_does_not_hide_a_law_on_a_held_out_log():
     assert law is not None
     for viscous in (VISCOUS, 0.8 * VISCOUS):
         held = held_out(search, [log_of(1, grease, viscous)])
-        unseen = held.share(search, [law.candidate], [0])
+        unseen = held.share(search, [law.candidate], Region((0,)))
         assert unseen is not None
         assert unseen.share > 0.9
         assert unseen.kept > 0.9

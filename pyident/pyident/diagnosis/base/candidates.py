@@ -14,7 +14,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
-from pyident.diagnosis.base.order_peaks import Orders, order_peaks
+from pyident.diagnosis.base.order_peaks import Orders, between, order_peaks
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
 from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
 from pyident.regression.recent import Recent
@@ -27,25 +27,31 @@ _with_torques: Recent[Motion] = Recent(16)
 _TOGETHER = 16  # candidates whose columns are transformed at once
 
 
+Family = tuple[str, int, int | None, bool]
+
+
 @dataclass(frozen=True)
 class Candidate:
     """An effect or a wrong description at a joint (from 1), its nonlinear parameters fixed.
 
-    log   number of the only log in which it acts (a payload is carried in some logs); None: in all of them
+    log      number of the only log in which it acts (a payload is carried in some logs); None: in all of them
+    speeds   of its joint [rad/s], at each of which it has parameters of its own (see `order_peaks`); none: it
+             has the same at all speeds
     """
 
     effect: str
     joint: int
     values: tuple[tuple[str, float], ...] = ()
     log: int | None = None
+    speeds: tuple[float, ...] = ()
 
     @property
-    def family(self) -> tuple[str, int, int | None]:
-        """The candidate without its nonlinear values."""
-        return self.effect, self.joint, self.log
+    def family(self) -> Family:
+        """The candidate without its nonlinear values; and whether its parameters are those of its speed."""
+        return self.effect, self.joint, self.log, bool(self.speeds)
 
     def at(self, values: Mapping[str, float]) -> "Candidate":
-        return Candidate(self.effect, self.joint, tuple(values.items()), self.log)
+        return replace(self, values=tuple(values.items()))
 
     @property
     def describes(self) -> bool:
@@ -78,7 +84,15 @@ def candidates(
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
             ]
+            if orders and effect.order_of_torque and robot.controller is None:
+                (name,), own = (p.name for p in effect.nonlinear), orders[joint]
+                found += [Candidate(effect.name, joint, ((name, n),), None, own.speeds) for n in own.answered]
     return found
+
+
+def width(robot: Robot, candidate: Candidate) -> int:
+    """Number of its linear parameters."""
+    return len(bounds(robot, candidate)[0])
 
 
 def every_law(
@@ -129,8 +143,8 @@ def units_of(robot: Robot, candidate: Candidate) -> dict[str, str]:
 
 def bounds(robot: Robot, candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper (K,) of the linear parameters."""
-    law = law_of(robot, candidate)
-    return np.array([p.lower for p in law.linear]), np.array([p.upper for p in law.linear])
+    linear = law_of(robot, candidate).linear * max(len(candidate.speeds), 1)
+    return np.array([p.lower for p in linear]), np.array([p.upper for p in linear])
 
 
 def bounds_of(robot: Robot, listed: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
@@ -255,7 +269,11 @@ def _raw(robot: Robot, candidate: Candidate, part: Conditioned) -> dict[int, np.
     of = slopes(robot, candidate, motion_for(robot, candidate, part.motion))
     rows = sorted({row for by_row in of.values() for row in by_row})
     nothing = np.zeros(len(part.target))
-    return {row: np.array([by_row.get(row, nothing) for by_row in of.values()]) for row in rows}
+    raw = {row: np.array([by_row.get(row, nothing) for by_row in of.values()]) for row in rows}
+    if not candidate.speeds:
+        return raw
+    hats = between(candidate.speeds, part.motion.dq[:, candidate.joint - 1])
+    return {row: np.concatenate([x * hats for x in X]) for row, X in raw.items()}
 
 
 def _transformed_together(

@@ -59,7 +59,7 @@ def of_whole_periods(
     on its flank, as far as the energy only falls: a slow torque hides no ripple that way.
     """
     at, order = list(range(len(listed))), law_of(robot, listed[0]).order_of_torque
-    if order is not None:
+    if order is not None and not listed[0].speeds:
         at.sort(key=lambda i: dict(listed[i].values)[order.name])
         rises = (n for n in range(1, len(at)) if energies[at[n]] >= energies[at[n - 1]])
         at = at[next(rises, len(at)) :]
@@ -69,7 +69,7 @@ def of_whole_periods(
 def wants_no_period(robot: Robot, candidate: Candidate, listed: Sequence[Candidate]) -> bool:
     """Whether a periodic torque's best order is the lowest: less than a period fits better, like a spring."""
     order = law_of(robot, candidate).order_of_torque
-    if order is None:
+    if order is None or candidate.speeds:
         return False
     orders = [dict(c.values)[order.name] for c in listed if c.family == candidate.family]
     return dict(candidate.values)[order.name] <= _AT_LOWEST * min(orders)
@@ -91,7 +91,7 @@ def _range(
         above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
         if parameter.periodic:
             below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
-        if parameter is law.order_of_torque:
+        if parameter is law.order_of_torque and not candidate.speeds:
             below = max(below, others[0])  # the lowest shows a whole period
         start.append(value)
         low.append(max(below, parameter.lower))

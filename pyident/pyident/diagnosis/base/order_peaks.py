@@ -3,6 +3,12 @@
 Gears, bearings and motors repeat hundreds of times a turn, too finely for a grid that knows nothing; and a
 torque of which the joint does not pass a whole period is a spring or a hose as well as a ripple. Waves of
 friction turn round with the motion.
+
+What a gear does n times a turn comes at n times the speed: a loop answers it, and an arm shakes with it, as
+they do at that frequency. A resonance makes it large at one speed and turns its phase round; and a phase that
+lags on the way there leads on the way back. Where no controller says what a loop does, such a wave is
+several, each between two speeds. Only what comes as often as teeth do: with a size of its own forward and
+backward, a wave of few periods is friction over the angle as well.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,10 +18,12 @@ import numpy as np
 
 from flexmodels.effects.effect import Effect
 from flexmodels.robot import Robot
-from pyident.conditioning.order_waves import highest_of, orders_within, peaks_of, span_of
+from pyident.conditioning.order_waves import highest_of, orders_within, peaks_at_speeds, peaks_of, span_of
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
 from pyident.rules.periodic import PeriodicRules
+
+_CLOSEST = 0.02  # of the fastest speed: knots
 
 
 @dataclass(frozen=True)
@@ -23,11 +31,15 @@ class Orders:
     """Of a joint, per turn, or per 2 pi metres of a slider; the strongest first.
 
     steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
+    answered    of a torque whose size and phase are those of the speed, too
+    speeds      from fast backward to fast forward, between which such a wave changes [rad/s]
     whole       the order of one period within the angles that the joint passes; inf: no period shows
     """
 
     steady: list[float]
     friction: list[float]
+    answered: list[float]
+    speeds: tuple[float, ...]
     whole: float
 
     def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
@@ -64,6 +76,22 @@ def order_peaks(
         found[k] = Orders(
             steady=peaks_of(steady, angles, orders, rules),
             friction=peaks_of(turning, angles, orders, rules),
+            answered=peaks_at_speeds(steady, angles, speeds, orders[orders >= rules.teeth], rules),
+            speeds=_knots(np.concatenate(speeds), rules.speeds),
             whole=2 * np.pi / span_of(angles) if shows else np.inf,
         )
     return found
+
+
+def _knots(speeds: np.ndarray, count: int) -> tuple[float, ...]:
+    """As many samples at each, but no two closer than a fiftieth of the fastest: a joint may rest."""
+    out: list[float] = []
+    for v in np.quantile(speeds, (np.arange(count) + 0.5) / count).tolist():
+        if not out or v - out[-1] > _CLOSEST * np.abs(speeds).max():
+            out.append(v)
+    return tuple(out)
+
+
+def between(knots: Sequence[float], x: np.ndarray) -> np.ndarray:
+    """(K, N): of x (N,) 1 at one of K knots, 0 at the others, linear between; the outer ones hold beyond."""
+    return np.array([np.interp(x, knots, one) for one in np.eye(len(knots))])

@@ -126,7 +126,7 @@ def gains(base: Base, listed: Sequence[Columns], limits: Sequence[Limits]) -> li
             for i, x in zip(acting, own, strict=True):
                 G[i] += x.T @ x
     return [
-        _System.of(full, full - b[:, part].T @ b[:, part]).solved(g[part], *bounds)
+        System.of(full, full - b[:, part].T @ b[:, part]).solved(g[part], *bounds)
         for full, part, bounds in zip(G, parts, limits, strict=True)
     ]
 
@@ -162,7 +162,7 @@ def gains_over(
         for c, X in rows.items():
             G += X.T @ X
             b += basis[c].T @ X
-    system, out = _System.of(G, G - b.T @ b), []
+    system, out = System.of(G, G - b.T @ b), []
     for left, along in zip(others.residuals, others.along, strict=True):
         g = (
             sum(X.T @ r[c] for rows, r in zip(columns, left, strict=True) for c, X in rows.items())
@@ -210,12 +210,17 @@ def wider(logs: Sequence[Equations], columns: Columns) -> list[Equations]:
     return out
 
 
-def fall_per_row(base: Base, columns: Columns) -> np.ndarray:
-    """(n,) energy that K columns with free coefficients take of each equation's residual."""
+def falls(base: Base, columns: Columns) -> list[np.ndarray]:
+    """Per log (n, E) energy that K columns with free coefficients take of each equation's residual."""
     new = _directions(base, columns)
     part = sum(np.einsum("cek,ce->k", d, r) for d, r in zip(new, base.residual, strict=True))
     pairs = zip(new, base.residual, strict=True)
-    return sum(np.square(r).sum(axis=1) - np.square(r - d @ part).sum(axis=1) for d, r in pairs)  # pyright: ignore
+    return [np.square(r) - np.square(r - d @ part) for d, r in pairs]
+
+
+def fall_per_row(base: Base, columns: Columns) -> np.ndarray:
+    """(n,) the same of each row."""
+    return np.sum([log.sum(axis=1) for log in falls(base, columns)], axis=0)
 
 
 def extended(base: Base, columns: Columns) -> Base:
@@ -253,7 +258,7 @@ def _directions(base: Base, columns: Columns) -> list[np.ndarray]:
 
 
 @dataclass(frozen=True)
-class _System:
+class System:
     """G of K columns beyond the base, taken apart once for all residuals; size (K,): of the whole columns."""
 
     size: np.ndarray
@@ -263,12 +268,12 @@ class _System:
     kept: np.ndarray
 
     @staticmethod
-    def of(full: np.ndarray, G: np.ndarray) -> "_System":
+    def of(full: np.ndarray, G: np.ndarray) -> "System":
         size = np.sqrt(np.maximum(np.diag(full), 1e-300))
         own = np.diag(G) / size**2
         alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
         w, V = np.linalg.eigh(G / np.outer(size, size))
-        return _System(size, alone, w, V, w > _IMITATED)
+        return System(size, alone, w, V, w > _IMITATED)
 
     def solved(self, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
         """g (K,): the columns times a residual."""

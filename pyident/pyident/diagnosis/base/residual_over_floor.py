@@ -35,6 +35,28 @@ Listing = Callable[[Robot, Sequence[Equations], np.ndarray, PeriodicRules], list
 
 
 @dataclass(frozen=True)
+class Region:
+    """Some rows of the equations, in some bands of EDGES, by number."""
+
+    rows: tuple[int, ...]
+    bands: tuple[int, ...] = tuple(range(len(EDGES)))
+
+    def meets(self, other: "Region") -> bool:
+        """Whether they have a row and a band in common."""
+        return not (set(self.rows).isdisjoint(other.rows) or set(self.bands).isdisjoint(other.bands))
+
+    def inside(self, bands: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """`bands` (E, bands) per log, as of `bands_of`, without the others."""
+        own = np.isin(np.arange(len(EDGES)), self.bands)
+        return [log & own for log in bands]
+
+    def within(self, bands: Sequence[np.ndarray]) -> list[tuple[np.ndarray, ...]]:
+        """Per log the indices of its equations (n, E); bands as of `bands_of`."""
+        rows = np.array(self.rows, int)
+        return [np.ix_(rows, np.flatnonzero(log.any(axis=1))) for log in self.inside(bands)]
+
+
+@dataclass(frozen=True)
 class Examination:
     """Data and B replicas, analysed alike.
 
@@ -88,6 +110,10 @@ class Examination:
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         """Energy that a base leaves on some equations beyond what replicas leave, band by band."""
         return self.excess(base.residual, self.bands, rows)[0]
+
+    def beyond_floor_in(self, base: Base, region: Region) -> float:
+        """The same in a region only."""
+        return self.excess(base.residual, region.inside(self.bands), region.rows)[0]
 
     def excess(
         self, residuals: Sequence[np.ndarray], bands: Sequence[np.ndarray], rows: Sequence[int]

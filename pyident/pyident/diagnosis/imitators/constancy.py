@@ -7,6 +7,7 @@ is a course of time, into quarters. What a true law gains by that is chance.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, columns, law_of, with_model_torque
 from pyident.diagnosis.base.projection import gain, joined
+from pyident.diagnosis.search.gate import region_of
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
 
@@ -38,6 +40,7 @@ QUANTITIES: dict[str, Quantity] = {
     "direction": lambda _, log, joint: np.sign(log.part.motion.dq[:, joint]),
     "time": _time,
 }
+_OF_SPEED = ("speed", "direction")  # of which a law that answers has coefficients of its own
 _MEDIAN = (0.5,)
 _QUARTERS = (0.25, 0.5, 0.75)  # a law of time is split finer: a step has half of a drift's course in common
 
@@ -49,7 +52,8 @@ def changes_with(search: Search, candidate: Candidate) -> str:
     """
     if candidate.log is not None:
         return ""  # a body's parameters cannot change within a log
-    shares = {name: _gained(search, candidate, quantity) for name, quantity in QUANTITIES.items()}
+    asked = {name: q for name, q in QUANTITIES.items() if not (candidate.speeds and name in _OF_SPEED)}
+    shares = {name: _gained(search, candidate, quantity) for name, quantity in asked.items()}
     worst = max(shares, key=lambda name: shares[name])
     return worst if shares[worst] > search.rules.changes else ""
 
@@ -65,8 +69,10 @@ def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
         parts = _QUARTERS
     above = [above_quantile(search, candidate.joint, quantity, part) for part in parts]
     X = joined([columns(search.robot, candidate, logs, search.levels, high) for high in above])
-    own = search.without(candidate).gain_of(candidate).energy
-    return gain(search.base, X).energy / max(search.excess_on(search.rows(candidate)), own, 1e-300)
+    without = search.without(candidate)
+    own = without.gain_of(candidate).energy
+    region = replace(region_of(without, candidate), rows=tuple(search.rows(candidate)))
+    return gain(search.base, X).energy / max(search.excess_in(region), own, 1e-300)
 
 
 def above_median(search: Search, joint: int, quantity: Quantity) -> list[np.ndarray]:

@@ -8,12 +8,14 @@ does, nothing unknown is there: a constant torque is a part of some function of 
 friction beside it.
 """
 
+from dataclasses import replace
+
 from flexmodels.coordinate import signal_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import extended
-from pyident.diagnosis.search.gate import main_rows
+from pyident.diagnosis.search.gate import region_of
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
 
@@ -23,12 +25,11 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
 
     The search must rest on the candidate and all others that are named.
     """
-    rows = search.rows(candidate)
-    if candidate.log is not None or search.remaining_on(rows) <= search.rules.foreign_left * search.excess_on(
-        rows
-    ):
+    region = replace(region_of(search.without(candidate), candidate), rows=tuple(search.rows(candidate)))
+    least = search.rules.foreign_left * search.excess_in(region)
+    if candidate.log is not None or search.remaining_in(region) <= least:
         return ""
-    row = max(rows, key=lambda row: search.remaining_on([row]))
+    row = max(region.rows, key=lambda row: search.remaining_on([row]))
     left = search.remaining_on([row])
     found = RowSearch(search.examination, search.base, row, left).strongest()
     if found is None:
@@ -50,7 +51,7 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
 def _has_a_name(search: Search, row: int, dependence: Dependence) -> bool:
     """Whether a law of the catalogue takes most of what the dependence takes of an equation."""
     least = search.rules.own * (dependence.gain - dependence.pretended)
-    there = (f for f in search.step().ranked if row in main_rows(search, f.candidate))
+    there = (f for f in search.step().ranked if row in region_of(search, f.candidate).rows)
     return any(search.p_value(f) <= search.rules.level and f.excess >= least for f in there)
 
 

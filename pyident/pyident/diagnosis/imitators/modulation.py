@@ -18,6 +18,7 @@ from flexmodels.coordinate import deformation_of
 from pyident.diagnosis.base.candidates import Candidate, columns, law_of
 from pyident.diagnosis.base.nonlinear_values import refined
 from pyident.diagnosis.base.projection import Columns, extended, gain, joined
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
 from pyident.regression.loads.bodies import link_torques
@@ -35,11 +36,11 @@ def grows_with(search: Search, candidate: Candidate) -> str:
     rules, rows = search.rules, search.rows(candidate)
     view = search.resting_on([c for c in search.chosen if c.family != candidate.family])
     one = view.best(candidate.effect, candidate.joint)
-    assert one is not None  # the candidate is one of its family
+    assert one is not None  # whatever its size at every speed, it has one at all of them
     left = view.with_further([one.candidate]).remaining_on(rows)
-    if left <= rules.part * search.excess_on(rows):
+    if left <= rules.part * search.excess_in(Region(tuple(rows))):
         return ""
-    rivals = dict(_left_of_rivals(view, candidate, rows))
+    rivals = dict(_left_of_rivals(view, one.candidate, rows))
     words = min(rivals, key=lambda name: rivals[name], default="")
     if not words or rivals[words] >= rules.foreign_richer * left:
         return ""

@@ -37,7 +37,7 @@ def limits(search: Search, beside: Search | None = None, held: HeldOut | None = 
     for number, at in enumerate(search.families.members.values()):
         best = min(at, key=lambda i: float(ex.gains[i].alone.min()))
         c = ex.candidates[best]
-        if c.log in (None, 0):
+        if c.log in (None, 0) and not c.speeds:
             rows = tuple(search.rows(c))
             if rows not in left:
                 left[rows] = beside.remaining_on(rows), held.left(beside, rows)

@@ -40,9 +40,10 @@ def revealing(
     Raises RobotError and LogError where there is no experiment to vary.
     """
     hidden = {(x.effect, x.joint) for x in limits if x.reason}
-    asked = [
-        (e, k) for e, k, log in search.families.members if (e, joint_name(k)) in hidden and log in (None, 0)
+    families = [
+        (e, k) for e, k, log, answered in search.families.members if log in (None, 0) and not answered
     ]
+    asked = [(e, k) for e, k in families if (e, joint_name(k)) in hidden]
     least = float(np.median([search.needed(family) for family in range(len(search.families.members))]))
     needed = needed_gain(search.rules, least, left=0.0, unseen=0.0, ratio=1.0)  # one of two such logs
     setting = search.examination.setting

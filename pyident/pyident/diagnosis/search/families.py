@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import bounds
+from pyident.diagnosis.base.candidates import Family, bounds
 from pyident.diagnosis.base.projection import Columns
 from pyident.diagnosis.base.residual_over_floor import Examination
-
-Family = tuple[str, int, int | None]
+from pyident.diagnosis.search.joint_fit import JointFit
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +19,7 @@ class Families:
     columns        (C) of every candidate;  bounds: on their coefficients
     mean, spread   (F,) of a family's best gain in replicas: what varies without cause
     peaks          (B,) largest score of each replica against the others
+    joint          fits of several candidates together
     """
 
     members: Mapping[Family, list[int]]
@@ -28,6 +28,7 @@ class Families:
     mean: np.ndarray
     spread: np.ndarray
     peaks: np.ndarray
+    joint: JointFit
 
 
 def families_of(examination: Examination) -> Families:
@@ -44,6 +45,7 @@ def families_of(examination: Examination) -> Families:
         best.mean(axis=0),
         _spread(best, own_trace),
         np.array([_peak(best, b, own_trace) for b in range(len(best))]),
+        JointFit(examination.base),
     )
 
 

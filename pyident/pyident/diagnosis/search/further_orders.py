@@ -34,7 +34,7 @@ def with_orders(search: Search, steps: Sequence[Step]) -> list[Step]:
             continue
         others = candidates_of([s for s in out if s is not out[i]])
         first, *further = _further(search, others, step.best.candidate)
-        main = search.resting_on([*others, *further]).best(first.effect, first.joint)
+        main = search.resting_on([*others, *further]).best(first.effect, first.joint, bool(first.speeds))
         out[i] = replace(step, tie=(main or step.best, *step.tie[1:]), orders=tuple(further))
     return out
 
@@ -47,7 +47,7 @@ def _further(search: Search, others: Sequence[Candidate], first: Candidate) -> l
     orders = [first]
     for _ in range(search.rules.orders):
         view = search.resting_on([*others, *orders])
-        more = view.best(first.effect, first.joint)
+        more = view.best(first.effect, first.joint, bool(first.speeds))
         if more is None or not (counts(view, more) and _takes(view, more)) or _another(view, more):
             break
         wider = _refitted(search, others, [*orders, more.candidate])
@@ -62,7 +62,7 @@ def _refitted(search: Search, others: Sequence[Candidate], orders: Sequence[Cand
     out = list(orders)
     for i, order in enumerate(orders):
         view = search.resting_on([*others, *out[:i], *out[i + 1 :]])
-        again = view.best(order.effect, order.joint)
+        again = view.best(order.effect, order.joint, bool(order.speeds))
         out[i] = again.candidate if again else order
     return out
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from flexmodels.effects import signals
 from pyident.diagnosis.base.candidates import Candidate, law_of
-from pyident.diagnosis.base.projection import fall_per_row
+from pyident.diagnosis.base.projection import falls
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
@@ -29,7 +30,7 @@ class Refusal:
     """
 
     candidate: Candidate
-    rows: tuple[int, ...]
+    region: Region
     share_percent: float
     heldout_percent: float | None
     reason: str
@@ -38,7 +39,7 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Admission:
-    """What the gate finds of effects, `lead` first, on the equations `rows` of a search.
+    """What the gate finds of effects, `lead` first, in the `region` of a search where it acts.
 
     p_value   chance of the lead's gain with nothing missing
     measured  whether they are an error of the robot file that counts without a share (see `measured`)
@@ -48,7 +49,7 @@ class Admission:
     """
 
     lead: Candidate
-    rows: tuple[int, ...]
+    region: Region
     p_value: float
     share: float
     unseen: Unseen | None
@@ -59,14 +60,14 @@ class Admission:
     @property
     def refusal(self) -> Refusal:
         unseen = None if self.unseen is None else 100 * self.unseen.share
-        return Refusal(self.lead, self.rows, 100 * self.share, unseen, self.reason, self.certain)
+        return Refusal(self.lead, self.region, 100 * self.share, unseen, self.reason, self.certain)
 
 
 def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held: HeldOut) -> Admission:
     """Whether effects, `lead` first, may be added to what the search rests on."""
-    rules, rows = search.rules, main_rows(search, lead.candidate)
-    p_value, share = search.p_value(lead), share_on(search, candidates, rows)
-    unseen = held.share(search, candidates, rows)
+    rules, region = search.rules, region_of(search, lead.candidate)
+    p_value, share = search.p_value(lead), share_in(search, candidates, region)
+    unseen = held.share(search, candidates, region)
     counted = p_value <= rules.level and lead.candidate.describes and measured(search, candidates[0], unseen)
     reason = ""
     if p_value > rules.level:
@@ -84,7 +85,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     elif unseen is not None:
         reason = _not_held(search, candidates, share, unseen, held)
     held_out = unseen is not None and unseen.deviations >= rules.chance
-    return Admission(lead.candidate, rows, p_value, share, unseen, reason, counted, held_out)
+    return Admission(lead.candidate, region, p_value, share, unseen, reason, counted, held_out)
 
 
 def _not_held(
@@ -108,14 +109,14 @@ def counts(search: Search, found: Found) -> bool:
     )
 
 
-def owns(search: Search, found: Found, rows: Sequence[int]) -> bool:
-    """Whether it takes away most of what still exceeds the floor on its equations, and a part of what did.
+def owns(search: Search, found: Found, region: Region) -> bool:
+    """Whether it takes away most of what still exceeds the floor where it acts, and a part of what did.
 
     A small one must leave nothing there: beside an inexact law it may be that law's remainder. A constant has
     no form that could be inexact, so what it took does not count.
     """
-    left, constants = search.remaining_on(rows), [c for c in search.chosen if _constant(search, c)]
-    if found.excess >= search.rules.part * search.resting_on(constants).remaining_on(rows):
+    left, constants = search.remaining_in(region), [c for c in search.chosen if _constant(search, c)]
+    if found.excess >= search.rules.part * search.resting_on(constants).remaining_in(region):
         return found.excess >= search.rules.own * left
     return found.excess >= search.rules.whole * left
 
@@ -131,20 +132,28 @@ def _over_floor(search: Search, candidate: Candidate) -> float:
     return float(np.sqrt(np.mean(search.over_floor[list(search.rows(candidate))])))
 
 
-def main_rows(search: Search, candidate: Candidate) -> tuple[int, ...]:
-    """The equations on which a candidate takes most of what it takes, and a part of what they lack."""
-    fall = fall_per_row(search.base, search.columns(candidate))
-    excess = np.array([search.remaining_on([row]) for row in range(len(fall))])
-    part = search.rules.part
-    matters = (fall >= part * max(float(fall.max()), 1e-300)) & (fall >= part * excess)
-    matters[int(np.argmax(fall))] = True
-    return tuple(int(row) for row in np.flatnonzero(matters))
+def region_of(search: Search, candidate: Candidate) -> Region:
+    """The rows of which a candidate takes most of what it takes, and a part of what they lack; and the bands,
+    from the lowest to the highest, in which it does. What shakes an arm at ten hertz says nothing about
+    friction that changes once a second.
+    """
+    ex, part = search.examination, search.rules.part
+    pairs = zip(falls(search.base, search.columns(candidate)), ex.bands, strict=True)
+    fall = np.sum([log @ inside for log, inside in pairs], axis=0)
+    of_row = fall.sum(axis=1)
+    lacking = np.array([search.remaining_on([row]) for row in range(len(fall))])
+    matters = (of_row >= part * max(float(of_row.max()), 1e-300)) & (of_row >= part * lacking)
+    matters[int(np.argmax(of_row))] = True
+    in_band = fall[matters].sum(axis=0)
+    bands = np.flatnonzero(in_band >= part * float(in_band.max()))
+    bands = range(int(bands[0]), int(bands[-1]) + 1)
+    return Region(tuple(int(row) for row in np.flatnonzero(matters)), tuple(bands))
 
 
-def share_on(search: Search, candidates: Sequence[Candidate], rows: Sequence[int]) -> float:
-    """What further candidates take of what exceeds the floor on some equations of the search."""
-    before = search.remaining_on(rows)
-    after = search.with_further(candidates).remaining_on(rows)
+def share_in(search: Search, candidates: Sequence[Candidate], region: Region) -> float:
+    """What further candidates take of what exceeds the floor in a region of the search."""
+    before = search.remaining_in(region)
+    after = search.with_further(candidates).remaining_in(region)
     return 1 - after / before if before > 0 else 1.0
 
 
@@ -158,7 +167,7 @@ def sets_for(
     The search rests on what was accepted before; step: its ranking.
     """
     steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
-    rows = main_rows(search, lead.candidate)
+    region = region_of(search, lead.candidate)
     for size in range(1, search.rules.together + 1):
         needed = search.rules.needed(size)
         entry = admission(search, steps[0].best, candidates_of(steps), held)
@@ -167,42 +176,42 @@ def sets_for(
         elif entry.reason:
             yield steps, entry.refusal
         else:
-            yield steps, _not_each(search, steps, rows, held)
-        further = _next(search, steps, rows)
+            yield steps, _not_each(search, steps, region, held)
+        further = _next(search, steps, region)
         if further is None:
             return
-        steps = _exchanged(search, [*steps, further], rows)
+        steps = _exchanged(search, [*steps, further], region)
 
 
-def _not_each(search: Search, steps: Sequence[Step], rows: Sequence[int], held: HeldOut) -> Refusal | None:
+def _not_each(search: Search, steps: Sequence[Step], region: Region, held: HeldOut) -> Refusal | None:
     """The first of several effects that does not hold on held-out logs beside the others, if there is one."""
     if len(steps) < 2:
         return None
     for own in steps:
         view = search.with_further(candidates_of([s for s in steps if s is not own]))
-        share, unseen = share_on(view, own.candidates, rows), held.share(view, own.candidates, rows)
+        share, unseen = share_in(view, own.candidates, region), held.share(view, own.candidates, region)
         if unseen is not None and not held.holds(unseen, share, search.rules):
             reason = f"on held-out data it takes {unseen} of what the others leave"
             percent = 100 * unseen.share
-            return Refusal(own.best.candidate, tuple(rows), 100 * share, percent, reason)
+            return Refusal(own.best.candidate, region, 100 * share, percent, reason)
     return None
 
 
-def _next(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
+def _next(search: Search, steps: Sequence[Step], region: Region) -> Step | None:
     """The best further effect on the same equations, if it takes enough."""
-    found = _best_beside(search, steps, rows)
-    if found is None or found.best.excess < search.rules.part * search.remaining_on(rows):
+    found = _best_beside(search, steps, region)
+    if found is None or found.best.excess < search.rules.part * search.remaining_in(region):
         return None
     return found
 
 
-def _best_beside(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> Step | None:
-    """What takes most of some equations beside a set, and counts."""
+def _best_beside(search: Search, steps: Sequence[Step], region: Region) -> Step | None:
+    """What takes most of a region beside a set, and counts."""
     beside = search.with_further(candidates_of(steps))
     step = beside.step()
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
-        acts = set(main_rows(beside, found.candidate)) & set(rows)
+        acts = region_of(beside, found.candidate).meets(region)
         free = found.candidate.family not in named and _of_its_own(search, found.candidate)
         if acts and free and counts(beside, found):
             return beside.led_by(found, step.ranked)
@@ -211,19 +220,19 @@ def _best_beside(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> 
 
 def _of_its_own(search: Search, candidate: Candidate) -> bool:
     """Whether it is not what the search rests on already; a wave may be a further one."""
-    same = [c for c in search.chosen if c.family == candidate.family]
+    same = [c for c in search.chosen if (c.effect, c.joint, c.log) == candidate.family[:3]]
     return not same or search.resolves([*same, candidate])
 
 
-def _exchanged(search: Search, steps: Sequence[Step], rows: Sequence[int]) -> list[Step]:
+def _exchanged(search: Search, steps: Sequence[Step], region: Region) -> list[Step]:
     """The set with each of its effects replaced by what takes more beside the others, while any does."""
     out, left = list(steps), np.inf
     for _ in range(_EXCHANGES):
         for place in range(len(out)):
-            better = _best_beside(search, [*out[:place], *out[place + 1 :]], rows)
+            better = _best_beside(search, [*out[:place], *out[place + 1 :]], region)
             if better is not None:
                 out[place] = better
-        before, left = left, search.with_further(candidates_of(out)).remaining_on(rows)
+        before, left = left, search.with_further(candidates_of(out)).remaining_in(region)
         if not left < before:
             break
     return out

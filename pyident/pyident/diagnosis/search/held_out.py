@@ -7,14 +7,14 @@ may imitate what is missing.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of
 from pyident.diagnosis.base.projection import Base, extended, gain, joined, solve_base
-from pyident.diagnosis.base.residual_over_floor import bands_of, whitened
+from pyident.diagnosis.base.residual_over_floor import Region, bands_of, whitened
 from pyident.diagnosis.lateness import all_earlier
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
@@ -80,7 +80,7 @@ class HeldOut:
 
     equations: tuple[Equations, ...]
 
-    def share(self, search: Search, further: Sequence[Candidate], rows: Sequence[int]) -> Unseen | None:
+    def share(self, search: Search, further: Sequence[Candidate], region: Region) -> Unseen | None:
         """What further candidates take beyond what the search rests on; None without held-out logs."""
         if not self.equations:
             return None
@@ -88,7 +88,7 @@ class HeldOut:
             _Fitted(chosen, *search.fitted(chosen)) for chosen in (search.chosen, [*search.chosen, *further])
         )
         beside = search.with_further(further)
-        found = [self._share(beside, before, after, rows, carried) for carried in (True, False)]
+        found = [self._share(beside, before, after, region, carried) for carried in (True, False)]
         return max(found, key=lambda unseen: unseen.share - unseen.std)
 
     def beside(self, search: Search) -> Iterator[tuple[Equations, Base]]:
@@ -123,22 +123,23 @@ class HeldOut:
         return min(search.examination.excess(left, bands, rows)[0] for left in each)
 
     def _share(
-        self, search: Search, before: _Fitted, after: _Fitted, rows: Sequence[int], carried: bool
+        self, search: Search, before: _Fitted, after: _Fitted, region: Region, carried: bool
     ) -> Unseen:
         """carried: with the model's parameters of the fitted logs, not with those each log has for itself.
 
         search: with the effects.
         """
-        listed = list(rows)
+        bands = bands_of(self.equations)
+        within = region.within(bands)
         left, rest = (self._residuals(search, fitted, not carried) for fitted in (before, after))
-        pairs = [(b[listed], a[listed]) for b, a in zip(left, rest, strict=True)]
+        pairs = [(b[i], a[i]) for b, a, i in zip(left, rest, within, strict=True)]
         fall = sum(float((np.square(b) - np.square(a)).sum()) for b, a in pairs)
         taken = sum(float(np.square(b - a).sum()) for b, a in pairs)
         variance = sum(float((np.square(b - a) * np.square(a)).sum()) for b, a in pairs)
         if carried:
-            variance += self._of_parameters(search.base, [b - a for b, a in pairs], listed)
+            variance += self._of_parameters(search.base, [b - a for b, a in pairs], within)
         variance *= 4
-        excess, floor = search.examination.excess(left, bands_of(self.equations), rows)
+        excess, floor = search.examination.excess(left, region.inside(bands), region.rows)
         scale = max(excess, search.rules.unseen_excess * floor, 1e-300)
         return Unseen(
             fall / scale,
@@ -147,11 +148,12 @@ class HeldOut:
             fall / max(taken, 1e-300),
         )
 
-    def _of_parameters(self, base: Base, taken: Sequence[np.ndarray], rows: list[int]) -> float:
-        """Variance of Σ s r by the noise in the parameters of the fitted logs; s: taken, (n, E) per log."""
-        slope = sum(
-            np.einsum("cep,ce->p", log.A[rows], s) for log, s in zip(self.equations, taken, strict=True)
-        )
+    def _of_parameters(
+        self, base: Base, taken: Sequence[np.ndarray], within: Sequence[tuple[np.ndarray, ...]]
+    ) -> float:
+        """Variance of Σ s r by the noise in the parameters of the fitted logs; s: `taken` within each log."""
+        every = zip(self.equations, taken, within, strict=True)
+        slope = sum(np.einsum("cep,ce->p", log.A[i], s) for log, s, i in every)
         along = base.directions.T @ np.asarray(slope)
         weights = [basis[:, :, : len(along)] @ along for basis in base.basis]
         pairs = zip(weights, base.residual, strict=True)
@@ -192,7 +194,7 @@ def _left_of(
     residual = own.residual[0] if isinstance(own, Base) else log.y - log.A @ own
     at = 0
     for candidate in acting:
-        everywhere = Candidate(candidate.effect, candidate.joint, candidate.values)
+        everywhere = replace(candidate, log=None)
         X = columns(search.robot, everywhere, [log], [search.examination.floor.at(log.band)])[0]
         width = next(iter(X.values())).shape[1]
         force = np.zeros_like(residual)

@@ -9,28 +9,29 @@ be spread as the law's own force, the most of a further law's force that it can 
 where s and a are what the further law and the one before take at each frequency.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import Base, extended
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.search import Search
 
 
-def may_be_remainder(search: Search, law: Candidate, before: Step, rows: Iterable[int]) -> bool:
-    """Whether most of what `law` takes of `rows` may be what `before`, on which the search rests, leaves.
+def may_be_remainder(search: Search, law: Candidate, before: Step, region: Region) -> bool:
+    """Whether most of what `law` takes of a region may be what `before`, on which the search rests, leaves.
 
     Of laws that are no waves the remainder has another spectrum than the law, so it may be anything.
     """
     if not (_waves(search, law) or _waves(search, before.best.candidate)):
         return True
-    listed = list(rows)
-    s = _taken(search.base, extended(search.base, search.columns(law)), listed)
+    within = region.within(search.examination.bands)
+    s = _taken(search.base, extended(search.base, search.columns(law)), within)
     without = search.resting_on([c for c in search.chosen if c not in before.candidates])
-    a = _taken(without.base, search.base, listed)
-    remainder = min(search.remaining_on(listed) / max(a.sum(), 1e-300), 1.0) * a
+    a = _taken(without.base, search.base, within)
+    remainder = min(search.remaining_in(region) / max(a.sum(), 1e-300), 1.0) * a
     return bool(np.minimum(s, remainder).sum() > (1 - search.rules.own) * s.sum())
 
 
@@ -38,7 +39,7 @@ def _waves(search: Search, candidate: Candidate) -> bool:
     return law_of(search.robot, candidate).order_of_torque is not None
 
 
-def _taken(before: Base, after: Base, rows: list[int]) -> np.ndarray:
-    """Energy of what a wider base takes at each equation, all logs one after the other."""
-    pairs = zip(before.residual, after.residual, strict=True)
-    return np.concatenate([np.square(b - a)[rows].ravel() for b, a in pairs])
+def _taken(before: Base, after: Base, within: Sequence[tuple[np.ndarray, ...]]) -> np.ndarray:
+    """Energy of what a wider base takes at each equation within every log, one log after the other."""
+    each = zip(before.residual, after.residual, within, strict=True)
+    return np.concatenate([np.square(b - a)[i].ravel() for b, a, i in each])

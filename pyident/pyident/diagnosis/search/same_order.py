@@ -8,7 +8,7 @@ seldom hits: beside it, as far away as a log tells two orders apart, much less i
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate, columns_of, law_of
+from pyident.diagnosis.base.candidates import Candidate, columns_of, law_of, width
 from pyident.diagnosis.base.projection import gains
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
@@ -25,7 +25,8 @@ def same_order(search: Search, candidate: Candidate, held: HeldOut) -> bool:
     own = dict(candidate.values)[order.name]
     others = own * np.geomspace(1 / _WITHIN, _WITHIN, _TRIED)
     listed = [candidate, *(candidate.at({order.name: float(other)}) for other in others)]
-    free = [(np.full(2, -np.inf), np.full(2, np.inf))] * len(listed)
+    unbounded = np.full(width(search.robot, candidate), np.inf)
+    free = [(-unbounded, unbounded)] * len(listed)
     energy, angle = np.zeros(len(listed)), 0.0
     for log, base in held.beside(search):
         level = search.examination.floor.at(log.band)

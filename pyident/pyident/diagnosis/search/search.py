@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, columns, law_of, proper
+from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, columns, law_of, proper, width
 from pyident.diagnosis.base.nonlinear_values import of_whole_periods, refined, wants_no_period
-from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains, joined, taken_over
-from pyident.diagnosis.base.residual_over_floor import Examination
+from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains
+from pyident.diagnosis.base.residual_over_floor import Examination, Region
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
 from pyident.diagnosis.search.found import Found, Step
@@ -58,12 +58,11 @@ class Search:
 
     def fitted(self, chosen: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
         """The model's parameters (P,) and the candidates' coefficients, all fitted together."""
-        base = self.examination.base
         if not chosen:
-            return base.p, np.zeros(0)
-        X = joined([self.columns(c) for c in chosen])
-        x = gain(base, X, *bounds_of(self.robot, chosen)).coefficients
-        return base.p - taken_over(base, X) @ x, x
+            return self.examination.base.p, np.zeros(0)
+        return self.families.joint.of(
+            chosen, [self.columns(c) for c in chosen], bounds_of(self.robot, chosen)
+        )
 
     def step(self) -> Step:
         """Rank the families by what they explain of the present base's residual."""
@@ -81,11 +80,14 @@ class Search:
         ranked = sorted(better, key=lambda f: (self.p_value(f) > self.rules.level, -f.excess))
         return self.led_by(ranked[0], ranked)
 
-    def best(self, effect: str, joint: int) -> Found | None:
-        """An effect at a joint at its best values, whatever its rank; None when it cannot act there."""
+    def best(self, effect: str, joint: int, answered: bool = False) -> Found | None:
+        """An effect at a joint at its best values, whatever its rank; None when it cannot act there.
+
+        answered   with parameters of its own at every speed
+        """
         found = []
         for number, (family, at) in enumerate(self.families.members.items()):
-            if family[:2] == (effect, joint):
+            if family[:2] == (effect, joint) and family[3] == answered:
                 X, limits = self.families.columns, self.families.bounds
                 each = gains(self.base, [X[i] for i in at], [limits[i] for i in at])
                 for candidate, i in self._by_gain(at, each)[:1]:
@@ -93,9 +95,9 @@ class Search:
         return max(found, key=lambda f: f.excess, default=None)
 
     def _best_proper(self, family: Sequence[int], each: Sequence[Gain]) -> tuple[Candidate, Gain]:
-        """A family's best candidate whose values make it what its name says; without one it gains nothing."""
+        """A family's best whose values make it what its name says, if it takes more than chance."""
         for candidate, i in self._by_gain(family, each):
-            if self._proper(candidate, each[i]):
+            if each[i].energy <= self.rules.chance**2 or self._proper(candidate, each[i]):
                 return candidate, each[i]
         return self.examination.candidates[family[0]], replace(each[0], energy=0.0)
 
@@ -109,7 +111,7 @@ class Search:
         if not is_friction(self.robot, further[0]):
             return 0.0
         p, x = self.fitted(listed)
-        ends = np.cumsum([len(law_of(self.robot, c).linear) for c in listed])[:-1]
+        ends = np.cumsum([width(self.robot, c) for c in listed])[:-1]
         laws = list(zip(listed, np.split(x, ends), strict=True))
         return energy_put_in(self.robot, self.examination.logs, p, laws, further[0].joint)
 
@@ -140,7 +142,8 @@ class Search:
             left = self.examination.beyond_floor(beside, self.rows(best.candidate))
             near = [f for f in near if f.excess >= surely or left > by_chance]
             tie += [f for f in near if self.gain_of(f.candidate, beside).energy < apart * f.gain.energy]
-        tie = self._without_generalisations(self._simplest_first(tie))
+        first, *others = self._simplest_first(tie)
+        tie = self._without_generalisations([first, *(f for f in others if not _one_law(f, first))])
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
     def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
@@ -224,13 +227,17 @@ class Search:
         """(n,) energy that the present base leaves on each equation over that of replicas."""
         return over_floor(self.examination, self.base)
 
-    def excess_on(self, rows: Sequence[int]) -> float:
-        """`excess` on some equations only."""
-        return self.examination.beyond_floor(self.examination.base, rows)
-
     def remaining_on(self, rows: Sequence[int]) -> float:
         """`remaining` on some equations only."""
         return self.examination.beyond_floor(self.base, rows)
+
+    def excess_in(self, region: Region) -> float:
+        """`excess` in a region only."""
+        return self.examination.beyond_floor_in(self.examination.base, region)
+
+    def remaining_in(self, region: Region) -> float:
+        """`remaining` in a region only."""
+        return self.examination.beyond_floor_in(self.base, region)
 
     @property
     def explained(self) -> float:
@@ -241,6 +248,14 @@ class Search:
     def stands_out(self) -> bool:
         """Whether the present base leaves by far more than replicas do on any equation."""
         return bool(self.standing_out.any())
+
+    def stands_out_in(self, region: Region) -> bool:
+        """Whether it does on rows of a region, and by that much within its bands."""
+        if not self.standing_out[list(region.rows)].any():
+            return False
+        ex = self.examination
+        floor = ex.excess(self.base.residual, region.inside(ex.bands), region.rows)[1]
+        return self.remaining_in(region) > self.rules.stands_out * floor
 
     @property
     def standing_out(self) -> np.ndarray:
@@ -271,6 +286,11 @@ class Search:
         if wants_no_period(self.robot, better, listed):
             return self._found(better, replace(taken, energy=0.0), family)
         return self._found(better, taken, family) if self._proper(better, taken) else found
+
+
+def _one_law(one: Found, other: Found) -> bool:
+    """Whether two are the same law at the same joint, with one size or one at every speed."""
+    return one.candidate.family[:3] == other.candidate.family[:3]
 
 
 def search_of(examination: Examination) -> Search:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.imitators.breadth import rests_on
 from pyident.diagnosis.imitators.constancy import changes_with
@@ -22,7 +23,7 @@ from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.imitators.modulation import grows_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.further_orders import as_orders, with_orders
-from pyident.diagnosis.search.gate import Refusal, admission, counts, main_rows, owns, sets_for, share_on
+from pyident.diagnosis.search.gate import Refusal, admission, counts, owns, region_of, sets_for, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.remainder import may_be_remainder
 from pyident.diagnosis.search.search import Search
@@ -55,7 +56,7 @@ def select(search: Search, held: HeldOut) -> Selection:
     search = search.resting_on(())
     first = search.step()
     chosen: list[Step] = []
-    refusals: dict[int, Refusal] = {}
+    refusals: dict[Region, Refusal] = {}
     imitators: dict[str, str] = {}
     view, step = search, first
     while len(chosen) < search.rules.most:
@@ -65,8 +66,7 @@ def select(search: Search, held: HeldOut) -> Selection:
         group, refusal, faults = _group(view, step, lead, chosen, held)
         imitators |= faults
         if refusal is not None:
-            worst = max(main_rows(view, lead.candidate), key=lambda row: view.remaining_on([row]))
-            refusals[worst] = refusal  # of the lead's own equations: it may have been exchanged
+            refusals[_worst(view, lead)] = refusal  # of the lead's own: it may have been exchanged
             continue
         chosen = with_orders(search, as_orders(chosen, group))
         view = search.resting_on(candidates_of(chosen))
@@ -75,12 +75,20 @@ def select(search: Search, held: HeldOut) -> Selection:
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
-def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[int, Refusal]) -> bool:
+def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[Region, Refusal]) -> bool:
     """Not where something was refused already, nor what is named already."""
     named = {s.best.candidate.family for s in chosen}
     if found.candidate.family in named or not counts(view, found):
         return False
-    return refusals.keys().isdisjoint(main_rows(view, found.candidate))
+    region = region_of(view, found.candidate)
+    return not any(region.meets(refused) for refused in refusals)
+
+
+def _worst(view: Search, lead: Found) -> Region:
+    """The row and the band in which a lead leaves most to explain."""
+    region = region_of(view, lead.candidate)
+    cells = [Region((row,), (band,)) for row in region.rows for band in region.bands]
+    return max(cells, key=view.remaining_in)
 
 
 def _group(
@@ -91,32 +99,32 @@ def _group(
     Equations that have an effect already get one that takes the rest, or several that leave nothing. A larger
     set takes the place of a smaller one only where that leaves what stands out and it takes most of this.
     """
-    rows = main_rows(view, lead.candidate)
-    there = [s for s in chosen if not set(rows).isdisjoint(view.rows(s.best.candidate))]
-    if any(may_be_remainder(view, lead.candidate, s, rows) for s in there):
+    region = region_of(view, lead.candidate)
+    there = [s for s in chosen if not set(region.rows).isdisjoint(view.rows(s.best.candidate))]
+    if any(may_be_remainder(view, lead.candidate, s, region) for s in there):
         found, why = _further(view, step, lead, chosen, held)
         return _checked(view, found, why, lead, chosen)
     best: list[Step] = []
     first: Refusal | None = None
     imitators: dict[str, str] = {}
     for found, why in sets_for(view, step, lead, held):
-        if best and not _betters(view, found, best, rows):
+        if best and not _betters(view, found, best, region):
             continue
         group, why, faults = _checked(view, found, why, lead, chosen)
         imitators |= faults
         first = _firmer(first, why)
         best = group or best
-        if not notable(view, rows):
+        if not notable(view, region):
             break
-        if best and not view.with_further(candidates_of(best)).standing_out[list(rows)].any():
+        if best and not view.with_further(candidates_of(best)).stands_out_in(region):
             break
     return best, None if best else first, imitators
 
 
-def notable(view: Search, rows: Sequence[int]) -> bool:
-    """Whether equations leave so much that more than one effect may be missing there."""
-    exceeds = view.standing_out | bands_in_doubt(view.examination, view.base).any(axis=1)
-    return bool(exceeds[list(rows)].any())
+def notable(view: Search, region: Region) -> bool:
+    """Whether so much is left in a region that more than one effect may be missing there."""
+    doubted = bands_in_doubt(view.examination, view.base)[np.ix_(region.rows, region.bands)]
+    return view.stands_out_in(region) or bool(doubted.any())
 
 
 def _firmer(first: Refusal | None, later: Refusal | None) -> Refusal | None:
@@ -136,15 +144,15 @@ def _checked(
     return group, None if group else _imitator(view, lead, faults), faults
 
 
-def _betters(view: Search, larger: Sequence[Step], smaller: Sequence[Step], rows: Sequence[int]) -> bool:
+def _betters(view: Search, larger: Sequence[Step], smaller: Sequence[Step], region: Region) -> bool:
     """Whether a set takes most of what a smaller one leaves, and each of it a part of the whole."""
-    least, left = view.rules.part * view.excess_on(rows), view.with_further(candidates_of(smaller))
+    least, left = view.rules.part * view.excess_in(region), view.with_further(candidates_of(smaller))
     each = [
-        view.with_further(candidates_of([s for s in larger if s is not own])).remaining_on(rows)
+        view.with_further(candidates_of([s for s in larger if s is not own])).remaining_in(region)
         for own in larger
     ]
-    rest = view.with_further(candidates_of(larger)).remaining_on(rows)
-    mostly = rest <= (1 - view.rules.own) * left.remaining_on(rows)
+    rest = view.with_further(candidates_of(larger)).remaining_in(region)
+    mostly = rest <= (1 - view.rules.own) * left.remaining_in(region)
     return mostly and all(without - rest >= least for without in each)
 
 
@@ -153,7 +161,7 @@ def _further(
 ) -> tuple[list[Step], Refusal | None]:
     """Effects beside those that its equations have already."""
     entry = admission(view, lead, [lead.candidate], held)
-    if not owns(view, lead, entry.rows):
+    if not owns(view, lead, entry.region):
         several = _several(view, step, lead, chosen, held)
         too_little = "beside the effects found there it takes too little of the rest"
         return several, None if several else replace(entry, reason=too_little).refusal
@@ -168,13 +176,13 @@ def _further(
 
 def _several(view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut) -> list[Step]:
     """Several further effects that together leave nothing of a rest too large to be an inexact law's."""
-    rows = main_rows(view, lead.candidate)
-    if view.remaining_on(rows) < view.rules.part * view.excess_on(rows):
+    region = region_of(view, lead.candidate)
+    if view.remaining_in(region) < view.rules.part * view.excess_in(region):
         return []
     for found, why in sets_for(view, step, lead, held):
         if len(found) < 2 or why is not None or any(_left_by(view, s, chosen) for s in found):
             continue
-        if share_on(view, candidates_of(found), rows) >= view.rules.whole:
+        if share_in(view, candidates_of(found), region) >= view.rules.whole:
             return found
     return []
 
@@ -203,8 +211,8 @@ def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, s
     kept = [s for s in group if not faults[id(s)]]
     named = {f"{s.best.candidate.effect} at joint{s.best.candidate.joint}": faults[id(s)] for s in group}
     if 0 < len(kept) < len(group):
-        rows = main_rows(view, kept[0].best.candidate)
-        if share_on(view, candidates_of(kept), rows) < view.rules.needed(len(kept)):
+        region = region_of(view, kept[0].best.candidate)
+        if share_in(view, candidates_of(kept), region) < view.rules.needed(len(kept)):
             kept = []
     return kept, {name: why for name, why in named.items() if why}
 
@@ -225,9 +233,9 @@ def _fault(whole: Search, candidate: Candidate) -> str:
 
 
 def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
-    rows = main_rows(view, lead.candidate)
-    share = 100 * share_on(view, [lead.candidate], rows)
-    return Refusal(lead.candidate, rows, share, None, next(iter(faults.values()), "it only imitates"))
+    region = region_of(view, lead.candidate)
+    share = 100 * share_in(view, [lead.candidate], region)
+    return Refusal(lead.candidate, region, share, None, next(iter(faults.values()), "it only imitates"))
 
 
 def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> list[Step]:
@@ -276,7 +284,7 @@ def _best_there(view: Search, step: Step, again: Found, others: Sequence[Step], 
     named = {s.best.candidate.family for s in others}
     joint = again.candidate.joint
     rivals = [f for f in step.ranked if f.candidate.joint == joint and counts(view, f)]
-    rivals = [f for f in rivals if f is again or owns(view, f, main_rows(view, f.candidate))]
+    rivals = [f for f in rivals if f is again or owns(view, f, region_of(view, f.candidate))]
     free = (f for f in rivals if f.candidate.family not in named)
     best = next((f for f in free if f is again or not admission(view, f, [f.candidate], held).reason), again)
     return view.led_by(best, step.ranked)

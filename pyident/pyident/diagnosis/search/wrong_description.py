@@ -22,7 +22,7 @@ from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import bounds, described, units_of
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
-from pyident.diagnosis.search.gate import Admission, admission, main_rows, share_on
+from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Search, search_of
@@ -71,8 +71,8 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
 
 def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
     """What a law and an error take of what exceeds the floor on the law's equations."""
-    rows = main_rows(view, step.best.candidate)
-    return share_on(view, step.candidates, rows), share_on(view, [error.candidate], rows)
+    region = region_of(view, step.best.candidate)
+    return share_in(view, step.candidates, region), share_in(view, [error.candidate], region)
 
 
 def _small(view: Search, error: Found) -> bool:
@@ -93,7 +93,7 @@ def _beside(
         view = among.resting_on(candidates_of([*steps, *named]))
         step = view.step()
         entry = admission(view, step.best, [step.best.candidate], held)
-        if entry.reason or not entry.rows or not _small(view, step.best):
+        if entry.reason or not entry.region.rows or not _small(view, step.best):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         if entry.measured and not steps:
@@ -117,7 +117,7 @@ def _instead(beside: Search, law: Found, error: Found) -> bool:
 
 def _with_law(view: Search, errors: Step, law: Found, held: HeldOut) -> Step:
     """Errors with the law that may stand in their place, if held-out logs show it as they show those."""
-    unseen = held.share(view, [law.candidate], main_rows(view, law.candidate))
+    unseen = held.share(view, [law.candidate], region_of(view, law.candidate))
     if not measured(view, law.candidate, unseen):
         return errors
     first = law.excess > errors.best.excess / view.rules.tie
@@ -126,7 +126,7 @@ def _with_law(view: Search, errors: Step, law: Found, held: HeldOut) -> Step:
 
 def _exceeds(view: Search, entry: Admission) -> bool:
     """Whether the logs exceed the floor where an error acts, held-out ones too."""
-    excess = view.over_floor[list(entry.rows)].mean() - 1
+    excess = view.over_floor[list(entry.region.rows)].mean() - 1
     if entry.unseen is not None:
         excess = min(excess, entry.unseen.excess)
     return bool(excess >= view.rules.unseen_excess)

@@ -18,6 +18,7 @@ from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import (
     Candidate,
+    Family,
     bounds,
     columns,
     every_law,
@@ -130,10 +131,10 @@ def _fitted_laws(
 ) -> list[_Law]:
     """The best of every family that explains anything."""
     levels = [level.at(e.band) for e in data]
-    listed = every_law(robot, data, base.p, RULES.periodic)
+    listed = [c for c in every_law(robot, data, base.p, RULES.periodic) if not c.speeds]
     own = dict(zip(robot.linear_parameters, base.p.tolist(), strict=True))
     period = max(e.band.period for e in data)
-    best: dict[tuple[str, int, int | None], _Law] = {}
+    best: dict[Family, _Law] = {}
     for i, candidate in enumerate(listed):
         X = columns(robot, candidate, data, levels)
         explained = gain(base, X, *bounds(robot, candidate))
