@@ -289,8 +289,9 @@ class Search:
 
 
 def _one_law(one: Found, other: Found) -> bool:
-    """Whether two are the same law at the same joint, with one size or one at every speed."""
-    return one.candidate.family[:3] == other.candidate.family[:3]
+    """Whether two are one law at one joint, one of them with a size of its own at every speed."""
+    a, b = one.candidate.family, other.candidate.family
+    return a[:3] == b[:3] and a != b
 
 
 def search_of(examination: Examination) -> Search:
