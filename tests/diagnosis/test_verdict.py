@@ -60,6 +60,15 @@ def test_sentences_name_what_they_mean():
     assert "joint2, motor side" in sentence_of("unexplained", [], calm, place)
 
 
+def test_many_findings_are_told_by_law():
+    ripples = [_finding(("torque_ripple", f"joint{k}")) for k in (3, 1, 2)]
+    said = sentence_of("cannot_tell", [*ripples, ONE, RIVALS], _places("unexplained"), ("joint2", "motor"))
+    assert said == (
+        "Missing: torque_ripple at joints 1, 2 and 3; stribeck at joint2; stribeck at joint2 or presliding at "
+        "joint2, these logs cannot tell which. Unexplained remains joint3, link side."
+    )
+
+
 def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
     place = _places("unexplained")
     place[0].band = (0.5, 1.0, 5.61)

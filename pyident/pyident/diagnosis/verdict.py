@@ -10,6 +10,7 @@ from pyident.regression.descriptions import place_name, stated
 
 _UNTOLD = ", these logs cannot tell which"
 _ALIKE = ", which describe the same robot: correct one of them"
+_MANY = 4  # findings, up to which the sentence tells what each takes
 _HARDLY = 10.0  # per cent of an excess: less than any effect takes that is named for its share
 
 
@@ -45,13 +46,35 @@ def sentence_of(
     if verdict == "unexplained":
         where = f"{place[0]}, {place[1]} side"
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
-    each = [f"{' or '.join(_said(n) for n in f.tie)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
+    brief = len(findings) > _MANY
+    each = _by_law(findings) if brief else [f"{_names(f)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
-    left = [f"{p.joint}, {p.balance} side ({_floors(p)})" for p in places if p.state == "unexplained"]
+    open_places = [p for p in places if p.state == "unexplained"]
+    left = [f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in open_places]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
     wrong = {n.describes for f in findings for n in f.tie}
     begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
     return f"{begin}: {names}.{rest}"
+
+
+def _by_law(findings: Sequence[Finding]) -> list[str]:
+    """Many findings in few words: a law with all joints where it is named alone, then the rest."""
+    alone = [f.tie[0] for f in findings if len(f.tie) == 1 and not f.tie[0].describes]
+    joints: dict[str, set[int]] = {}
+    for n in alone:
+        joints.setdefault(n.effect, set()).add(joint_number(n.joint))
+    said = [f"{law} at {_listed(sorted(where))}" for law, where in joints.items()]
+    others = [f for f in findings if len(f.tie) > 1 or f.tie[0].describes]
+    return [*said, *(f"{_names(f)}{_of_tie(f)}" for f in others)]
+
+
+def _listed(joints: Sequence[int]) -> str:
+    *first, last = (str(k) for k in joints)
+    return f"joints {', '.join(first)} and {last}" if first else f"joint{last}"
+
+
+def _names(finding: Finding) -> str:
+    return " or ".join(_said(n) for n in finding.tie)
 
 
 def _of_tie(finding: Finding) -> str:
