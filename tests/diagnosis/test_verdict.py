@@ -64,8 +64,8 @@ def test_many_findings_are_told_by_law():
     ripples = [_finding(("torque_ripple", f"joint{k}")) for k in (3, 1, 2)]
     said = sentence_of("cannot_tell", [*ripples, ONE, RIVALS], _places("unexplained"), ("joint2", "motor"))
     assert said == (
-        "Missing: torque_ripple at joints 1, 2 and 3; stribeck at joint2; stribeck at joint2 or presliding at "
-        "joint2, these logs cannot tell which. Unexplained remains joint3, link side."
+        "Missing: torque_ripple at joints 1, 2 and 3; stribeck at joint2; "
+        "stribeck at joint2 or presliding at joint2, these logs cannot tell which. Unexplained remains joint3, link side."
     )
 
 
