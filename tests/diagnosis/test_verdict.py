@@ -65,7 +65,8 @@ def test_many_findings_are_told_by_law():
     said = sentence_of("cannot_tell", [*ripples, ONE, RIVALS], _places("unexplained"), ("joint2", "motor"))
     assert said == (
         "Missing: torque_ripple at joints 1, 2 and 3; stribeck at joint2; "
-        "stribeck at joint2 or presliding at joint2, these logs cannot tell which. Unexplained remains joint3, link side."
+        "stribeck at joint2 or presliding at joint2, these logs cannot tell which. "
+        "Unexplained remains joint3, link side."
     )
 
 
