@@ -76,12 +76,17 @@ def select(search: Search, held: HeldOut) -> Selection:
 
 
 def _may_lead(view: Search, found: Found, chosen: Sequence[Step], refusals: dict[Region, Refusal]) -> bool:
-    """Not where something was refused already, nor what is named already."""
+    """Not where something was refused already, nor what is named already; beside that, in other bands of the
+    same rows, what by itself takes enough for a name.
+    """
     named = {s.best.candidate.family for s in chosen}
     if found.candidate.family in named or not counts(view, found):
         return False
     region = region_of(view, found.candidate)
-    return not any(region.meets(refused) for refused in refusals)
+    if any(region.meets(refused) for refused in refusals):
+        return False
+    tried = any(not set(region.rows).isdisjoint(refused.rows) for refused in refusals)
+    return not tried or share_in(view, [found.candidate], region) >= view.rules.needed(1)
 
 
 def _worst(view: Search, lead: Found) -> Region:
