@@ -59,13 +59,12 @@ def sentence_of(
 
 def _by_law(findings: Sequence[Finding]) -> list[str]:
     """Many findings in few words: a law with all joints where it is named alone, then the rest."""
-    alone = [f.tie[0] for f in findings if len(f.tie) == 1 and not f.tie[0].describes]
+    alone = [f for f in findings if len(f.tie) < 2 and not any(n.describes for n in f.tie)]
     joints: dict[str, set[int]] = {}
-    for n in alone:
+    for n in (n for f in alone for n in f.tie):
         joints.setdefault(n.effect, set()).add(joint_number(n.joint))
     said = [f"{law} at {_listed(sorted(where))}" for law, where in joints.items()]
-    others = [f for f in findings if len(f.tie) > 1 or f.tie[0].describes]
-    return [*said, *(f"{_names(f)}{_of_tie(f)}" for f in others)]
+    return [*said, *(f"{_names(f)}{_of_tie(f)}" for f in findings if f not in alone)]
 
 
 def _listed(joints: Sequence[int]) -> str:
