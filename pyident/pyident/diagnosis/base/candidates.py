@@ -23,6 +23,7 @@ from pyident.regression.spectrum import Band, Equations
 from pyident.rules.periodic import PeriodicRules
 
 _as_they_act: Recent[dict[int, np.ndarray]] = Recent(512)
+_at_speeds: Recent[dict[int, np.ndarray]] = Recent(32)  # wide ones
 _with_torques: Recent[Motion] = Recent(16)
 _TOGETHER = 16  # candidates whose columns are transformed at once
 
@@ -84,9 +85,10 @@ def candidates(
             found += [
                 Candidate(effect.name, joint, tuple(values.items()), log) for log in scopes for values in grid
             ]
-            if orders and effect.order_of_torque and robot.controller is None:
-                (name,), own = (p.name for p in effect.nonlinear), orders[joint]
-                found += [Candidate(effect.name, joint, ((name, n),), None, own.speeds) for n in own.answered]
+            wave = effect.order_of_torque
+            if orders and wave and effect.nonlinear == (wave,) and robot.controller is None:
+                at, speeds = orders[joint].answered, orders[joint].speeds
+                found += [Candidate(effect.name, joint, ((wave.name, n),), None, speeds) for n in at]
     return found
 
 
@@ -250,7 +252,8 @@ def _columns(
     if acting is None:
         whole = np.ones(len(log.part.target))
         make = partial(_transformed, robot, candidate, log.part, log.band, whole)
-        raw = _as_they_act.of((robot, log.part), make, candidate)
+        kept = _at_speeds if candidate.speeds else _as_they_act
+        raw = kept.of((robot, log.part), make, candidate)
     else:
         raw = _transformed(robot, candidate, log.part, log.band, acting)
     return {row: X / level[row][:, None] for row, X in raw.items()}

@@ -16,11 +16,10 @@ from pyident.diagnosis.base.projection import Base, Columns, Limits, System
 
 @dataclass(frozen=True)
 class _Own:
-    """Of one candidate's K columns: BᵀX (R, K), Xᵀr (K,), and the columns."""
+    """Of one candidate's K columns: BᵀX (R, K) and Xᵀr (K,)."""
 
     along: np.ndarray
     against: np.ndarray
-    columns: Columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,8 @@ class JointFit:
         columns   of each of them
         """
         own = [self._of_one(c, X) for c, X in zip(listed, columns, strict=True)]
-        G = np.block([[self._of_pair(a, b) for b in listed] for a in listed])
+        each = list(zip(listed, columns, strict=True))
+        G = np.block([[self._of_pair(a, b) for b in each] for a in each])
         along = np.hstack([one.along for one in own])
         against = np.concatenate([one.against for one in own])
         x = System.of(G, G - along.T @ along).solved(against, *limits).coefficients
@@ -51,15 +51,16 @@ class JointFit:
             each = list(zip(columns, self.base.basis, self.base.residual, strict=True))
             along = sum(B[c].T @ X for rows, B, _ in each for c, X in rows.items())
             against = sum(X.T @ r[c] for rows, _, r in each for c, X in rows.items())
-            self._own[candidate] = _Own(np.asarray(along), np.asarray(against), columns)
+            self._own[candidate] = _Own(np.asarray(along), np.asarray(against))
         return self._own[candidate]
 
-    def _of_pair(self, a: Candidate, b: Candidate) -> np.ndarray:
+    def _of_pair(self, one: tuple[Candidate, Columns], other: tuple[Candidate, Columns]) -> np.ndarray:
+        """XᵀY of two candidates and their columns."""
+        (a, X), (b, Y) = one, other
         if (a, b) not in self._pairs:
-            X, Y = self._own[a], self._own[b]
-            product = np.zeros((len(X.against), len(Y.against)))
-            for one, other in zip(X.columns, Y.columns, strict=True):
-                for c in one.keys() & other.keys():
-                    product += one[c].T @ other[c]
+            product = np.zeros((len(self._own[a].against), len(self._own[b].against)))
+            for own, beside in zip(X, Y, strict=True):
+                for c in own.keys() & beside.keys():
+                    product += own[c].T @ beside[c]
             self._pairs[a, b], self._pairs[b, a] = product, product.T
         return self._pairs[a, b]
