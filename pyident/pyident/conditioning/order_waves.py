@@ -63,6 +63,8 @@ def peaks_at_speeds(
 ) -> list[float]:
     """The same of waves whose size and phase are those of the speed, as of what answers a wave: each part of
     the speeds has its own spectrum, and the sum of those, each over its noise, is a gamma variable.
+
+    left, angles, speeds   per log (N,), the angle in rad;  orders (F,)
     """
     if len(orders) < rules.neighbours:
         return []

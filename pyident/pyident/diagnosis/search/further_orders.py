@@ -17,12 +17,9 @@ from pyident.diagnosis.search.search import Search
 
 def as_orders(chosen: Sequence[Step], further: Sequence[Step]) -> list[Step]:
     """All steps; a further wave of a periodic law that was chosen already is one of its orders."""
-    waves = {s.best.candidate.family: s.best.candidate for s in further}
+    waves = {s.best.candidate.family: s.candidates for s in further}
     named = {s.best.candidate.family for s in chosen}
-    out = []
-    for step in chosen:
-        wave = waves.get(step.best.candidate.family)
-        out.append(step if wave is None else replace(step, orders=(*step.orders, wave)))
+    out = [replace(s, orders=(*s.orders, *waves.get(s.best.candidate.family, ()))) for s in chosen]
     return [*out, *(s for s in further if s.best.candidate.family not in named)]
 
 
