@@ -139,7 +139,8 @@ def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) ->
     at = [base.trial.robot.coordinates.index(row) for row in rows]
     floors = [parts[new.fitted :] for parts in new.replicas]
     left = [mean_square_over_floor(fit.data[fit.fitted :], floors, at) for fit in (base, new)]
-    missed = [_mean_square(errors, after, channels) for errors in (before, after)]
+    own = _of_joints(base.trial, rows, channels)
+    missed = [_mean_square(errors, after, own) for errors in (before, after)]
     gains = (1 - left[1] / left[0], 1 - missed[1] / missed[0])
     shown = ["tip"] if all("tip" in log.simulation for log in before) and not base.trial.tracks else channels
     wanted = [("equations", name) for name in rows] + [("simulation", name) for name in shown]
@@ -169,6 +170,12 @@ def _telling(trial: Trial, errors: Sequence[LogErrors]) -> list[str]:
     if trial.tracks:
         return [n for n in names if is_torque(n)]
     return [n for n in names if not is_torque(n) and n != "tip"]
+
+
+def _of_joints(trial: Trial, rows: Sequence[str], channels: Sequence[str]) -> list[str]:
+    """Torques of the joints on whose equations a law acts; where the motion is simulated, all channels."""
+    own = [n for n in channels if any(row.startswith(n.removesuffix("tau")) for row in rows)]
+    return own if own and trial.tracks else list(channels)
 
 
 def _mean_square(errors: Sequence[LogErrors], floors: Sequence[LogErrors], names: Sequence[str]) -> float:
