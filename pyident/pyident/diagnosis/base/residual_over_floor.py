@@ -109,7 +109,7 @@ class Examination:
 
     def beyond_floor(self, base: Base, rows: Sequence[int]) -> float:
         """Energy that a base leaves on some equations beyond what replicas leave, band by band."""
-        return self.excess(base.residual, self.bands, rows)[0]
+        return self.beyond_floor_in(base, Region(tuple(rows)))
 
     def beyond_floor_in(self, base: Base, region: Region) -> float:
         """The same in a region only."""

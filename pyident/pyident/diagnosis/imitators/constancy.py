@@ -7,7 +7,6 @@ is a course of time, into quarters. What a true law gains by that is chance.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, columns, law_of, with_model_torque
 from pyident.diagnosis.base.projection import gain, joined
-from pyident.diagnosis.search.gate import region_of
+from pyident.diagnosis.search.gate import acting_region
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
 
@@ -53,26 +52,28 @@ def changes_with(search: Search, candidate: Candidate) -> str:
     if candidate.log is not None:
         return ""  # a body's parameters cannot change within a log
     asked = {name: q for name, q in QUANTITIES.items() if not (candidate.speeds and name in _OF_SPEED)}
-    shares = {name: _gained(search, candidate, quantity) for name, quantity in asked.items()}
-    worst = max(shares, key=lambda name: shares[name])
-    return worst if shares[worst] > search.rules.changes else ""
+    gained = {name: _gained(search, candidate, quantity) for name, quantity in asked.items()}
+    worst = max(gained, key=lambda name: gained[name])
+    return worst if gained[worst] / _to_gain(search, candidate) > search.rules.changes else ""
 
 
 def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
-    """By coefficients of their own above the median, of what exceeds the floor on the law's equations.
-
-    Where that is less than what the law itself takes, as a floor that is too high at other frequencies makes
-    it, of the latter.
-    """
+    """Energy that coefficients of their own above the median take."""
     logs, parts = search.examination.logs, _MEDIAN
     if quantity is _time and signals.time in law_of(search.robot, candidate).symbols:
         parts = _QUARTERS
     above = [above_quantile(search, candidate.joint, quantity, part) for part in parts]
     X = joined([columns(search.robot, candidate, logs, search.levels, high) for high in above])
+    return gain(search.base, X).energy
+
+
+def _to_gain(search: Search, candidate: Candidate) -> float:
+    """What exceeds the floor where a law acts; where that is less than what the law itself takes, as a floor
+    that is too high at other frequencies makes it, the latter.
+    """
     without = search.without(candidate)
     own = without.gain_of(candidate).energy
-    region = replace(region_of(without, candidate), rows=tuple(search.rows(candidate)))
-    return gain(search.base, X).energy / max(search.excess_in(region), own, 1e-300)
+    return max(search.excess_in(acting_region(without, candidate)), own, 1e-300)
 
 
 def above_median(search: Search, joint: int, quantity: Quantity) -> list[np.ndarray]:

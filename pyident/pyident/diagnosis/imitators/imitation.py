@@ -8,14 +8,12 @@ does, nothing unknown is there: a constant torque is a part of some function of 
 friction beside it.
 """
 
-from dataclasses import replace
-
 from flexmodels.coordinate import signal_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import extended
-from pyident.diagnosis.search.gate import region_of
+from pyident.diagnosis.search.gate import acting_region, region_of
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch
 
@@ -25,9 +23,11 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
 
     The search must rest on the candidate and all others that are named.
     """
-    region = replace(region_of(search.without(candidate), candidate), rows=tuple(search.rows(candidate)))
-    least = search.rules.foreign_left * search.excess_in(region)
-    if candidate.log is not None or search.remaining_in(region) <= least:
+    if candidate.log is not None:
+        return ""
+    without = search.without(candidate)
+    region = acting_region(without, candidate)
+    if search.remaining_in(region) <= search.rules.foreign_left * search.excess_in(region):
         return ""
     row = max(region.rows, key=lambda row: search.remaining_on([row]))
     left = search.remaining_on([row])
@@ -38,11 +38,10 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
     known = _known(law_of(search.robot, candidate), candidate.joint)
     if dependence.gain < search.rules.foreign_signal * left or not _foreign(dependence, known):
         return ""
-    without = search.without(candidate).base
-    instead = extended(without, columns)
+    instead = extended(without.base, columns)
     if search.examination.beyond_floor(instead, [row]) > search.rules.foreign_richer * left:
         return ""
-    by_itself, beside = (search.gain_of(candidate, base).energy for base in (without, instead))
+    by_itself, beside = (search.gain_of(candidate, base).energy for base in (without.base, instead))
     if beside >= search.rules.foreign_kept * by_itself or _has_a_name(search, row, dependence):
         return ""
     return dependence.said

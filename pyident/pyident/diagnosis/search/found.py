@@ -30,6 +30,11 @@ class Found:
         """Number of parameters: of laws that explain alike, the one with fewer comes first."""
         return len(self.gain.coefficients) + len(self.candidate.values)
 
+    def other_form_of(self, other: "Found") -> bool:
+        """Whether both are one law at one joint, one of them with a size of its own at every speed."""
+        a, b = self.candidate.family, other.candidate.family
+        return a[:3] == b[:3] and a != b
+
 
 @dataclass(frozen=True)
 class Step:

@@ -141,13 +141,17 @@ def region_of(search: Search, candidate: Candidate) -> Region:
     pairs = zip(falls(search.base, search.columns(candidate)), ex.bands, strict=True)
     fall = np.sum([log @ inside for log, inside in pairs], axis=0)
     of_row = fall.sum(axis=1)
-    lacking = np.array([search.remaining_on([row]) for row in range(len(fall))])
-    matters = (of_row >= part * max(float(of_row.max()), 1e-300)) & (of_row >= part * lacking)
+    matters = (of_row >= part * max(float(of_row.max()), 1e-300)) & (of_row >= part * search.lacking)
     matters[int(np.argmax(of_row))] = True
     in_band = fall[matters].sum(axis=0)
     bands = np.flatnonzero(in_band >= part * float(in_band.max()))
     bands = range(int(bands[0]), int(bands[-1]) + 1)
     return Region(tuple(int(row) for row in np.flatnonzero(matters)), tuple(bands))
+
+
+def acting_region(without: Search, candidate: Candidate) -> Region:
+    """All rows on which a candidate acts, in the bands in which it takes what a search without it lacks."""
+    return replace(region_of(without, candidate), rows=tuple(without.rows(candidate)))
 
 
 def share_in(search: Search, candidates: Sequence[Candidate], region: Region) -> float:
@@ -211,9 +215,8 @@ def _best_beside(search: Search, steps: Sequence[Step], region: Region) -> Step 
     step = beside.step()
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
-        acts = region_of(beside, found.candidate).meets(region)
         free = found.candidate.family not in named and _of_its_own(search, found.candidate)
-        if acts and free and counts(beside, found):
+        if free and counts(beside, found) and region_of(beside, found.candidate).meets(region):
             return beside.led_by(found, step.ranked)
     return None
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -143,7 +144,7 @@ class Search:
             near = [f for f in near if f.excess >= surely or left > by_chance]
             tie += [f for f in near if self.gain_of(f.candidate, beside).energy < apart * f.gain.energy]
         first, *others = self._simplest_first(tie)
-        tie = self._without_generalisations([first, *(f for f in others if not _one_law(f, first))])
+        tie = self._without_generalisations([first, *(f for f in others if not f.other_form_of(first))])
         return Step(tuple(tie), self.p_value(tie[0]), tuple(f for f in ranked if f not in tie))
 
     def _simplest_first(self, tie: Sequence[Found]) -> list[Found]:
@@ -231,6 +232,11 @@ class Search:
         """`remaining` on some equations only."""
         return self.examination.beyond_floor(self.base, rows)
 
+    @cached_property
+    def lacking(self) -> np.ndarray:
+        """(n,) the same of each equation."""
+        return np.array([self.remaining_on([row]) for row in range(len(self.robot.q))])
+
     def excess_in(self, region: Region) -> float:
         """`excess` in a region only."""
         return self.examination.beyond_floor_in(self.examination.base, region)
@@ -286,12 +292,6 @@ class Search:
         if wants_no_period(self.robot, better, listed):
             return self._found(better, replace(taken, energy=0.0), family)
         return self._found(better, taken, family) if self._proper(better, taken) else found
-
-
-def _one_law(one: Found, other: Found) -> bool:
-    """Whether two are one law at one joint, one of them with a size of its own at every speed."""
-    a, b = one.candidate.family, other.candidate.family
-    return a[:3] == b[:3] and a != b
 
 
 def search_of(examination: Examination) -> Search:
