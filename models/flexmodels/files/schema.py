@@ -181,6 +181,7 @@ def _processing() -> dict[str, Any]:
         "cutoff": _positive("Of the zero-phase Butterworth filter [Hz]"),
         "order": _whole("Of the filter", 1, 20),
         "decimate": _whole("Factor by which filtered equations are thinned out", 1, 1_000_000),
+        "band": _positive("Up to which a diagnosis judges [Hz]"),
         "dead_zone": _number("Speed below which its sign is noise [rad/s or m/s]", 0),
     }
     return _table(keys)

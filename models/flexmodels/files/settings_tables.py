@@ -36,6 +36,7 @@ def _processing(table: Table) -> Processing:
         cutoff=table.number("cutoff") if "cutoff" in table else None,
         order=int(table.get("order", 4)),
         decimate=int(table.get("decimate", 1)),
+        band=table.number("band") if "band" in table else None,
         dead_zone=table.number("dead_zone", 0.0),
     )
 

@@ -19,6 +19,7 @@ class Processing:
     derivative   "central" or "hat"; None takes hat means for a held torque and central differences else
     cutoff       [Hz] of a zero-phase Butterworth of `order`, None for no filter
     decimate     factor by which the filtered equations are thinned out
+    band         [Hz] up to which a diagnosis judges the equations, None: as far as they are sound
     dead_zone    speed [rad/s or m/s] below which the sign of a measured speed is noise: dry friction is
                  taken as proportional to the speed there, and thinned equations at rest are left out
     """
@@ -27,4 +28,5 @@ class Processing:
     cutoff: float | None = None
     order: int = 4
     decimate: int = 1
+    band: float | None = None
     dead_zone: float = 0.0

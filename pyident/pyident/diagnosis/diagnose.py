@@ -14,6 +14,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.denoised import unfiltered
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import Region, examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
@@ -36,6 +37,10 @@ from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
+
+
+class UnsimulatedFitError(LogError):
+    """The replicas of a fit serve nothing."""
 
 
 def diagnose(
@@ -105,8 +110,21 @@ def searched(
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
-    whose bias stays. Positions that all come late are moved back first.
+    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
+    Positions that all come late are moved back first.
     """
+    plain = unfiltered(robot, logs)
+    try:
+        return _with_late_positions(plain, logs, open_pool, progress, rules)
+    except UnsimulatedFitError:
+        if plain is robot:
+            raise
+    return _with_late_positions(robot, logs, open_pool, progress, rules)
+
+
+def _with_late_positions(
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules
+) -> Search:
     setting = set_up(robot, logs, rules)
     once = setting.simulates or len(robot.joints) == 1
     search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
@@ -132,7 +150,7 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
                 continue
             if not (setting.simulates and worth_little(search.examination)):
                 return search
-    raise LogError(
+    raise UnsimulatedFitError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "
         "joints; else the model lacks something large, such as a base that bends"

@@ -8,6 +8,7 @@ from flexmodels.robot import Robot
 from pyident.comparison.compare import log_errors
 from pyident.comparison.errors import LogErrors
 from pyident.comparison.model_against_replicas import Part, Progress, Trial, judged_logs, run_trial
+from pyident.diagnosis.base.denoised import unfiltered
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.extension.split import Split
 from pyident.rules.rules import Rules
@@ -60,7 +61,7 @@ def fit_to(
     setting = in_closed_loop(start, parts.fitted)
     with open_pool(setting.simulated) as workers:
         setting = unbiased(setting, workers)
-        asked = setting if start.simulates else start
+        asked = setting if start.simulates else set_up(unfiltered(robot, parts.fitted), parts.fitted, rules)
         fit = Fit(setting, asked, _on_trial(setting, parts), len(parts.fitted), [])
         if not replicas:
             return replace(fit, data=judged_logs(fit.trial, workers))

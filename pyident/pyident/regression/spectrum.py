@@ -109,16 +109,17 @@ def levels_of(levels: Sequence[Floor], data: Sequence[Equations]) -> list[np.nda
 def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)
-    return Band(length, max(2, int(_band_top(robot, period) * length * period)), period)
+    return Band(length, max(2, int(band_top(robot, period) * length * period)), period)
 
 
-def _band_top(robot: Robot, period: float) -> float:
+def band_top(robot: Robot, period: float) -> float:
     """The highest frequency [Hz] at which the equations of a log with this period [s] are sound."""
     along = robot.controller is None and not any(joint.flexible for joint in robot.joints)
-    top = min(_RIGID_TOP if along else _TOP, _THINNED_TOP / robot.settings.processing.decimate) * 0.5 / period
-    if robot.settings.processing.cutoff is not None:
-        top = min(top, _CUT * robot.settings.processing.cutoff)
-    return top
+    plan = robot.settings.processing
+    top = min(_RIGID_TOP if along else _TOP, _THINNED_TOP / plan.decimate) * 0.5 / period
+    if plan.cutoff is not None:
+        top = min(top, _CUT * plan.cutoff)
+    return top if plan.band is None else min(top, plan.band)
 
 
 def _equations(robot: Robot, part: Conditioned, period: float) -> Equations:

@@ -3,12 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from six_axis_logs import arm, made, plain
 
 from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.denoised import denoised, denoised_every_sample
+from pyident.diagnosis.base.denoised import denoised, denoised_equations, denoised_every_sample, unfiltered
 from pyident.estimation.estimator import weighted
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
@@ -39,17 +38,23 @@ def test_a_fit_predicts_the_torques_of_another_motion():
     assert np.mean(error["plain"]) > 3 * np.mean(error["denoised"])
 
 
-@pytest.mark.parametrize("change", ["cutoff", "flexible"])
-def test_a_cutoff_or_springs_leave_the_motion_as_it_is(change):
-    robot = arm()
-    log = coarse(made(robot, 0, plain, 20.0))
-    if change == "flexible":
-        robot = load_robot("four_link")
-        names = [*robot.coordinates, *robot.torques]
-        columns = {name: log.frame["joint1.e" if ".tau" not in name else "joint1.tau"] for name in names}
-        log = replace(log, frame=log.frame[["time"]].assign(**columns))
-    else:
-        processing = replace(robot.settings.processing, cutoff=10.0)
-        robot = robot.with_settings(processing=processing)
+def test_springs_leave_the_motion_as_it_is():
+    log, robot = coarse(made(arm(), 0, plain, 20.0)), load_robot("four_link")
+    names = [*robot.coordinates, *robot.torques]
+    columns = {name: log.frame["joint1.e" if ".tau" not in name else "joint1.tau"] for name in names}
+    log = replace(log, frame=log.frame[["time"]].assign(**columns))
     assert np.array_equal(denoised(robot, log).motion.q, condition(log, robot).motion.q)
     assert denoised_every_sample(robot, log).use[0].all() == condition(log, robot).use[0].all()
+
+
+def test_without_its_filter_a_robot_is_judged_as_far_as_with_it():
+    log = made(arm(), 0, plain, 20.0)
+    for cutoff, decimate, top in ((5.0, 1, 4.0), (40.0, 5, 8.0), (45.0, 1, 30.0)):
+        plan = replace(arm().settings.processing, cutoff=cutoff, decimate=decimate)
+        filtered = arm().with_settings(processing=plan)
+        robot = unfiltered(filtered, [log])
+        assert robot.settings.processing.cutoff is None
+        bands = [denoised_equations(each, [log])[0].band.frequencies[-1] for each in (filtered, robot)]
+        assert np.allclose(bands, top, atol=0.3)
+        assert np.array_equal(denoised(robot, log).motion.ddq, denoised(arm(), log).motion.ddq)
+    assert unfiltered(arm(), [log]) == arm()

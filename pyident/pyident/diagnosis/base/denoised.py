@@ -2,9 +2,12 @@
 
 Differences amplify the noise of encoders, and in a regressor noise is no residual: it bends the parameters
 (errors in variables), differently along every motion. What that leaves is a floor at low frequencies, where
-physics is, and an error of prediction on held-out logs. Where the loop of a rigid robot is unknown and its
-file names no cutoff, the motion is therefore taken as a low pass leaves it whose corner is where its spectrum
-nears the noise. The torques keep all their frequencies.
+physics is, and an error of prediction on held-out logs. Where the loop of a rigid robot is unknown, the
+motion is therefore taken as a low pass leaves it whose corner is where its spectrum nears the noise. The
+torques keep all their frequencies.
+
+The filter of the robot's file would do less: it bends the motion about its corner, blurs reversals and leaves
+them in, and thins out. It only ends the band that is judged (`unfiltered`).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +20,7 @@ from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Equations, equations
+from pyident.regression.spectrum import Equations, band_top, equations
 from pyident.simulation.bends import telling
 
 
@@ -45,9 +48,17 @@ def corners(robot: Robot, log: Log) -> np.ndarray:
 
 
 def denoises(robot: Robot) -> bool:
-    """Whether the motion loses its noise and a torque's has a spectrum; a cutoff of the file forbids it."""
-    rigid = not any(joint.flexible for joint in robot.joints)
-    return rigid and robot.controller is None and robot.settings.processing.cutoff is None
+    """Whether the motion loses its noise and a torque's has a spectrum."""
+    return robot.controller is None and not any(joint.flexible for joint in robot.joints)
+
+
+def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
+    """The robot without its file's filter, judged up to where the equations would be sound with it."""
+    plan = robot.settings.processing
+    if plan.cutoff is None and plan.decimate == 1:
+        return robot
+    band = min(band_top(robot, log.period) for log in logs)
+    return robot.with_settings(processing=replace(plan, cutoff=None, decimate=1, band=band))
 
 
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:

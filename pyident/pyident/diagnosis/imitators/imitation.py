@@ -50,7 +50,7 @@ def stands_in_for(search: Search, candidate: Candidate) -> str:
 def _has_a_name(search: Search, row: int, dependence: Dependence) -> bool:
     """Whether a law of the catalogue takes most of what the dependence takes of an equation."""
     least = search.rules.own * (dependence.gain - dependence.pretended)
-    there = (f for f in search.step().ranked if row in region_of(search, f.candidate).rows)
+    there = (f for f in search.step([row]).ranked if row in region_of(search, f.candidate).rows)
     return any(search.p_value(f) <= search.rules.level and f.excess >= least for f in there)
 
 

@@ -72,7 +72,7 @@ def _takes(view: Search, found: Found) -> bool:
 def _another(view: Search, found: Found) -> bool:
     """Whether another law takes more of the same equations: a low order imitates a spring, or a hose."""
     rows = set(view.rows(found.candidate))
-    others = (f for f in view.step().ranked if f.candidate.effect != found.candidate.effect)
+    others = (f for f in view.step(sorted(rows)).ranked if f.candidate.effect != found.candidate.effect)
     return any(
         f.excess > found.excess and counts(view, f) and rows & set(view.rows(f.candidate)) for f in others
     )

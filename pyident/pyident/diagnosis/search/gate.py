@@ -212,7 +212,7 @@ def _next(search: Search, steps: Sequence[Step], region: Region) -> Step | None:
 def _best_beside(search: Search, steps: Sequence[Step], region: Region) -> Step | None:
     """What takes most of a region beside a set, and counts."""
     beside = search.with_further(candidates_of(steps))
-    step = beside.step()
+    step = beside.step(region.rows)
     named = {s.best.candidate.family for s in steps}
     for found in step.ranked:
         free = found.candidate.family not in named and _of_its_own(search, found.candidate)

@@ -65,8 +65,11 @@ class Search:
             chosen, [self.columns(c) for c in chosen], bounds_of(self.robot, chosen)
         )
 
-    def step(self) -> Step:
-        """Rank the families by what they explain of the present base's residual."""
+    def step(self, rows: Sequence[int] | None = None) -> Step:
+        """Rank the families by what they explain of the present base's residual.
+
+        rows   equations that are asked about, none: all; what acts on no such keeps the values of the grid
+        """
         each = gains(self.base, self.families.columns, self.families.bounds)
         found = []
         for number, at in enumerate(self.families.members.values()):
@@ -74,8 +77,9 @@ class Search:
             found.append(self._found(candidate, explained, number))
         joints = {f.candidate.joint for f in found}
         top = {k: max(f.excess for f in found if f.candidate.joint == k) for k in joints}
+        asked = [rows is None or not set(rows).isdisjoint(self.rows(f.candidate)) for f in found]
         better = [
-            self._refined(f, n) if f.excess > self.rules.refine * top[f.candidate.joint] else f
+            self._refined(f, n) if asked[n] and f.excess > self.rules.refine * top[f.candidate.joint] else f
             for n, f in enumerate(found)
         ]
         ranked = sorted(better, key=lambda f: (self.p_value(f) > self.rules.level, -f.excess))
@@ -214,11 +218,6 @@ class Search:
         """Energy that the data leave beyond it; 0 when they leave less."""
         return max(self.examination.base.energy - self.floor_energy, 0.0)
 
-    @property
-    def remaining(self) -> float:
-        """The same of the present base."""
-        return max(self.base.energy - self.floor_energy, 0.0)
-
     def floor_energy_on(self, rows: Sequence[int]) -> float:
         """`floor_energy` of some equations only."""
         return float(self.examination.floor_energies[list(rows)].sum())
@@ -244,11 +243,6 @@ class Search:
     def remaining_in(self, region: Region) -> float:
         """`remaining` in a region only."""
         return self.examination.beyond_floor_in(self.base, region)
-
-    @property
-    def explained(self) -> float:
-        """Share of the excess that the present base takes away."""
-        return (self.examination.base.energy - self.base.energy) / self.excess if self.excess else 1.0
 
     @property
     def stands_out(self) -> bool:
