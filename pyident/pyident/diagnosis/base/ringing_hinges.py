@@ -82,6 +82,7 @@ def _power_of_replica(fmu: Simulator, setting: Setting) -> np.ndarray:
 
 
 def _power(setting: Setting, logs: Sequence[Log]) -> np.ndarray:
-    """(n,) what the regression leaves of each equation, squared, in the band that is judged."""
-    _, left = left_of(setting, logs)
+    """(n,) what the regression leaves of each equation, squared, in all of the band in which it is sound."""
+    plan = replace(setting.robot.settings.processing, band=None)
+    _, left = left_of(replace(setting, robot=setting.robot.with_settings(processing=plan)), logs)
     return np.sum([np.square(r).sum(axis=1) for r in left], axis=0)
