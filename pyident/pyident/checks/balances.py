@@ -123,7 +123,7 @@ def samples(robot: Robot, log: Log) -> Samples | None:
             tau[:, k - 1] = log.frame[torque_of(k)].to_numpy(float)
     if robot.controller is not None:
         tau = (tau + np.concatenate([tau[:1], tau[:-1]])) / 2  # held: what acts around a sample
-    edge = _edge(q[:, : len(robot.joints)], robot.settings.processing.cutoff, T)
+    edge = _edge(q[:, : len(robot.joints)])
     border = max(REACH, min(int(EQUATIONS.settled / edge), n // 10))
     if n < 20 * REACH or n - 2 * border < 60:
         return None
@@ -185,10 +185,13 @@ def _moving(robot: Robot, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
     return ((speed > least) & (way > EQUATIONS.stands * way.max())).astype(float)
 
 
-def _edge(q: np.ndarray, cutoff: float | None, period: float) -> float:
-    """The filter's edge as a share of the Nyquist frequency: well above what the joints' speeds hold."""
+def _edge(q: np.ndarray) -> float:
+    """The filter's edge as a share of the Nyquist frequency: well above what the joints' speeds hold.
+
+    By the motion (N, joints), never by a robot file's cutoff: below what a motion holds, a filter passes for
+    a delay.
+    """
     spectrum = np.square(np.abs(np.fft.rfft(np.diff(q, axis=0), axis=0)))
     energy = np.cumsum(spectrum.sum(axis=1))
     highest = float(np.searchsorted(energy, EQUATIONS.energy * energy[-1])) / max(len(energy) - 1, 1)
-    edge = float(np.clip(EQUATIONS.above * highest, *EQUATIONS.band))
-    return edge if cutoff is None else min(edge, 2 * cutoff * period)
+    return float(np.clip(EQUATIONS.above * highest, *EQUATIONS.band))
