@@ -103,7 +103,9 @@ def _solve(_: None, case: Case, folder: Path) -> None:
 
 
 def _line(case: Case, content: dict[str, Any]) -> dict[str, Any]:
-    laws = " + ".join(f"{t['law']}@{t['names'][0][1]} ({t['size']:.1f})" for t in content["truth"])
+    laws = " + ".join(
+        f"{t['law']}@{t['names'][0][1] if t['names'] else '?'} ({t['size']:.1f})" for t in content["truth"]
+    )
     said = {
         name: " ".join([a["verdict"], *(" or ".join(f"{e}@{k}" for e, k in tie) for tie in a["ties"])])
         for name, a in content["said"].items()

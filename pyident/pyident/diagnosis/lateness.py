@@ -10,6 +10,7 @@ is known belong together by its controller, and one joint alone cannot be told f
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -49,13 +50,23 @@ def lateness(ex: Examination) -> float:
     found = gain(ex.base, X)
     if found.energy <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)):
         return 0.0
-    furthest = float(np.sign(found.coefficients[0])) * _SAMPLES * period
-    bounds, exact = sorted((0.0, furthest)), {"xatol": _EXACT * period}
-    late = float(minimize_scalar(lambda t: _energy(ex, t, moving), bounds=bounds, options=exact).x)  # pyright: ignore
+    late = _best(ex, moving, _SAMPLES * period, _EXACT * period)
     data = _moved(ex, late)
     base = solve_base(data)
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
     return late if len(told) >= _JOINTS else 0.0
+
+
+def _best(ex: Examination, moving: Sequence[np.ndarray], furthest: float, exact: float) -> float:
+    """The time [s] that leaves least, up to the furthest, late or early.
+
+    Both are tried: at reversals, which a filter of the torques smears, the column may have the wrong sign.
+    """
+    found: list[Any] = [
+        minimize_scalar(lambda t: _energy(ex, t, moving), bounds=bounds, options={"xatol": exact})  # pyright: ignore
+        for bounds in ((-furthest, 0.0), (0.0, furthest))
+    ]
+    return float(min(found, key=lambda one: one.fun).x)
 
 
 def _in_motion(ex: Examination) -> list[np.ndarray]:
