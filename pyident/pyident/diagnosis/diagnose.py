@@ -21,7 +21,7 @@ from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
-from pyident.diagnosis.lateness import all_earlier, lateness
+from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import HeldOut, held_out
@@ -111,27 +111,27 @@ def searched(
 
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
     whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
-    Positions that all come late are moved back first.
+    Positions that all come late are moved back first, and torques are taken as before a common low pass.
     """
     plain = unfiltered(robot, logs)
     try:
-        return _with_late_positions(plain, logs, open_pool, progress, rules)
+        return _aligned(plain, logs, open_pool, progress, rules)
     except UnsimulatedFitError:
         if plain is robot:
             raise
-    return _with_late_positions(robot, logs, open_pool, progress, rules)
+    return _aligned(robot, logs, open_pool, progress, rules)
 
 
-def _with_late_positions(
+def _aligned(
     robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules
 ) -> Search:
     setting = set_up(robot, logs, rules)
     once = setting.simulates or len(robot.joints) == 1
     search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
-    late = lateness(search.examination)
-    if late:
-        moved = set_up(robot, all_earlier(robot, logs, late), rules)
-        search = _searched(replace(moved, late=late), open_pool, lambda done: progress(0.6 + 0.4 * done))
+    found = alignment_of(search.examination)
+    if found.needed:
+        moved = replace(set_up(robot, found.of_all(robot, logs), rules), alignment=found)
+        search = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
     progress(1.0)
     return search
 

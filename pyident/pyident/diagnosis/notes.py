@@ -18,15 +18,21 @@ from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 
+_MENTIONED = 0.2  # of the time that a low pass delays: a delay beside it
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
 def in_time(setting: Setting) -> str:
     """What came late, before the verdict; empty: nothing."""
-    if not setting.late:
+    found = setting.alignment
+    if not found.needed:
         return ""
-    late = f"{1e3 * abs(setting.late):.2g} ms {'late' if setting.late > 0 else 'early'}"
-    return f"All positions come about {late} against the torques. That put right: "
+    late = f"positions come about {1e3 * abs(found.late):.2g} ms {'late' if found.late > 0 else 'early'}"
+    smeared = f"torques come through a low pass of about {found.corner:.2g} Hz"
+    if not np.isfinite(found.corner):
+        return f"All {late} against the torques. That put right: "
+    both = abs(found.late) > _MENTIONED * found.behind
+    return f"All {f'{smeared}, and all {late}' if both else smeared}. That put right: "
 
 
 def in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
@@ -72,12 +78,19 @@ def in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
 
 
 def of_time(setting: Setting) -> Iterator[str]:
-    """How positions that come late are mended."""
-    if setting.late:
+    """How positions that come late, or torques that are smeared, are mended."""
+    found = setting.alignment
+    if np.isfinite(found.corner):
+        yield (
+            "all torques were taken as before a low pass that the positions did not pass, of "
+            f"{'one pole' if found.poles == 1 else 'two poles'} at about {found.corner:.2g} Hz, which raises "
+            "their noise above; log them without it, or filter the positions alike"
+        )
+    if abs(found.late) > _MENTIONED * found.behind:
         yield (
             "all positions were moved in time before anything was judged: they have another clock or filter "
             "than the torques, or all drives lag by that much; give their columns a delay of about "
-            f"{setting.late:.2g} s in the mapping"
+            f"{found.late:.2g} s in the mapping"
         )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.base.denoised import denoised, denoises
 from pyident.estimation.base_parameters import supports
 from pyident.estimation.estimator import Estimator, weighted
@@ -43,7 +44,7 @@ class Setting:
     rules    every threshold
     own_noise   log -> noise of its own, where it tells it
     estimator   by which logs and replicas are fitted alike
-    late        time [s] by which all positions came late: they were moved back
+    alignment   what kept positions and torques of the logs apart, which is put right
     """
 
     robot: Robot
@@ -56,7 +57,7 @@ class Setting:
     own_noise: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     rules: Rules = RULES
     estimator: Estimator = weighted
-    late: float = 0.0
+    alignment: Alignment = NOTHING
 
     @property
     def logs(self) -> list[Log]:

@@ -22,7 +22,7 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     unseen   what it takes of held-out logs; none: it does not count
     """
     rules = search.rules
-    moved = search.examination.setting.late != 0.0
+    moved = search.examination.setting.alignment.needed
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
     fitted = _deviations(search, candidate)

@@ -1,0 +1,183 @@
+"""Positions that all come late against the torques, or torques that all come through a low pass.
+
+Another clock, a bus, drives that all lag: late by d the positions miss the torques by d times the rate of
+these, at every joint, so that laws with a memory are found at several joints, and what is missing besides
+drowns. The column is what moving the positions changes in the equations, the time the one that leaves least
+of them. It has to take most of what exceeds the floor of two joints, and more than of any replica, to be
+believed. It is judged at the frequencies of the motion: a controller answers its encoder's noise later than a
+robot would.
+
+A low pass of the torques (of a drive's current, or of a recorder) delays them likewise, and smears the steps
+of dry friction, which then looks like presliding at every joint. So one of a pole, and one of two, are tried
+beside the delay, by what is left at all frequencies over a floor that went through it as well; it must leave
+clearly less than the delay. Presliding at every joint in turn looks like a low pass. But what delays a torque
+does so at any time, so that it must not leave more where no joint has just turned round.
+
+Positions and torques of a robot whose loop is known belong together by its controller, and one joint alone
+cannot be told from a law.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from pyident.conditioning.alignment import NOTHING, Alignment
+from pyident.conditioning.samples import Conditioned
+from pyident.diagnosis.base.denoised import corners, denoised_every_sample
+from pyident.diagnosis.base.projection import (
+    Base,
+    Columns,
+    gain,
+    gains_over,
+    others_of,
+    residuals_of,
+    solve_base,
+)
+from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
+from pyident.regression.spectrum import Equations, Floor, equations, levels_of
+
+_ANY = (np.full(1, -np.inf), np.full(1, np.inf))
+_STEP = 0.5  # samples
+_JOINTS = 2  # that must tell the same
+_EXACT = 0.02  # of a sample, and of the logarithm of a corner
+_SAMPLES = 5.0  # more is no matter of a clock, and no straight line
+_SLOWEST = 0.1  # s that a low pass may delay
+_HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
+_AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
+_CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
+
+
+def alignment_of(ex: Examination) -> Alignment:
+    """What keeps positions and torques apart, if the logs tell."""
+    setting = ex.setting
+    joints = range(len(setting.robot.joints))
+    if setting.simulates or len(joints) < _JOINTS:
+        return NOTHING
+    period = max(log.period for log in setting.logs)
+    moving = _in_motion(ex)
+    X = _columns(ex, Alignment(_STEP * period), moving)
+    found = gain(ex.base, X)
+    if found.energy <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)):
+        return NOTHING
+    best = _best(ex, moving, period)
+    data = _aligned(ex, best, ex.floors)
+    base = solve_base(data)
+    told = [k for k in joints if _tells(ex, base, data, k, moving)]
+    return NOTHING if len(told) < _JOINTS or _belied(ex, best, moving) else best
+
+
+def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Alignment:
+    """The delay that leaves least, or the low pass that leaves clearly less, by itself or with a delay.
+
+    Positions may be late or early: at reversals, which a low pass smears, the column may have the wrong sign.
+    """
+    furthest, exact = _SAMPLES * period, _EXACT * period
+    delays = [
+        _least(lambda late: _left(_aligned(ex, Alignment(late), ex.floors), moving), bounds, exact)
+        for bounds in ((-furthest, 0.0), (0.0, furthest))
+    ]
+    low, high = np.log([1 / (2 * np.pi * _SLOWEST), _HIGHEST * 0.5 / period]).tolist()
+    passes = [
+        _least(lambda corner, n=n: _left_behind(ex, _low_pass(corner, n)), (low, high), _EXACT)
+        for n in (1, 2)
+    ]
+    poles = 1 if passes[0].fun <= passes[1].fun else 2
+    delay, alone = Alignment(min(delays, key=lambda d: d.fun).x), _low_pass(passes[poles - 1].x, poles)
+    late = _least(lambda t: _left_behind(ex, replace(alone, late=t)), (-furthest, furthest), exact).x
+    both = _least(lambda corner: _left_behind(ex, _low_pass(corner, poles, late)), (low, high), _EXACT).x
+    smeared = min(alone, _low_pass(both, poles, late), key=lambda a: _left_behind(ex, a))
+    return smeared if _left_behind(ex, smeared) < _CLEARLY * _left_behind(ex, delay) else delay
+
+
+def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: float) -> Any:
+    return minimize_scalar(left, bounds=bounds, options={"xatol": exact})  # pyright: ignore
+
+
+def _low_pass(logarithm: float, poles: int, late: float = 0.0) -> Alignment:
+    """By the logarithm of its corner."""
+    return Alignment(late, float(np.exp(logarithm)), poles)
+
+
+def _left_behind(ex: Examination, alignment: Alignment) -> float:
+    """What is left of all equations on average, over a floor as of noise that did not pass the low pass."""
+    floors = [Floor(f.frequencies, f.rms / np.abs(alignment.passed(f.frequencies))) for f in ex.floors]
+    data = _aligned(ex, alignment, floors)
+    return _left(data, [np.ones(e.y.shape, bool) for e in data])
+
+
+def _in_motion(ex: Examination) -> list[np.ndarray]:
+    """Per log (n, E): where an equation's coordinate moves and is not noise alone."""
+    robot = ex.setting.robot
+    return [
+        np.tile(e.band.frequencies, 2) <= corners(robot, log)[:, None]
+        for e, log in zip(ex.logs, ex.setting.logs, strict=True)
+    ]
+
+
+def _aligned(ex: Examination, alignment: Alignment, floors: Sequence[Floor]) -> list[Equations]:
+    robot = ex.setting.robot
+    return whitened(robot, alignment.of_all(robot, ex.setting.logs), floors)
+
+
+def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
+    """What is left of an equation on average, over its floor; asked: per log (n, E)."""
+    residuals = [r[clear] for r, clear in zip(residuals_of(data), asked, strict=True)]
+    return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
+
+
+def _columns(ex: Examination, step: Alignment, moving: Sequence[np.ndarray]) -> Columns:
+    """Per log what the equations of all joints miss per second that the positions come late."""
+    found, p = [], ex.base.p
+    for there, here, clear in zip(_aligned(ex, step, ex.floors), ex.logs, moving, strict=True):
+        change = ((there.y - there.A @ p) - (here.y - here.A @ p)) * clear
+        found.append({k: -change[k][:, None] / step.late for k in range(len(ex.setting.robot.joints))})
+    return found
+
+
+def _tells(
+    ex: Examination, base: Base, data: Sequence[Equations], k: int, moving: Sequence[np.ndarray]
+) -> bool:
+    """Whether joint k (from 0) lacks far less once the positions are where they belong."""
+    rules, count = ex.setting.rules.search, sum(int(clear[k].sum()) for clear in moving)
+    before, floor = ex.excess(ex.base.residual, _bands(ex.logs, k, moving), [k])
+    after, _ = ex.excess(base.residual, _bands(data, k, moving), [k])
+    chance = rules.chance * np.sqrt(2 * count)  # of the energy of noise, by its own floor
+    return before - after > chance * floor / count and after < (1 - rules.explained[0]) * before
+
+
+def _belied(ex: Examination, found: Alignment, moving: Sequence[np.ndarray]) -> bool:
+    """Whether it leaves more, beyond chance, at more joints than it leaves less, where those have not just
+    turned round."""
+    robot, joints = ex.setting.robot, len(ex.setting.robot.joints)
+    left = []
+    for alignment in (NOTHING, found):
+        logs = alignment.of_all(robot, ex.setting.logs)
+        parts = [_between_reversals(denoised_every_sample(robot, log), log.period) for log in logs]
+        data = equations(robot, parts, [log.period for log in logs])
+        data = [e.over(level) for e, level in zip(data, levels_of(ex.floors, data), strict=True)]
+        pairs = zip(residuals_of(data), moving, strict=True)
+        left.append(sum((np.square(r) * clear).sum(axis=1)[:joints] for r, clear in pairs))
+    before, after = left
+    chance = 1 + ex.setting.rules.search.chance * np.sqrt(
+        2 / sum(clear[:joints].sum(axis=1) for clear in moving)
+    )
+    return int((after > chance * before).sum()) > int((before > chance * after).sum())
+
+
+def _between_reversals(part: Conditioned, period: float) -> Conditioned:
+    """Without what follows a joint's reversal, and a little before it."""
+    use = part.use.copy()
+    for k, speed in enumerate(part.motion.dq.T):
+        turns = np.flatnonzero(np.diff(np.sign(speed)))
+        after = round(min(_AFTER / period, _PART * len(speed) / (1 + len(turns))))
+        for turn in turns:
+            use[max(turn - after // 4, 0) : turn + after, k] = 0.0
+    return replace(part, use=use)
+
+
+def _bands(logs: Sequence[Equations], k: int, moving: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """As `bands_of`, of what row k has in motion."""
+    return [inside * clear[k][:, None] for inside, clear in zip(bands_of(logs), moving, strict=True)]

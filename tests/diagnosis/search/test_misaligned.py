@@ -1,0 +1,132 @@
+"""Positions that all come late are found by themselves, and what is missing besides behind them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, cont2discrete, lfilter, lfilter_zi
+from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
+
+from pyident.conditioning.alignment import NOTHING, Alignment, earlier
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.misaligned import alignment_of
+from pyident.logs.log import Log
+
+LATE = 0.9  # samples
+PACE = 6.0  # of a slow motion, whose torques hardly change in a sample
+
+
+def never(_):
+    raise AssertionError("without a known controller nothing is simulated")
+
+
+def late(log: Log, samples: float) -> Log:
+    time = log.frame["time"].to_numpy()
+    names = [name for name in log.frame if name.endswith(".e")]
+    moved = {n: CubicSpline(time, log.frame[n])(time - samples * log.period) for n in names}
+    return replace(log, frame=log.frame.assign(**moved).iloc[5:-5].reset_index(drop=True))
+
+
+def logs_of(friction, samples: float) -> list[Log]:
+    return [late(made(arm(), seed, friction, 20.0, PACE), samples) for seed in range(3)]
+
+
+@pytest.mark.parametrize("samples", [LATE, -LATE])
+def test_the_time_is_found_and_nothing_else(samples):
+    logs = logs_of(plain, samples)
+    search = searched(arm(), logs[:2], never)
+    assert search.examination.setting.alignment.late == pytest.approx(samples * logs[0].period, rel=0.15)
+    found = concluded(search, never, logs[2:])
+    assert found.verdict == "nothing_detectable"
+    way = "late" if samples > 0 else "early"
+    assert f"ms {way} against the torques. That put right: Nothing is missing" in found.sentence
+    assert any("give their columns a delay" in note for note in found.notes)
+
+
+def test_laws_behind_it_are_named():
+    logs = logs_of(three_laws, LATE)
+    found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
+    firsts = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
+    assert {("load_dependent_friction", "joint2"), ("nonlinear_viscous", "joint1")} <= firsts
+    assert not any(n.effect == "torque_delay" for f in found.findings for n in f.tie)
+
+
+def test_positions_in_time_stay_there():
+    search = searched(arm(), logs_of(three_laws, 0.0)[:2], never)
+    assert search.examination.setting.alignment == NOTHING
+    assert alignment_of(search.examination) == NOTHING
+
+
+def smeared(log: Log, corner: float, poles: int) -> Log:
+    """Torques, straight from sample to sample, behind a drive's low pass."""
+    analogue = butter(poles, 2 * np.pi * corner, analog=True)
+    numerator, denominator, _ = cont2discrete(analogue, log.period, method="foh")
+    low_pass = numerator.ravel(), denominator
+    frame = log.frame.copy()
+    for name in [name for name in frame if name.endswith(".tau")]:
+        tau = frame[name].to_numpy()
+        frame[name] = lfilter(*low_pass, tau, zi=lfilter_zi(*low_pass) * tau[0])[0]
+    return replace(log, frame=frame)
+
+
+@pytest.mark.parametrize(("corner", "poles"), [(8.0, 1), (10.0, 2)])
+def test_torques_behind_a_low_pass_are_no_presliding(corner, poles):
+    """Smeared steps of friction at every joint had passed for it."""
+    logs = [smeared(made(arm(), seed, three_laws, 30.0), corner, poles) for seed in range(2)]
+    search = searched(arm(), logs[:1], never)
+    alignment = search.examination.setting.alignment
+    assert (alignment.corner, alignment.poles) == (pytest.approx(corner, rel=0.15), poles)
+    found = concluded(search, never, logs[1:])
+    assert "torques come through a low pass" in found.sentence
+    assert any("log them without it" in note for note in found.notes)
+    named = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
+    laws = {("load_dependent_friction", "joint2"), ("load_dependent_friction", "joint3")}
+    assert named == {*laws, ("nonlinear_viscous", "joint1")}
+
+
+def test_presliding_at_every_joint_is_no_low_pass():
+    """That depends on the travel since a reversal, which takes another time at each."""
+
+    def elastic(q, v, load, time):
+        force, step = np.zeros_like(q), np.diff(q, axis=0, prepend=q[:1])
+        for n in range(1, len(q)):
+            force[n] = np.clip(force[n - 1] + step[n] / 0.005, -1, 1)
+        return COULOMB * force + VISCOUS * v
+
+    logs = [made(arm(), seed, elastic, 30.0) for seed in range(2)]
+    search = searched(arm(), logs[:1], never)
+    assert search.examination.setting.alignment == NOTHING
+    found = concluded(search, never, logs[1:])
+    named = [(f.tie[0].effect, f.tie[0].joint) for f in found.findings]
+    assert len(named) >= 4
+    assert {effect for effect, _ in named} <= {"presliding"}
+
+
+@pytest.mark.parametrize("poles", [1, 2])
+def test_a_low_pass_is_undone(poles):
+    log = made(arm(), 0, plain, 5.0, PACE)
+    again = Alignment(corner=12.0, poles=poles).of(arm(), smeared(log, 12.0, poles))
+    inner = slice(50, -50)
+    for name in arm().torques:
+        before, after = (np.asarray(each.frame[name])[inner] for each in (log, again))
+        behind = np.asarray(smeared(log, 12.0, poles).frame[name])[inner]
+        assert np.std(after - before) < 0.25 * np.std(behind - before)  # steps of friction ring
+
+
+def test_a_log_moved_there_and_back_is_itself():
+    log = made(arm(), 0, plain, 5.0, PACE)
+    for samples in (2.0, -2.0):
+        again = earlier(arm(), late(log, samples), samples * log.period)
+        both = log.frame.iloc[20:-20].merge(again.frame, on="time", suffixes=("", ".again"))
+        assert len(both) == len(log.frame) - 40
+        np.testing.assert_allclose(both["joint2.e.again"], both["joint2.e"], atol=1e-4)
+
+
+def test_a_moved_log_goes_straight_on_where_it_ends():
+    time = np.arange(50) * 0.01
+    frame = pd.DataFrame({"time": time} | {f"joint{k}.e": k * time for k in range(1, 7)})
+    for moved in (0.033, -0.033):
+        found = earlier(arm(), Log(frame, "line"), moved).frame
+        np.testing.assert_allclose(found["joint3.e"], 3 * (time + moved), atol=1e-12)
