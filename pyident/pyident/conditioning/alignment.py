@@ -9,6 +9,10 @@ from flexmodels.robot import Robot
 from pyident.logs.foreign import delayed
 from pyident.logs.log import Log
 
+_LEAST = 0.03  # of a frequency, that is raised to its whole: less is rounding as well
+_MATTERS = 0.2  # of the time constant of a low pass: a delay beside it
+_ENOUGH = 0.1  # of a frequency that is judged
+
 
 @dataclass(frozen=True)
 class Alignment:
@@ -16,12 +20,14 @@ class Alignment:
 
     late    time [s] by which all positions came late (early: below 0)
     corner  [Hz] of the low pass through which all torques came, infinite: of none
-    poles   of it: one, or two of Butterworth's
+    poles   of it, as Butterworth's: one or two of a drive's
+    twice   whether it went over them forwards and backwards, as over a record: it delays nothing then
     """
 
     late: float = 0.0
     corner: float = np.inf
     poles: int = 1
+    twice: bool = False
 
     @property
     def needed(self) -> bool:
@@ -29,9 +35,21 @@ class Alignment:
         return self != NOTHING
 
     def passed(self, frequencies: np.ndarray) -> np.ndarray:
-        """(F,) complex: what the low pass lets through at frequencies (F,) [Hz]."""
-        s = 1j * np.asarray(frequencies) / self.corner
-        return 1 / (1 + s) if self.poles == 1 else 1 / (1 + np.sqrt(2) * s + s**2)
+        """(F,) complex: what the low pass lets through at frequencies (F,) [Hz], a thirtieth at least."""
+        x = np.asarray(frequencies) / self.corner
+        if self.twice:
+            return np.maximum(1 / (1 + x ** (2 * self.poles)), _LEAST) + 0j
+        passed = 1 / (1 + 1j * x) if self.poles == 1 else 1 / (1 + np.sqrt(2) * 1j * x - x**2)
+        return passed * np.maximum(_LEAST / np.abs(passed), 1)
+
+    @property
+    def band(self) -> float:
+        """[Hz] up to which enough is let through to be judged."""
+        return (
+            self.corner * (1 / _ENOUGH**2 - 1) ** (0.5 / self.poles)
+            if not self.twice
+            else (self.corner * (1 / _ENOUGH - 1) ** (0.5 / self.poles))
+        )
 
     def of(self, robot: Robot, log: Log) -> Log:
         """The log as it would have been without."""
@@ -52,12 +70,24 @@ class Alignment:
         whole = np.concatenate([waves, waves[-2:0:-1]])  # goes on without a step at both ends
         passed = self.passed(np.fft.rfftfreq(len(whole), log.period))
         before = np.fft.irfft(np.fft.rfft(whole, axis=0) / passed[:, None], len(whole), axis=0)[: len(line)]
-        before += line + (line[1] - line[0]) / log.period * self.behind
+        before += line + (line[1] - line[0]) / log.period * self._behind
         return replace(log, frame=log.frame.assign(**dict(zip(names, before.T, strict=True))))
 
     @property
-    def behind(self) -> float:
+    def delayed(self) -> bool:
+        """Whether positions were late or early by what matters beside a low pass."""
+        return abs(self.late) > _MATTERS / (2 * np.pi * self.corner)
+
+    @property
+    def delay(self) -> "Alignment":
+        """What only delays as much, where torques are slow."""
+        return Alignment(self.late - self._behind)
+
+    @property
+    def _behind(self) -> float:
         """Time [s] by which the low pass delays what is slow."""
+        if self.twice:
+            return 0.0
         return (1.0 if self.poles == 1 else np.sqrt(2)) / (2 * np.pi * self.corner)
 
 

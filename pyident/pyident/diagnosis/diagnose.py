@@ -14,7 +14,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.denoised import unfiltered
+from pyident.diagnosis.base.denoised import unfiltered, within
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import Region, examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
@@ -130,7 +130,8 @@ def _aligned(
     search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
     found = alignment_of(search.examination)
     if found.needed:
-        moved = replace(set_up(robot, found.of_all(robot, logs), rules), alignment=found)
+        heard = within(robot, found.band)
+        moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
         search = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
     progress(1.0)
     return search

@@ -47,6 +47,7 @@ _SAMPLES = 5.0  # more is no matter of a clock, and no straight line
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
+_SHAPES = (*(Alignment(poles=n) for n in (1, 2)), *(Alignment(poles=n, twice=True) for n in (1, 2, 4)))
 _CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
 
 
@@ -58,9 +59,9 @@ def alignment_of(ex: Examination) -> Alignment:
         return NOTHING
     period = max(log.period for log in setting.logs)
     moving = _in_motion(ex)
-    X = _columns(ex, Alignment(_STEP * period), moving)
-    found = gain(ex.base, X)
-    if found.energy <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)):
+    everywhere = [np.ones_like(clear) for clear in moving]
+    smeared = Alignment(corner=_HIGHEST * 0.5 / period, twice=True)
+    if not (_shows(ex, Alignment(_STEP * period), moving) or _shows(ex, smeared, everywhere)):
         return NOTHING
     best = _best(ex, moving, period)
     data = _aligned(ex, best, ex.floors)
@@ -80,15 +81,12 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
         for bounds in ((-furthest, 0.0), (0.0, furthest))
     ]
     low, high = np.log([1 / (2 * np.pi * _SLOWEST), _HIGHEST * 0.5 / period]).tolist()
-    passes = [
-        _least(lambda corner, n=n: _left_behind(ex, _low_pass(corner, n)), (low, high), _EXACT)
-        for n in (1, 2)
-    ]
-    poles = 1 if passes[0].fun <= passes[1].fun else 2
-    delay, alone = Alignment(min(delays, key=lambda d: d.fun).x), _low_pass(passes[poles - 1].x, poles)
+    delay = Alignment(min(delays, key=lambda d: d.fun).x)
+    passes = [_with_corner(ex, shape, (low, high)) for shape in _SHAPES]
+    alone = min(passes, key=lambda a: _left_behind(ex, a))
     late = _least(lambda t: _left_behind(ex, replace(alone, late=t)), (-furthest, furthest), exact).x
-    both = _least(lambda corner: _left_behind(ex, _low_pass(corner, poles, late)), (low, high), _EXACT).x
-    smeared = min(alone, _low_pass(both, poles, late), key=lambda a: _left_behind(ex, a))
+    both = _with_corner(ex, replace(alone, late=late), (low, high))
+    smeared = min(alone, both, key=lambda a: _left_behind(ex, a))
     return smeared if _left_behind(ex, smeared) < _CLEARLY * _left_behind(ex, delay) else delay
 
 
@@ -96,9 +94,13 @@ def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: f
     return minimize_scalar(left, bounds=bounds, options={"xatol": exact})  # pyright: ignore
 
 
-def _low_pass(logarithm: float, poles: int, late: float = 0.0) -> Alignment:
-    """By the logarithm of its corner."""
-    return Alignment(late, float(np.exp(logarithm)), poles)
+def _with_corner(ex: Examination, shape: Alignment, ends: tuple[float, float]) -> Alignment:
+    """The low pass of a shape that leaves least; ends: of the logarithm of its corner."""
+
+    def low_pass(logarithm: float) -> Alignment:
+        return replace(shape, corner=float(np.exp(logarithm)))
+
+    return low_pass(_least(lambda x: _left_behind(ex, low_pass(x)), ends, _EXACT).x)
 
 
 def _left_behind(ex: Examination, alignment: Alignment) -> float:
@@ -128,13 +130,18 @@ def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
     return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
 
 
-def _columns(ex: Examination, step: Alignment, moving: Sequence[np.ndarray]) -> Columns:
-    """Per log what the equations of all joints miss per second that the positions come late."""
-    found, p = [], ex.base.p
-    for there, here, clear in zip(_aligned(ex, step, ex.floors), ex.logs, moving, strict=True):
-        change = ((there.y - there.A @ p) - (here.y - here.A @ p)) * clear
-        found.append({k: -change[k][:, None] / step.late for k in range(len(ex.setting.robot.joints))})
-    return found
+def _shows(ex: Examination, step: Alignment, asked: Sequence[np.ndarray]) -> bool:
+    """Whether what a small step changes in the equations of all joints explains more than of any replica.
+
+    asked   per log (n, E)
+    """
+    X: Columns = []
+    for there, here, clear in zip(_aligned(ex, step, ex.floors), ex.logs, asked, strict=True):
+        change = ((there.y - there.A @ ex.base.p) - (here.y - here.A @ ex.base.p)) * clear
+        X.append({k: change[k][:, None] for k in range(len(ex.setting.robot.joints))})
+    return gain(ex.base, X).energy > max(
+        gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)
+    )
 
 
 def _tells(
@@ -149,11 +156,11 @@ def _tells(
 
 
 def _belied(ex: Examination, found: Alignment, moving: Sequence[np.ndarray]) -> bool:
-    """Whether it leaves more, beyond chance, at more joints than it leaves less, where those have not just
-    turned round."""
+    """Whether its delay leaves more, beyond chance, at more joints than it leaves less, where those have not
+    just turned round."""
     robot, joints = ex.setting.robot, len(ex.setting.robot.joints)
     left = []
-    for alignment in (NOTHING, found):
+    for alignment in (NOTHING, found.delay):
         logs = alignment.of_all(robot, ex.setting.logs)
         parts = [_between_reversals(denoised_every_sample(robot, log), log.period) for log in logs]
         data = equations(robot, parts, [log.period for log in logs])

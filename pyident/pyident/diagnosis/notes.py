@@ -18,7 +18,6 @@ from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 
-_MENTIONED = 0.2  # of the time that a low pass delays: a delay beside it
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
@@ -31,8 +30,7 @@ def in_time(setting: Setting) -> str:
     smeared = f"torques come through a low pass of about {found.corner:.2g} Hz"
     if not np.isfinite(found.corner):
         return f"All {late} against the torques. That put right: "
-    both = abs(found.late) > _MENTIONED * found.behind
-    return f"All {f'{smeared}, and all {late}' if both else smeared}. That put right: "
+    return f"All {f'{smeared}, and all {late}' if found.delayed else smeared}. That put right: "
 
 
 def in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
@@ -83,10 +81,10 @@ def of_time(setting: Setting) -> Iterator[str]:
     if np.isfinite(found.corner):
         yield (
             "all torques were taken as before a low pass that the positions did not pass, of "
-            f"{'one pole' if found.poles == 1 else 'two poles'} at about {found.corner:.2g} Hz, which raises "
-            "their noise above; log them without it, or filter the positions alike"
+            f"order {found.poles} at about {found.corner:.2g} Hz{', without delay' if found.twice else ''}, "
+            "which raises their noise above; log them without it"
         )
-    if abs(found.late) > _MENTIONED * found.behind:
+    if found.delayed:
         yield (
             "all positions were moved in time before anything was judged: they have another clock or filter "
             "than the torques, or all drives lag by that much; give their columns a delay of about "

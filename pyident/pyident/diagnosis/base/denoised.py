@@ -58,7 +58,15 @@ def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
     if plan.cutoff is None and plan.decimate == 1:
         return robot
     band = min(band_top(robot, log.period) for log in logs)
-    return robot.with_settings(processing=replace(plan, cutoff=None, decimate=1, band=band))
+    return within(robot.with_settings(processing=replace(plan, cutoff=None, decimate=1)), band)
+
+
+def within(robot: Robot, highest: float) -> Robot:
+    """The robot judged up to a frequency [Hz] at most."""
+    plan = robot.settings.processing
+    if not np.isfinite(highest):
+        return robot
+    return robot.with_settings(processing=replace(plan, band=min(highest, plan.band or np.inf)))
 
 
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
