@@ -11,6 +11,7 @@ does besides.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,12 +36,12 @@ def grows_with(search: Search, candidate: Candidate) -> str:
         return ""
     rules, rows = search.rules, search.rows(candidate)
     view = search.resting_on([c for c in search.chosen if c.family != candidate.family])
-    one = view.best(candidate.effect, candidate.joint)
-    assert one is not None  # whatever its size at every speed, it has one at all of them
-    left = view.with_further([one.candidate]).remaining_on(rows)
+    best = view.best(candidate.effect, candidate.joint)  # of one size at all speeds; none: no period is seen
+    one = best.candidate if best else replace(candidate, speeds=())
+    left = view.with_further([one]).remaining_on(rows)
     if left <= rules.part * search.excess_in(Region(tuple(rows))):
         return ""
-    rivals = dict(_left_of_rivals(view, one.candidate, rows))
+    rivals = dict(_left_of_rivals(view, one, rows))
     words = min(rivals, key=lambda name: rivals[name], default="")
     if not words or rivals[words] >= rules.foreign_richer * left:
         return ""
