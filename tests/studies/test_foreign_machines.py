@@ -184,6 +184,14 @@ def test_a_diagnosis_ends_where_laws_of_a_set_are_exchanged_for_those_of_another
     assert found.verdict != "nothing_detectable"
 
 
+def test_a_wave_that_is_none_beside_others_ends_no_diagnosis():
+    """A cable over a joint's angle: beside what else is taken of it, no order of a ripple has two flanks."""
+    machine = made(case_list(2341, 85)[84], 7)
+    fitted, unseen = (as_log(machine.robot, frame, "log") for frame in (machine.fit, machine.heldout))
+    found = concluded(searched(machine.robot, [fitted], runs_here), runs_here, [unseen])
+    assert found.verdict == "unexplained"
+
+
 def test_a_law_at_its_limit_is_put_into_a_quiet_log(tmp_path):
     """Whether it is named or not, the sentence and the table say the same."""
     result = put_to_the_proof(tmp_path, lambda _: None, seed=2101, cases=1, laws=1)

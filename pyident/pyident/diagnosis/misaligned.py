@@ -47,7 +47,8 @@ _SAMPLES = 5.0  # more is no matter of a clock, and no straight line
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
-_SHAPES = (*(Alignment(poles=n) for n in (1, 2)), *(Alignment(poles=n, twice=True) for n in (1, 2, 4)))
+_TRIED = Alignment(poles=2), Alignment(poles=2, twice=True)  # whether any low pass is worth a search
+_SHAPES = (*(Alignment(poles=n) for n in (1, 2)), *(Alignment(poles=n, twice=True) for n in (2, 4)))
 _CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
 
 
@@ -82,12 +83,18 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
     ]
     low, high = np.log([1 / (2 * np.pi * _SLOWEST), _HIGHEST * 0.5 / period]).tolist()
     delay = Alignment(min(delays, key=lambda d: d.fun).x)
+    tried = [
+        replace(shape, corner=float(np.exp(x))) for shape in _TRIED for x in np.linspace(low, high, 5)[1:-1]
+    ]
+    clearly = _CLEARLY * _left_behind(ex, delay)
+    if all(_left_behind(ex, low_pass) >= clearly for low_pass in tried):
+        return delay
     passes = [_with_corner(ex, shape, (low, high)) for shape in _SHAPES]
     alone = min(passes, key=lambda a: _left_behind(ex, a))
     late = _least(lambda t: _left_behind(ex, replace(alone, late=t)), (-furthest, furthest), exact).x
     both = _with_corner(ex, replace(alone, late=late), (low, high))
     smeared = min(alone, both, key=lambda a: _left_behind(ex, a))
-    return smeared if _left_behind(ex, smeared) < _CLEARLY * _left_behind(ex, delay) else delay
+    return smeared if _left_behind(ex, smeared) < clearly else delay
 
 
 def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: float) -> Any:

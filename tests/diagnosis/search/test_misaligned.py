@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, cont2discrete, lfilter, lfilter_zi
+from scipy.signal import butter, cont2discrete, filtfilt, lfilter, lfilter_zi
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
 from pyident.conditioning.alignment import NOTHING, Alignment, earlier
@@ -71,7 +71,7 @@ def smeared(log: Log, corner: float, poles: int) -> Log:
     return replace(log, frame=frame)
 
 
-@pytest.mark.parametrize(("corner", "poles"), [(8.0, 1), (10.0, 2)])
+@pytest.mark.parametrize(("corner", "poles"), [(8.0, 1), pytest.param(10.0, 2, marks=pytest.mark.slow)])
 def test_torques_behind_a_low_pass_are_no_presliding(corner, poles):
     """Smeared steps of friction at every joint had passed for it."""
     logs = [smeared(made(arm(), seed, three_laws, 30.0), corner, poles) for seed in range(2)]
@@ -81,6 +81,23 @@ def test_torques_behind_a_low_pass_are_no_presliding(corner, poles):
     found = concluded(search, never, logs[1:])
     assert "torques come through a low pass" in found.sentence
     assert any("log them without it" in note for note in found.notes)
+    named = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
+    laws = {("load_dependent_friction", "joint2"), ("load_dependent_friction", "joint3")}
+    assert named == {*laws, ("nonlinear_viscous", "joint1")}
+
+
+@pytest.mark.slow
+def test_torques_smoothed_over_a_record_are_no_presliding_either():
+    logs = [made(arm(), seed, three_laws, 30.0) for seed in range(2)]
+    both_ways = butter(2, 6.0, fs=1 / logs[0].period)
+    for log in logs:
+        for name in arm().torques:
+            log.frame[name] = filtfilt(*both_ways, log.frame[name])
+    search = searched(arm(), logs[:1], never)
+    alignment = search.examination.setting.alignment
+    assert alignment.twice
+    assert alignment.corner == pytest.approx(6.0, rel=0.15)
+    found = concluded(search, never, logs[1:])
     named = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
     laws = {("load_dependent_friction", "joint2"), ("load_dependent_friction", "joint3")}
     assert named == {*laws, ("nonlinear_viscous", "joint1")}
