@@ -93,8 +93,10 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
     alone = min(passes, key=lambda a: _left_behind(ex, a))
     late = _least(lambda t: _left_behind(ex, replace(alone, late=t)), (-furthest, furthest), exact).x
     both = _with_corner(ex, replace(alone, late=late), (low, high))
-    smeared = min(alone, both, key=lambda a: _left_behind(ex, a))
-    return smeared if _left_behind(ex, smeared) < clearly else delay
+    least = _left_behind(ex, alone)
+    if _left_behind(ex, both) < _CLEARLY * least:
+        return both
+    return alone if least < clearly else delay
 
 
 def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: float) -> Any:
