@@ -74,7 +74,7 @@ def _of_case(_: None, case: Case, laws: int) -> list[Injected]:
     with threadpool_limits(1):
         search = searched(machine.robot, fit, runs_here)
         told = concluded(search, runs_here, heldout)
-        if told.verdict != "nothing_detectable" or search.examination.setting.late:
+        if told.verdict != "nothing_detectable" or search.examination.setting.alignment.needed:
             return []
         shown = [limit for limit in told.limits if not limit.reason]
         rng = np.random.default_rng([*case.seed, 2])

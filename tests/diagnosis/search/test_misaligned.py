@@ -1,6 +1,7 @@
 """Positions that all come late are found by themselves, and what is missing besides behind them."""
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -62,8 +63,8 @@ def test_positions_in_time_stay_there():
 def smeared(log: Log, corner: float, poles: int) -> Log:
     """Torques, straight from sample to sample, behind a drive's low pass."""
     analogue = butter(poles, 2 * np.pi * corner, analog=True)
-    numerator, denominator, _ = cont2discrete(analogue, log.period, method="foh")
-    low_pass = numerator.ravel(), denominator
+    discrete: Any = cont2discrete(analogue, log.period, method="foh")
+    low_pass = discrete[0].ravel(), discrete[1]
     frame = log.frame.copy()
     for name in [name for name in frame if name.endswith(".tau")]:
         tau = frame[name].to_numpy()
@@ -89,7 +90,7 @@ def test_torques_behind_a_low_pass_are_no_presliding(corner, poles):
 @pytest.mark.slow
 def test_torques_smoothed_over_a_record_are_no_presliding_either():
     logs = [made(arm(), seed, three_laws, 30.0) for seed in range(2)]
-    both_ways = butter(2, 6.0, fs=1 / logs[0].period)
+    both_ways = cast(Any, butter(2, 6.0, fs=1 / logs[0].period))
     for log in logs:
         for name in arm().torques:
             log.frame[name] = filtfilt(*both_ways, log.frame[name])
