@@ -93,7 +93,7 @@ def test_torques_smoothed_over_a_record_are_no_presliding_either():
     both_ways = cast(Any, butter(2, 6.0, fs=1 / logs[0].period))
     for log in logs:
         for name in arm().torques:
-            log.frame[name] = filtfilt(*both_ways, log.frame[name])
+            log.frame[name] = filtfilt(both_ways[0], both_ways[1], log.frame[name])
     search = searched(arm(), logs[:1], never)
     alignment = search.examination.setting.alignment
     assert alignment.twice
