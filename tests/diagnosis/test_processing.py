@@ -39,7 +39,9 @@ def with_drive_noise(log: Log, rng: np.random.Generator) -> Log:
     low_pass = cast(Any, butter(1, 8.0, fs=1 / log.period))
     for name in [name for name in frame if str(name).endswith(".tau")]:
         tau = frame[name].to_numpy()
-        frame[name] = tau + lfilter(low_pass[0], low_pass[1], 0.04 * np.std(tau) * rng.standard_normal(len(tau)))
+        frame[name] = tau + lfilter(
+            low_pass[0], low_pass[1], 0.04 * np.std(tau) * rng.standard_normal(len(tau))
+        )
     return replace(log, frame=frame)
 
 
