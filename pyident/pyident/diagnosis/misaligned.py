@@ -10,8 +10,9 @@ robot would.
 A low pass of the torques (of a drive's current, or of a recorder) delays them likewise, and smears the steps
 of dry friction, which then looks like presliding at every joint; so does one that went forwards and backwards
 over the record, and delays nothing. Such low passes are tried beside the delay, by what is left at all
-frequencies over a floor that went through them as well, and must leave clearly less. Presliding at every joint in turn looks like a low pass. But what delays a torque
-does so at any time, so that it must not leave more where no joint has just turned round.
+frequencies over a floor that went through them as well, and must leave clearly less. Presliding at every
+joint in turn looks like a low pass. But what delays a torque does so at any time, so that it must not leave
+more where no joint has just turned round.
 
 Positions and torques of a robot whose loop is known belong together by its controller, and one joint alone
 cannot be told from a law.
