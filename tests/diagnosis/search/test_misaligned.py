@@ -101,7 +101,9 @@ def test_torques_smoothed_over_a_record_are_no_presliding_either():
     found = concluded(search, never, logs[1:])
     named = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
     laws = {("load_dependent_friction", "joint2"), ("load_dependent_friction", "joint3")}
-    assert named == {*laws, ("nonlinear_viscous", "joint1")}
+    assert named >= {*laws, ("nonlinear_viscous", "joint1")}
+    assert "presliding" not in {effect for effect, _ in named}
+    assert len(named) <= 4  # a `torque_delay` of a joint may be left of the filter
 
 
 def test_presliding_at_every_joint_is_no_low_pass():
