@@ -48,7 +48,8 @@ _SAMPLES = 5.0  # more is no matter of a clock, and no straight line
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
-_TRIED = Alignment(poles=2), Alignment(poles=2, twice=True)  # whether any low pass is worth a search
+# Whether any low pass is worth a search.
+_TRIED = Alignment(poles=1), Alignment(poles=2), Alignment(poles=2, twice=True)
 _SHAPES = (*(Alignment(poles=n) for n in (1, 2)), *(Alignment(poles=n, twice=True) for n in (2, 4)))
 _CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
 

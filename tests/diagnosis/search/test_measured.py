@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search import gate, wrong_description
@@ -28,7 +29,7 @@ def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
         Any,
         SimpleNamespace(
             rules=RULES.search,
-            examination=SimpleNamespace(setting=SimpleNamespace(late=late)),
+            examination=SimpleNamespace(setting=SimpleNamespace(alignment=Alignment(late))),
             stands_out=stands_out,
             over_floor=np.full(2, 1.21),
             base=SimpleNamespace(residual=[noise + sine]),
