@@ -1,25 +1,20 @@
 """The same logs with another filter in the robot file: does the diagnosis say the same?"""
 
-import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from flexmodels.atomic import replacing
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.simulation.fmu_runs import runs_here
-from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row
 
 from ..foreign_logs.cases import Case, case_list
 from ..foreign_logs.generator import made
+from ..foreign_logs.kept_cases import solved, written
 from ..foreign_logs.methods import Answer, answer_of
 from ..foreign_logs.scoring import Scored, counted, is_alarm, is_found, is_wrong, reopened
 from ..foreign_logs.sensors import as_log
@@ -38,22 +33,13 @@ FILTERS: dict[str, dict[str, Any]] = {
 def run(folder: Path, progress: Callable[[float], None], seed: int = SEED, cases: int = CASES) -> StudyResult:
     """Make, diagnose with every filter and count; answers that `folder` has of this seed are kept."""
     listed, where = case_list(seed, cases), folder.absolute() / f"seed_{seed}"
-    left = [case for case in listed if not (where / f"{case.id}.json").is_file()]
-    progress(1 - len(left) / len(listed))
-    with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_solve, case, where) for case in left]
-        for count, job in enumerate(as_completed(jobs), start=1):
-            job.result()
-            progress(1 - (len(left) - count) / len(listed))
-    opened = [json.loads((where / f"{case.id}.json").read_text(encoding="utf-8")) for case in listed]
+    opened = solved(_solve, listed, where, progress)
     scored = [
         reopened(case, content["said"], content["failure"], content)
         for case, content in zip(listed, opened, strict=True)
     ]
     lines = [_line(case, content) for case, content in zip(listed, opened, strict=True)]
-    with replacing(where / "cases.csv") as file:
-        pd.DataFrame(lines).to_csv(file, index=False)
-    return StudyResult(table(scored), [where / "cases.csv"])
+    return StudyResult(table(scored), written(where, lines))
 
 
 def table(cases: Sequence[Scored]) -> list[dict[str, str]]:

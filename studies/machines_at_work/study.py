@@ -1,28 +1,23 @@
 """Rigid machines at work, whose owners' files know no zero of a torque: what is said of their logs?"""
 
-import json
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path as Folder
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from flexmodels.atomic import replacing
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.simulation.fmu_runs import runs_here
-from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row
 
 from ..foreign_logs.cases import Case
 from ..foreign_logs.closed_loop import Hidden, loop_noise, simulated
 from ..foreign_logs.generator import Made, NotDrawn, Truth, hidden_in, laws_of
+from ..foreign_logs.kept_cases import solved, written
 from ..foreign_logs.machines import drawn_machine, owners_file
 from ..foreign_logs.methods import Answer, answer_of
 from ..foreign_logs.oracle import Oracle
@@ -44,22 +39,13 @@ def run(
 ) -> StudyResult:
     """Make, diagnose and count; answers that `folder` has of this seed are kept."""
     listed, where = case_list(seed, cases), folder.absolute() / f"seed_{seed}"
-    left = [case for case in listed if not (where / f"{case.id}.json").is_file()]
-    progress(1 - len(left) / len(listed))
-    with workers_with(nullcontext) as workers:
-        jobs = [workers.submit(_solve, case, where) for case in left]
-        for count, job in enumerate(as_completed(jobs), start=1):
-            job.result()
-            progress(1 - (len(left) - count) / len(listed))
-    opened = [json.loads((where / f"{case.id}.json").read_text(encoding="utf-8")) for case in listed]
+    opened = solved(_solve, listed, where, progress)
     lines = [_line(case, content) for case, content in zip(listed, opened, strict=True)]
-    with replacing(where / "cases.csv") as file:
-        pd.DataFrame(lines).to_csv(file, index=False)
     scored = [
         reopened(case, {_OURS: content["said"]}, content["failure"], content)
         for case, content in zip(listed, opened, strict=True)
     ]
-    return StudyResult(table(scored), [where / "cases.csv"])
+    return StudyResult(table(scored), written(where, lines))
 
 
 def case_list(seed: int, count: int) -> list[Case]:

@@ -45,11 +45,8 @@ class Alignment:
     @property
     def band(self) -> float:
         """[Hz] up to which enough is let through to be judged."""
-        return (
-            self.corner * (1 / _ENOUGH**2 - 1) ** (0.5 / self.poles)
-            if not self.twice
-            else (self.corner * (1 / _ENOUGH - 1) ** (0.5 / self.poles))
-        )
+        of_one_way = _ENOUGH if self.twice else _ENOUGH**2  # squared, of |H|
+        return self.corner * (1 / of_one_way - 1) ** (0.5 / self.poles)
 
     def of(self, robot: Robot, log: Log) -> Log:
         """The log as it would have been without."""

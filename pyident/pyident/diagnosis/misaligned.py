@@ -38,7 +38,7 @@ from pyident.diagnosis.base.projection import (
     solve_base,
 )
 from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
-from pyident.regression.spectrum import Equations, Floor, equations, levels_of
+from pyident.regression.spectrum import Equations, Floor, all_over, equations, levels_of
 
 _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
 _STEP = 0.5  # samples
@@ -92,11 +92,10 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
     if all(_left_behind(ex, low_pass) >= clearly for low_pass in tried):
         return delay
     passes = [_with_corner(ex, shape, (low, high)) for shape in _SHAPES]
-    alone = min(passes, key=lambda a: _left_behind(ex, a))
+    alone, least = min(passes, key=lambda found: found[1])
     late = _least(lambda t: _left_behind(ex, replace(alone, late=t)), (-furthest, furthest), exact).x
-    both = _with_corner(ex, replace(alone, late=late), (low, high))
-    least = _left_behind(ex, alone)
-    if _left_behind(ex, both) < _CLEARLY * least:
+    both, rest = _with_corner(ex, replace(alone, late=late), (low, high))
+    if rest < _CLEARLY * least:
         return both
     return alone if least < clearly else delay
 
@@ -105,13 +104,14 @@ def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: f
     return minimize_scalar(left, bounds=bounds, options={"xatol": exact})  # pyright: ignore
 
 
-def _with_corner(ex: Examination, shape: Alignment, ends: tuple[float, float]) -> Alignment:
-    """The low pass of a shape that leaves least; ends: of the logarithm of its corner."""
+def _with_corner(ex: Examination, shape: Alignment, ends: tuple[float, float]) -> tuple[Alignment, float]:
+    """The low pass of a shape that leaves least, and what it leaves; ends: of the logarithm of its corner."""
 
     def low_pass(logarithm: float) -> Alignment:
         return replace(shape, corner=float(np.exp(logarithm)))
 
-    return low_pass(_least(lambda x: _left_behind(ex, low_pass(x)), ends, _EXACT).x)
+    found = _least(lambda x: _left_behind(ex, low_pass(x)), ends, _EXACT)
+    return low_pass(found.x), float(found.fun)
 
 
 def _left_behind(ex: Examination, alignment: Alignment) -> float:
@@ -175,8 +175,7 @@ def _belied(ex: Examination, found: Alignment, moving: Sequence[np.ndarray]) -> 
         logs = alignment.of_all(robot, ex.setting.logs)
         parts = [_between_reversals(denoised_every_sample(robot, log), log.period) for log in logs]
         data = equations(robot, parts, [log.period for log in logs])
-        data = [e.over(level) for e, level in zip(data, levels_of(ex.floors, data), strict=True)]
-        pairs = zip(residuals_of(data), moving, strict=True)
+        pairs = zip(residuals_of(all_over(data, levels_of(ex.floors, data))), moving, strict=True)
         left.append(sum((np.square(r) * clear).sum(axis=1)[:joints] for r, clear in pairs))
     before, after = left
     chance = 1 + ex.setting.rules.search.chance * np.sqrt(

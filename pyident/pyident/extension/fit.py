@@ -57,11 +57,13 @@ def fit_to(
 
     Raises LogError and what the simulation raises.
     """
-    start = set_up(robot, parts.fitted, rules)
+    start, plain = set_up(robot, parts.fitted, rules), unfiltered(robot, parts.fitted)
     setting = in_closed_loop(start, parts.fitted)
     with open_pool(setting.simulated) as workers:
         setting = unbiased(setting, workers)
-        asked = setting if start.simulates else set_up(unfiltered(robot, parts.fitted), parts.fitted, rules)
+        asked = setting if start.simulates else start
+        if not start.simulates and plain is not robot:
+            asked = set_up(plain, parts.fitted, rules)
         fit = Fit(setting, asked, _on_trial(setting, parts), len(parts.fitted), [])
         if not replicas:
             return replace(fit, data=judged_logs(fit.trial, workers))

@@ -106,6 +106,11 @@ def levels_of(levels: Sequence[Floor], data: Sequence[Equations]) -> list[np.nda
     return [level.at(e.band) for level, e in zip(levels, data, strict=True)]
 
 
+def all_over(data: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
+    """The equations of logs, each over its level (n, E)."""
+    return [e.over(level) for e, level in zip(data, levels, strict=True)]
+
+
 def _band(samples: int, robot: Robot, period: float) -> Band:
     """Bins from 0 to the highest frequency at which the equations of a log are sound."""
     length = int(next_fast_len(samples, real=True) or samples)

@@ -14,7 +14,7 @@ from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import residuals_of
 from pyident.diagnosis.base.setting import Setting, replicas_of
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, Equations, floors, levels_of
+from pyident.regression.spectrum import Band, all_over, floors, levels_of
 from pyident.simulation.simulator import Simulator
 
 _WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
@@ -60,11 +60,7 @@ def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.
     levels = [flat[:, None]] * len(found)
     rounds = _WEIGHTINGS if denoises(setting.robot) else 0
     for last in (*[False] * rounds, True):
-        left = [r * at for r, at in zip(residuals_of(_over(found, levels)), levels, strict=True)]
+        left = [r * at for r, at in zip(residuals_of(all_over(found, levels)), levels, strict=True)]
         if not last:
             levels = levels_of(floors(bands, left, len(bands)), found)
     return bands, left
-
-
-def _over(logs: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[Equations]:
-    return [e.over(level) for e, level in zip(logs, levels, strict=True)]

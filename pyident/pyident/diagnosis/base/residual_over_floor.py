@@ -24,7 +24,7 @@ from pyident.diagnosis.base.projection import (
 from pyident.diagnosis.base.replicas import replicated
 from pyident.diagnosis.base.setting import Setting, together
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, Equations, Floor, floors, levels_of, pooled
+from pyident.regression.spectrum import Band, Equations, Floor, all_over, floors, levels_of, pooled
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import Simulator, Workers
 
@@ -249,7 +249,7 @@ def _columns_and_bounds(
 def whitened(robot: Robot, logs: Sequence[Log], levels: Sequence[Floor]) -> list[Equations]:
     """The equations of logs, each over its floor."""
     found = denoised_equations(robot, logs)
-    return [e.over(level) for e, level in zip(found, levels_of(levels, found), strict=True)]
+    return all_over(found, levels_of(levels, found))
 
 
 def gains_of(

@@ -33,7 +33,7 @@ from pyident.diagnosis.base.projection import (
 )
 from pyident.diagnosis.imitators.constancy import QUANTITIES
 from pyident.diagnosis.search.search import Search
-from pyident.regression.spectrum import Equations, equations
+from pyident.regression.spectrum import Equations, all_over, equations
 from pyident.rules.search import SearchRules
 
 _BLOCKS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -114,7 +114,7 @@ def _without(
         replace(log.part, use=log.part.use * keep[:, None]) for log, keep in zip(logs, kept, strict=True)
     ]
     made = equations(robot, parts, [log.band.period for log in logs])
-    return [e.over(level) for e, level in zip(made, levels, strict=True)]
+    return all_over(made, levels)
 
 
 def _force_left(

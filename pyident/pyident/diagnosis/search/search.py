@@ -228,7 +228,7 @@ class Search:
         return over_floor(self.examination, self.base)
 
     def remaining_on(self, rows: Sequence[int]) -> float:
-        """`remaining` on some equations only."""
+        """Energy that the present base leaves on some equations beyond what replicas do."""
         return self.examination.beyond_floor(self.base, rows)
 
     @cached_property
@@ -241,7 +241,7 @@ class Search:
         return self.examination.beyond_floor_in(self.examination.base, region)
 
     def remaining_in(self, region: Region) -> float:
-        """`remaining` in a region only."""
+        """The same in a region."""
         return self.examination.beyond_floor_in(self.base, region)
 
     @property
