@@ -45,7 +45,19 @@ def bayesian_information(search: Search) -> list[Name]:
     return list(dict.fromkeys(names))
 
 
-METHODS = {"largest drop": largest_drop, "stepwise F-test": stepwise, "forward BIC": bayesian_information}
+def replicas_alone(search: Search) -> list[Name]:
+    """What takes most, if no replica shows as much: the first of the gates of a diagnosis, without the others."""
+    step = search.step()
+    best = step.best.candidate
+    return [(best.effect, best.joint)] if step.p_value <= search.rules.level else []
+
+
+METHODS = {
+    "largest drop": largest_drop,
+    "stepwise F-test": stepwise,
+    "forward BIC": bayesian_information,
+    "replicas alone": replicas_alone,
+}
 
 
 def _best(search: Search, base=None):

@@ -91,6 +91,14 @@ def test_a_smooth_channel_has_neither_jumps_nor_spikes():
     assert not list(spikes(logged(), "joint1.tau", 5 + np.cos(2 * TIME)))
 
 
+def test_zeros_of_a_small_coarse_noisy_torque_are_not_lost_values():
+    """A wrist's current comes in coarse steps and its noise is as large as the torque."""
+    noise = np.random.default_rng(1).normal(0.0, 0.15, len(TIME))
+    torque = np.round((0.4 * np.cos(2 * TIME) + noise) / 0.033) * 0.033
+    assert np.count_nonzero(torque == 0) > 20
+    assert not list(spikes(logged(), "joint1.tau", torque))
+
+
 def test_values_that_were_lost_and_values_that_stick_out_are_told_apart():
     torque = 5 + np.cos(2 * TIME)
     lost = torque.copy()

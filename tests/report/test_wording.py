@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyident.report.wording import chance, interval, measured, number, percent, unit
+from pyident.report.wording import interval, measured, number, percent, unit
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,6 @@ def test_small_shares_are_said_to_be_small():
     assert percent(12.34) == "12.3\u00a0%"
 
 
-def test_units_and_chances():
+def test_units():
     assert unit("N.m.s2/rad2") == "N m s²/rad²"
     assert unit("1") == ""
-    assert chance(1 / 21) == "at most 1 in 21"

@@ -96,6 +96,7 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         heldout_std_percent=None if unseen is None else 100 * unseen.std,
         experiment="" if alike else asked_for(search.robot, [f.candidate for f in step.tie]),
         alike=alike,
+        replicas=len(search.families.peaks),
     )
 
 

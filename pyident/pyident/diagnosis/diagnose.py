@@ -223,6 +223,7 @@ def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> D
     finding = Finding(
         tie=tuple(_traced(search, trace) for trace in shown),
         p_value=1 / (1 + len(search.families.peaks)),
+        replicas=len(search.families.peaks),
         excess_gain_percent=100 * share * search.excess / search.examination.base.energy,
         share_percent=100 * share,
         heldout_gain_percent=None if held is None else 100 * held,

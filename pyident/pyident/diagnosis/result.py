@@ -48,7 +48,8 @@ class Named:
 class Finding:
     """One accepted effect, or several that these data cannot tell apart, the best first.
 
-    p_value               probability of such a gain anywhere in the search with nothing missing
+    p_value               one and the replicas in which the search finds as much, over one and all of them: a
+                          probability as far as the noise in them is the log's
     excess_gain_percent   of the residual's energy, beyond what replicas pretend
     share_percent         of what exceeds the floor where it acts, in rows and bands: 100 explains it all; 0
                           where hardly anything exceeds it
@@ -57,6 +58,7 @@ class Finding:
     heldout_std_percent   its standard deviation
     experiment            the motion that would separate the tie, empty when there is nothing to separate
     alike                 whether the tie's names describe one robot, so that any of them may be corrected
+    replicas              number of them
     """
 
     tie: tuple[Named, ...]
@@ -67,6 +69,12 @@ class Finding:
     experiment: str = ""
     heldout_std_percent: float | None = None
     alike: bool = False
+    replicas: int = 0
+
+    @property
+    def replicas_alike(self) -> int:
+        """Number of replicas in which the search finds as much."""
+        return round(self.p_value * (1 + self.replicas)) - 1
 
     @property
     def settled(self) -> bool:

@@ -54,11 +54,6 @@ def interval(value: float, std: float) -> str:
     return f"{_fixed(low, _places(std))} to {_fixed(high, _places(std))}"
 
 
-def chance(p_value: float) -> str:
-    """A p-value in words."""
-    return f"at most 1 in {max(floor(1 / p_value + 1e-9), 1)}"
-
-
 def _shown(value: float, std: float) -> bool:
     """Whether plain decimals show the value well."""
     return isfinite(std) and std > 0 and _places(std) <= 7 and max(abs(value), std) < 1e6

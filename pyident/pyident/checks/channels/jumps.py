@@ -99,10 +99,12 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
 
 
 def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Exact zeros between values of one sign that are far from it."""
-    before, after = x[:-2], x[2:]
-    far = np.minimum(np.abs(before), np.abs(after)) > max(0.05 * np.std(x), 3 * step_of(x))
-    lost = np.flatnonzero((x[1:-1] == 0) & far & (before * after > 0)) + 1
+    """Exact zeros between values of one sign that are far from it, farther than other samples from theirs."""
+    before, here, after = x[:-2], x[1:-1], x[2:]
+    odd, beside = np.abs(here - (before + after) / 2), (before == 0) | (here == 0) | (after == 0)
+    usual = float(np.quantile(odd[~beside], 0.99)) if not beside.all() else 0.0
+    far = np.minimum(np.abs(before), np.abs(after)) > max(0.05 * np.std(x), 3 * step_of(x), usual)
+    lost = np.flatnonzero((here == 0) & far & (before * after > 0)) + 1
     if len(lost) >= CHANNELS.few:
         time = log.frame["time"].to_numpy(float)
         yield Defect("gross" if len(lost) > CHANNELS.many * len(x) else "doubtful", "spike", name,
