@@ -46,7 +46,7 @@ def bayesian_information(search: Search) -> list[Name]:
 
 
 def replicas_alone(search: Search) -> list[Name]:
-    """What takes most, if no replica shows as much: the first of the gates of a diagnosis, without the others."""
+    """What takes most, if no replica shows as much: the first gate of a diagnosis, without the others."""
     step = search.step()
     best = step.best.candidate
     return [(best.effect, best.joint)] if step.p_value <= search.rules.level else []

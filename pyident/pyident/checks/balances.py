@@ -29,6 +29,7 @@ class Samples:
     q, dq, ddq  (M, n) at the samples `at` (M,) of the log;  tau (N, joints), NaN where not logged
     direction   (M, joints) signs of the joints' speeds, smoothed as the torques that hold their friction are
     use         (M, joints) where a joint moves
+    blurred     [s] on either side over which the smoothing smears a step
     """
 
     robot: Robot
@@ -40,6 +41,7 @@ class Samples:
     tau: np.ndarray
     direction: np.ndarray
     use: np.ndarray
+    blurred: float
 
     def torque(self) -> np.ndarray:
         """(M, joints) torques at the samples."""
@@ -86,6 +88,16 @@ class Balances:
         use, tau = self.samples.use, self.torque
         moves = use.sum(axis=0) > EQUATIONS.fewest_moving
         return [k for k in range(use.shape[1]) if moves[k] and np.ptp(tau[:, k]) > 0]
+
+    @cached_property
+    def in_motion(self) -> "Balances":
+        """Without what is near a joint's rest or reversal, where its friction is that of before, or none."""
+        own = self.samples
+        reach = int(np.ceil(own.blurred / max(own.period * float(np.median(np.diff(own.at))), 1e-300)))
+        window = np.ones(2 * reach + 1)
+        near = [np.convolve(still, window, "same") > 0 for still in (own.use == 0).T.astype(float)]
+        use = own.use * ~np.array(near).T
+        return balances_of(replace(own, use=use), self.Phi, self.columns)
 
     @cached_property
     def torque(self) -> np.ndarray:
@@ -136,7 +148,7 @@ def samples(robot: Robot, log: Log) -> Samples | None:
     inner = at - REACH
     direction = without_phase(sections, np.sign(dq[:, : len(robot.joints)]))[inner]
     use = _moving(robot, q[inner], dq[inner])
-    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, direction, use)
+    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, direction, use, T / edge)
 
 
 def balances(signals: Samples) -> Balances:

@@ -1,4 +1,8 @@
-"""Friction that would feed energy in, inertia or stiffness below zero: a channel has the wrong sign."""
+"""Friction that would feed energy in, inertia or stiffness below zero: a channel has the wrong sign.
+
+A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency. So an inertia
+speaks for a wrong sign only if it would be negative beside a spring, too.
+"""
 
 from collections.abc import Iterator
 
@@ -31,25 +35,32 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
 
 def against(of: Balances, k: int) -> str | None:
     """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
-    b, yy = of.right(k, of.torque[:, k : k + 1])
-    p, inverse = solved(of.normal[k], b)
     used = of.samples.use[:, k] > 0
-    variance = max(float(yy[0] - b[:, 0] @ p[:, 0]), 1e-12 * yy[0]) / max(used.sum() - len(p) / 2, 1)
-    torque = np.sqrt(yy[0] / used.sum())
-
-    def negative(row: np.ndarray, least: float) -> bool:
-        if not row.any() or not _estimable(of.normal[k], inverse, row):
-            return False
-        value = float(row @ p[:, 0])
-        std = EQUATIONS.coloured * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
-        return value < -LOG_CHECKS.sure * std and value < -least
-
-    de, dde = of.samples.dq[used, k], of.samples.ddq[used, k]
-    power = float(np.mean(np.abs(of.torque[used, k] * de)))
-    if negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
+    de, dde, y = of.samples.dq[used, k], of.samples.ddq[used, k], of.torque[used, k]
+    power, torque = float(np.mean(np.abs(y * de))), float(np.sqrt(np.mean(np.square(y))))
+    if _negative(of.Phi[used, k], y, _friction(of, k, de), LOG_CHECKS.friction_share * power):
         return "friction would feed energy in"
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
-    return "its inertia would be negative" if negative(inertia(of, k), least) else None
+    angle = of.samples.q[used, k]
+    beside_spring = np.column_stack([of.Phi[used, k], angle - angle.mean(), np.ones(len(y))])
+    row = inertia(of, k)
+    negative = _negative(of.Phi[used, k], y, row, least) and _negative(
+        beside_spring, y, np.append(row, [0.0, 0.0]), least
+    )
+    return "its inertia would be negative" if negative else None
+
+
+def _negative(A: np.ndarray, y: np.ndarray, row: np.ndarray, least: float) -> bool:
+    """Whether row p is below zero beyond chance and by a least amount, p (P,) of A p = y, A (M, P)."""
+    normal, b = A.T @ A, A.T @ y[:, None]
+    p, inverse = solved(normal, b)
+    if not row.any() or not _estimable(normal, inverse, row):
+        return False
+    left = max(float(y @ y - b[:, 0] @ p[:, 0]), 1e-12 * float(y @ y))
+    variance = left / max(len(y) - len(p) / 2, 1)
+    value = float(row @ p[:, 0])
+    std = EQUATIONS.coloured * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
+    return value < -LOG_CHECKS.sure * std and value < -least
 
 
 def _estimable(normal: np.ndarray, inverse: np.ndarray, row: np.ndarray) -> bool:

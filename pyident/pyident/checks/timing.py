@@ -1,4 +1,7 @@
-"""Torques that belong to another instant than the motion beside them, or come from a clock that drifts."""
+"""Torques that belong to another instant than the motion beside them, or come from a clock that drifts.
+
+Judged where joints keep moving: what sticks holds its torque after it has stopped, as if this came late.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,6 +23,7 @@ _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may ga
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
     """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
+    of = of.in_motion
     late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
     yield from late or _drift(of, source)
 
@@ -59,16 +63,16 @@ def _late(of: Balances, k: int, source: str) -> Defect | None:
     if found is None:
         return None
     time, share = abs(found.shift) * of.samples.period, found.left / found.now
-    way = "late" if found.shift > 0 else "early"
+    way, cause = ("late", "a filter that only this torque passes")
+    if found.shift < 0:
+        way, cause = "early", "a slow current loop (effect torque_delay)"
     return Defect(
         "gross" if time >= LOG_CHECKS.delay_gross and share < LOG_CHECKS.far_better else "doubtful",
         "delay",
         torque_of(k + 1),
         f"{source}: {torque_of(k + 1)} is {abs(found.shift):g} samples ({1e3 * time:.3g} ms) {way}: moved "
-        "back it "
-        f"leaves {100 * share:.0f} % of the residual; give its column a delay in the mapping, or look for a "
-        "slow "
-        f"current loop (effect torque_delay)",
+        f"back it leaves {100 * share:.0f} % of the residual; give its column a delay in the mapping, or "
+        f"look for {cause}",
     )
 
 
@@ -111,7 +115,7 @@ def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
 
 def all_late(of: Balances, source: str) -> Iterator[Defect]:
     """A defect where every torque is at least about a sample late or early alike."""
-    delay = common_delay(of)
+    delay = common_delay(of.in_motion)
     if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
         return
     way = "late" if delay.shift > 0 else "early"

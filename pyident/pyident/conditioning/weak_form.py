@@ -44,10 +44,11 @@ _SETTLING = 50  # samples that a zero-phase filter's ends may spoil
 
 @dataclass(frozen=True)
 class Recipe:
-    """How the signals of a robot's log with period [s] become equations."""
+    """How the signals of a robot's log with period [s], begun at a time [s], become equations."""
 
     robot: Robot
     period: float
+    began: float
     low_pass: np.ndarray | None
 
     @property
@@ -71,18 +72,19 @@ class Recipe:
         return REST_REACH
 
     def aligned(self, signals: np.ndarray) -> Conditioned:
-        """Signals (N, names) -> N − 2 REACH samples, every equation in use."""
+        """Signals (N, names) -> N − 2 REACH samples, every equation in use; times count from the start."""
         robot, n, joints = self.robot, len(self.robot.coordinates), len(self.robot.joints)
-        q, torque, time = signals[:, :n], signals[:, n : n + joints], signals[REACH:-REACH, -1]
+        q, torque, time = signals[:, :n], signals[:, n : n + joints], signals[REACH:-REACH, -1] - self.began
         if self.low_pass is not None:
             q = without_phase(self.low_pass, q)
+        held = robot.controller is not None or derivatives_of(robot) is hat_means
         before = torque
-        if robot.controller is not None:
+        if held:
             before = np.concatenate([torque[:1], torque[:-1]])
         q, dq, ddq = derivatives_of(robot)(q, self.period)
         torque, before, target = torque[REACH:-REACH], before[REACH:-REACH], np.zeros_like(q)
         target[:, :joints] = (torque + before) / 2
-        motion = Motion(q, dq, ddq, torque, time, before if robot.controller is not None else None)
+        motion = Motion(q, dq, ddq, torque, time, before if held else None)
         return Conditioned(motion, target, np.ones_like(target), robot.settings.processing.decimate)
 
     def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
@@ -97,7 +99,7 @@ def recipe(log: Sampled, robot: Robot) -> Recipe:
     """What the robot's [processing] asks of a log. Raises LogError."""
     plan = robot.settings.processing
     require(log, robot, _needed(plan, len(robot.linear_parameters)))
-    return Recipe(robot, log.period, None if plan.cutoff is None else _low_pass(plan, log))
+    return Recipe(robot, log.period, log.began, None if plan.cutoff is None else _low_pass(plan, log))
 
 
 def condition(log: Log, robot: Robot) -> Conditioned:

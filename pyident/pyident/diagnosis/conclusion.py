@@ -9,7 +9,7 @@ from flexmodels.coordinate import joint_name
 from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES, Region
-from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out
+from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out, in_bands
 from pyident.diagnosis.coefficients import gain_beside
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.notes import (
@@ -43,7 +43,9 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     worst = rows[int(np.argmax(search.over_floor))]
     steps = selection.steps
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
-    verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
+    open_places = any(p.state == "unexplained" for p in places)
+    findings = tuple(_with_true_intervals(f, open_places) for f in findings)
+    verdict = verdict_of(findings, open_places)
     stages = tuple(_stages(search, findings, steps))
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
     return Diagnosis(
@@ -98,6 +100,16 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         alike=alike,
         replicas=len(search.families.peaks),
     )
+
+
+def _with_true_intervals(finding: Finding, open_places: bool) -> Finding:
+    """Without deviations that hold only if nothing else is missing, of other values, or of another law."""
+    if not open_places and finding.settled and not finding.tie[0].nonlinear:
+        return finding
+    tie = (
+        replace(n, std={name: x if np.isinf(x) else np.nan for name, x in n.std.items()}) for n in finding.tie
+    )
+    return replace(finding, tie=tuple(tie))
 
 
 def _alike(view: Search, step: Step) -> bool:
@@ -191,7 +203,7 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
 def _worst_band(beside: Search, row: int, out: np.ndarray) -> tuple[float, float, float] | None:
     """The worst of the bands `out` where an equation stands out, if it does so more than in all together."""
     ex = beside.examination
-    ratio = np.where(out, ex.over_floor_in_bands(beside.base)[row], 0.0)
+    ratio = np.where(out, in_bands(ex, beside.base).ratio[row], 0.0)
     band, top = int(np.argmax(ratio)), float(ex.floor.frequencies[-1])
     if ratio[band] <= beside.over_floor[row]:
         return None

@@ -197,8 +197,8 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
         after = by_log.search.resting_on(again.candidates).remaining_on(rows)
         if after <= (1 - search.rules.explained[0]) * beside.remaining_on(rows):
             found = conclusion(by_log.search, again, held, heldout)
-            note = by_log.note(search.resting_on(again.candidates))
-            said = f"{by_log.sentence} {found.sentence}"
+            named = search.resting_on(again.candidates)
+            note, said = by_log.note(named), f"{by_log.sentence(named)} {found.sentence}"
             return by_log.search, replace(found, sentence=said, notes=(note, *found.notes))
     return search, conclusion(search, selection, held, heldout)
 

@@ -13,10 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.coordinate import joint_number
 from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, units_of
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
 from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median
+from pyident.diagnosis.imitators.own_friction import friction_of_each_log
 from pyident.diagnosis.search.search import Search, search_of
 
 _SURE = 3.0  # standard deviations
@@ -36,12 +38,16 @@ class FrictionByLog:
     joints: tuple[int, ...]
     candidates: tuple[Candidate, ...]
 
-    @property
-    def sentence(self) -> str:
-        *most, last = [str(k) for k in self.joints]
-        where = f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
-        zero = ", or the zero of its torque," if any(c.log == 0 for c in self.candidates) else ""
-        return f"The friction of {where}{zero} differs from log to log. With its own in every log:"
+    def sentence(self, beside: Search) -> str:
+        """Whose friction differs, and of whom only the torque's zero. beside: as of `differences`."""
+        names = self.differences(beside)
+        dry = sorted({joint_number(name) for name in names if not name.endswith(".offset")})
+        zero = sorted({joint_number(name) for name in names} - set(dry))
+        told = [f"the friction of {_joints(dry)}"] if dry else []
+        told += [f"the zero of the torque of {_joints(zero)}"] if zero else []
+        what = " and ".join(told)
+        differs = "differs" if len(told) == 1 else "differ"
+        return f"{what[0].upper()}{what[1:]} {differs} from log to log. With its own in every log:"
 
     def differences(self, beside: Search) -> dict[str, list[float]]:
         """Parameter -> per fitted log but the first how much more it is than there, in the parameter's unit.
@@ -81,33 +87,28 @@ class FrictionByLog:
         )
 
 
+def _joints(numbers: Sequence[int]) -> str:
+    *most, last = [str(k) for k in numbers]
+    return f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
+
+
 def friction_by_log(search: Search) -> FrictionByLog | None:
     """None where one log is fitted, or no joint's friction differs. The search must rest on nothing."""
     ex = search.examination
     joints = [k for k, _ in search.robot.numbered if _differs(search, k)]
     if not joints:
         return None
-    listed = [c for k in joints for c in _of_joint(search, k)]
+    listed = [c for k in joints for c in friction_of_each_log(search.robot, k, len(ex.logs))]
     wider = search.with_further(listed).base
     limits = [bounds(search.robot, c) for c in ex.candidates]
     own = replace(ex, base=wider, gains=gains(wider, ex.columns, limits))
     return FrictionByLog(search_of(own), tuple(joints), tuple(listed))
 
 
-def _of_joint(search: Search, joint: int) -> list[Candidate]:
-    """The friction of a joint in every log but the first; an offset that the model lacks in all of them."""
-    present = search.robot.joints[joint - 1].values
-    names = [name for name in ("coulomb", "viscous", "offset") if name in present]
-    count = len(search.examination.logs)
-    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
-    if found and "offset" not in present:
-        found += [Candidate("offset", joint, log=log) for log in range(count)]
-    return found
-
-
 def _differs(search: Search, joint: int) -> bool:
     """Whether a joint's own friction in each log takes most of what exceeds the floor there."""
-    listed, rules, ex = _of_joint(search, joint), search.rules, search.examination
+    rules, ex = search.rules, search.examination
+    listed = friction_of_each_log(search.robot, joint, len(ex.logs))
     row = joint - 1
     left = search.remaining_on([row])
     if not listed or left <= 0:

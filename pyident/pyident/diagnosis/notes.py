@@ -9,7 +9,7 @@ from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
-from pyident.diagnosis.base.standing_out import bands_in_doubt
+from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
 from pyident.diagnosis.result import Finding, Place
 from pyident.diagnosis.search.found import Step, candidates_of
 from pyident.diagnosis.search.gate import region_of, share_in
@@ -61,17 +61,24 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
 
 def in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
     """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
-    ex, ratio = beside.examination, beside.examination.over_floor_in_bands(beside.base)
+    ex, ratio = beside.examination, in_bands(beside.examination, beside.base).ratio
     doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
     ends = (*EDGES, float(ex.floor.frequencies[-1]))
     doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
-    for row in np.flatnonzero(doubted.any(axis=1)):
+    rows = np.flatnonzero(doubted.any(axis=1))
+    said = []
+    for row in rows:
         band, c = int(np.argmax(doubted[row])), beside.robot.q[row]
+        said.append(
+            f"{joint_name(c.joint)}, {c.side} side ({doubted[row, band]:.2g} times from {ends[band]:g} to "
+            f"{ends[band + 1]:.3g} Hz)"
+        )
+    if said:
+        lowest = ex.setting.continued[:, rows].min()
         yield (
-            f"at {joint_name(c.joint)}, {c.side} side, the residual is {doubted[row, band]:.2g} times its "
-            f"floor from {ends[band]:g} to {ends[band + 1]:g} Hz: slow noise of the torque may do that, "
-            f"which these logs do not show below {ex.setting.continued[row]:.2g} Hz, or something small that "
-            "is missing; a log of a motion that repeats would tell"
+            f"the residual exceeds its floor at {', '.join(said)}: slow noise of a torque may do that, which "
+            f"these logs do not show below {lowest:.2g} Hz, or something small that is missing; a log of a "
+            "motion that repeats would tell"
         )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, Literal
 
 from flexmodels.coordinate import joint_number
@@ -14,7 +15,8 @@ VerdictName = Literal["nothing_detectable", "missing_effect", "unexplained", "ca
 class Named:
     """An effect at a joint, or an error of the robot file, with the parameters that fit best.
 
-    values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined)
+    values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined; NaN: it
+                   holds only for the nonlinear values found, or if nothing else were missing)
     nonlinear      the parameters that enter the law nonlinearly, and the correction of a robot file
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself
@@ -120,7 +122,7 @@ class Place:
     over_floor        rms of its residual over that of replicas, before and after the findings
     band              Hz from and to, and that ratio after the findings, of the band where it stands out most;
                       None: in no band more than in all together
-    floor_percent     rms that replicas leave, of the torque or moment on the equation
+    floor_percent     rms that replicas leave, of the torque or moment on the equation; NaN where that is none
     reason            why the best candidate of an unexplained place is not named; empty elsewhere
     """
 
@@ -224,7 +226,7 @@ class Diagnosis:
                     "band": None
                     if p.band is None
                     else dict(zip(("from_hz", "to_hz", "over_floor"), p.band, strict=True)),
-                    "floor_percent": p.floor_percent,
+                    "floor_percent": p.floor_percent if isfinite(p.floor_percent) else None,
                     "reason": p.reason,
                 }
                 for p in self.places

@@ -1,6 +1,7 @@
 """A verdict, in a word and in a sentence."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
@@ -43,13 +44,14 @@ def sentence_of(
     """places: every side of every joint, in the robot's order; place: where it fails most."""
     if verdict == "nothing_detectable":
         return "Nothing is missing that these logs could show."
+    open_places = [p for p in places if p.state == "unexplained"]
     if verdict == "unexplained":
-        where = f"{place[0]}, {place[1]} side"
+        listed = [f"{p.joint}, {p.balance} side" for p in open_places] or [f"{place[0]}, {place[1]} side"]
+        where = " and ".join(listed) if len(listed) < 3 else "; ".join(listed)
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
     brief = len(findings) > _MANY
     each = _by_law(findings) if brief else [f"{_names(f)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
     names = " and ".join(each) if len(each) < 3 else "; ".join(each)
-    open_places = [p for p in places if p.state == "unexplained"]
     left = [f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in open_places]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
     wrong = {n.describes for f in findings for n in f.tie}
@@ -87,13 +89,14 @@ def _floors(place: Place) -> str:
     if place.band is None:
         return f"{place.over_floor[1]:.2g} floors"
     low, high, ratio = place.band
-    return f"{ratio:.2g} floors from {low:g} to {high:.2g} Hz"
+    return f"{ratio:.2g} floors from {low:g} to {high:.3g} Hz"
 
 
 def _said(named: Named) -> str:
     """A law at its joint, or what the robot file says wrongly."""
     if not named.describes:
-        return f"{named.effect} at {named.joint}"
+        alone = f" in {Path(named.log).name} only" if named.log else ""
+        return f"{named.effect} at {named.joint}{alone}"
     ((name, value),) = named.values.items()
     if not stated(named.effect):
         return f"the logged torque of {named.joint} by about {value:.2g} of itself"

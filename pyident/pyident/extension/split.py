@@ -20,7 +20,7 @@ class Split:
         """What counts of the logs to judge."""
         starts = [round(t / log.period) for log, t in zip(self.judged, self.since, strict=True)]
         return [
-            replace(log, frame=log.frame.iloc[n:].reset_index(drop=True))
+            replace(log, frame=log.frame.iloc[n:].reset_index(drop=True), after=log.after + n * log.period)
             for log, n in zip(self.judged, starts, strict=True)
         ]
 

@@ -39,13 +39,14 @@ class Window:
 
 @dataclass(frozen=True)
 class LogFile:
-    """A uniformly sampled log in a CSV or Parquet file. period: sample time [s]."""
+    """A uniformly sampled log in a CSV or Parquet file. period: sample time, began: of its first [s]."""
 
     path: Path
     columns: Mapping[str, Column] = field(repr=False)
     names: tuple[str, ...]
     length: int
     period: float
+    began: float
     notes: tuple[str, ...] = ()
 
     @property
@@ -90,7 +91,8 @@ def log_file(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
         ends = np.array([ends[0] if len(ends) else time[0], time[-1]])
     if length < 2:
         raise LogError(f"{path}: {length} samples are too few")
-    return LogFile(path, columns, names, length, float((ends[1] - ends[0]) / (length - 1)))
+    begin, end = ends.tolist()
+    return LogFile(path, columns, names, length, (end - begin) / (length - 1), begin)
 
 
 def _frames(

@@ -27,12 +27,14 @@ class LogError(ValueError):
 
 
 class Sampled(Protocol):
-    """What every log says of itself: columns, period [s], number of samples, what was done to it."""
+    """What every log says of itself: columns, period [s], when it began [s], length, what was done to it."""
 
     @property
     def names(self) -> tuple[str, ...]: ...
     @property
     def period(self) -> float: ...
+    @property
+    def began(self) -> float: ...
     @property
     def source(self) -> str: ...
     @property
@@ -48,12 +50,14 @@ class Log:
     source  what messages call it
     notes   what was done to it, a sentence each
     up_to_constant   torques that are known but for a constant of this log, which no equation may read
+    after   time [s] that its recording had run before its first row
     """
 
     frame: pd.DataFrame
     source: str = "the log"
     notes: tuple[str, ...] = ()
     up_to_constant: tuple[str, ...] = ()
+    after: float = 0.0
 
     def __post_init__(self) -> None:
         check(self.frame, self.source)
@@ -73,6 +77,11 @@ class Log:
         """Sample time [s]."""
         time = self.frame["time"].to_numpy()
         return float((time[-1] - time[0]) / (len(time) - 1))
+
+    @property
+    def began(self) -> float:
+        """Time at which its recording began [s]: a controller's clock may run since it was switched on."""
+        return float(self.frame["time"].iloc[0]) - self.after
 
     def __len__(self) -> int:
         return len(self.frame)

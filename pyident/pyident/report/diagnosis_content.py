@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isinf
 
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
 from pyident.report.diagnosis_figures import band_name, colour, row_name
@@ -72,7 +73,8 @@ def parameters(d: Diagnosis) -> list[tuple[Named, list[ParameterRow]]]:
 
 def _row(n: Named, name: str) -> ParameterRow:
     value, std = n.values[name], n.std[name]
-    known = interval(value, std) or ("best fit" if name in n.nonlinear else "not determined by itself")
+    undetermined = isinf(std) and name not in n.nonlinear
+    known = interval(value, std) or ("not determined by itself" if undetermined else "best fit")
     return ParameterRow(name, measured(value, std), known, unit(n.units[name]))
 
 

@@ -23,7 +23,7 @@ from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
 from pyident.simulation.bends import telling
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
-from pyident.simulation.repetition import period_of
+from pyident.simulation.repetition import Repetition, repetition_of
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def along(
         return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
     white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
     spectra = dict(zip(robot.coordinates, white, strict=True))
-    spectra |= _torque_noise(robot, log, motion, p, period_of(measured, noise), corners, periodic)
+    spectra |= _torque_noise(robot, log, motion, p, repetition_of(measured, noise), corners, periodic)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
 
@@ -107,13 +107,13 @@ def _torque_noise(
     log: Log,
     motion: Motion,
     p: np.ndarray,
-    repeats: float | None,
+    repeats: Repetition | None,
     corners: Sequence[float],
     periodic: PeriodicRules,
 ) -> dict[str, NoiseSpectrum]:
     """Torque -> its noise.
 
-    repeats   samples after which the motion comes back;  corners: of the coordinates, as of `reached`
+    repeats   where the motion does;  corners: of the coordinates, as of `reached`
     """
     joints = len(robot.joints)
     tau = log.signals(robot.torques)
@@ -132,7 +132,7 @@ def _torque_noise(
         if moving.any():
             rest = bridged(rest, moving)
         if repeats:
-            found = repeated_spectrum(rest, repeats, log.period)
+            found = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
         else:
             found = between_reversals(rest, moving, log.period)
         out[name] = found or NoiseSpectrum.white(channel_noise(rest), log.period)

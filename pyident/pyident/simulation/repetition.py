@@ -2,8 +2,11 @@
 
 Along a periodic motion every law of it leaves the same in every period (Swevers et al. 1997 average it so).
 What differs between the periods, but for a slow course over them as of friction that warms up, is noise, at
-low frequencies too, where no model could tell it from physics.
+low frequencies too, where no model could tell it from physics. The way there and back again may be recorded
+as well.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -12,6 +15,29 @@ _LEFT = 0.2  # of a coordinate's variance, by which it must have moved away befo
 _RETURNS = 1e-4  # of its variance: the mean square by which a period may differ from the next
 _DEGREE = 11  # of splines between samples: what lies near the Nyquist frequency keeps its size
 _LEAST, _MANY = 3, 6  # periods: to tell noise at all, and to take away a curved course over them
+_CUTS = (0.05, 0.1, 0.15, 0.2, 0.3)  # of a log, that are no part of the repetition at an end, or at both
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """A motion that comes back after `period` samples, in some rows of a log."""
+
+    period: float
+    rows: slice
+
+
+def repetition_of(q: np.ndarray, noise: np.ndarray) -> Repetition | None:
+    """Where all coordinates (N, n) repeat at least three times, with as little cut off as may be.
+
+    noise   (n,) standard deviations of their sensors
+    """
+    ends = [(0.0, 0.0), *(e for c in _CUTS for e in ((c, 0.0), (0.0, c), (c, c)))]
+    for before, after in ends:
+        rows = slice(round(before * len(q)), len(q) - round(after * len(q)))
+        period = period_of(q[rows], noise)
+        if period is not None:
+            return Repetition(period, rows)
+    return None
 
 
 def period_of(q: np.ndarray, noise: np.ndarray) -> float | None:

@@ -19,7 +19,7 @@ from flexmodels.robot import Robot
 from flexmodels.settings.controller import Controller
 from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
-from pyident.regression.regressor import regressor
+from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
 from pyident.simulation.simulator import Simulator
@@ -174,19 +174,26 @@ def sensor_noise(repeat: Repeat, simulated: pd.DataFrame, coordinates: tuple[str
 
 
 def _stand_in(robot: Robot, q: np.ndarray, period: float) -> Controller:
-    """PD gains that follow the motion at a bandwidth of about 10 Hz, from the model's own mass matrix."""
-    values = np.array(list(robot.linear_parameters.values()))
+    """PD gains that follow the motion at a bandwidth of about 10 Hz, from the model's own mass matrix M.
+
+    A joint's inertia is 1 / (M⁻¹)_kk, what it moves while the others give way: the loop's squared frequencies
+    then add up to as many times ω² as there are joints. By M_kk wrists whose axes align shake far faster.
+    """
     joints = len(robot.joints)
-    Kp, Kd = [], []
     omega = 2 * np.pi * min(_BANDWIDTH, 0.02 / period)
-    for k in range(joints):
-        unit = np.zeros_like(q)
-        unit[0, k] = 1.0
-        force = [
-            regressor(robot, Motion(q, 0 * q, a, np.zeros((1, joints)), np.zeros(1))).matrix[0, k] @ values
-            for a in (unit, 0 * unit)
-        ]
-        inertia = float(force[0] - force[1])
-        Kp.append(inertia * omega**2)
-        Kd.append(2 * inertia * omega)
+    M = _mass_matrix(robot, q)
+    free = np.diag(np.linalg.pinv(M, hermitian=True))
+    inertia = np.where(free > 0, 1 / np.where(free > 0, free, 1.0), np.diag(M))
+    Kp, Kd = (inertia * omega**2).tolist(), (2 * inertia * omega).tolist()
     return Controller(1 / period, tuple(Kp), tuple(Kd), (0.0,) * joints)
+
+
+def _mass_matrix(robot: Robot, q: np.ndarray) -> np.ndarray:
+    """(joints, joints) of the motors, their hinges stiff, at q (1, n)."""
+    joints, p = len(robot.joints), np.array(list(robot.linear_parameters.values()))
+    at, rest = np.repeat(q, joints + 1, axis=0), np.zeros((joints + 1, q.shape[1]))
+    units = rest.copy()
+    units[range(joints), range(joints)] = 1.0
+    motion = Motion(at, rest, units, rest[:, :joints], np.zeros(joints + 1))
+    forces = generalised_forces(robot, motion, p)[:, :joints]
+    return forces[:joints] - forces[joints]

@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
 from pyident.verbs.text import Text, wrapped
@@ -107,6 +109,8 @@ class Diagnosed(Result):
         if d.findings:
             heads = ("finding", "share of excess", "held out", "parameters")
             lines.append(table(heads, [_row(f) for f in d.findings], numbers=(1, 2)))
+        nearest = [p for p in d.places if p.state == "unexplained" and p.reason]
+        lines += [wrapped(f"{p.joint}, {p.balance} side: {p.reason}", "  ") for p in nearest[:_SHOWN]]
         lines += [wrapped(s, "  ") for s in d.depends_on]
         lines += [wrapped(f"to separate: {f.experiment}", "  ") for f in d.findings if f.experiment]
         hidden = [f"{x.effect} at {x.joint}" for x in d.limits if x.reason]
@@ -238,10 +242,10 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
 
 
 def said_value(named: Any, parameter: str) -> str:
-    """A parameter of a named effect with its standard deviation, where the logs determine it."""
+    """A parameter of a named effect with its interval of 95 %, where the logs tell one."""
     std = named.std[parameter]
     if std == float("inf") and parameter not in named.nonlinear:
         return f"{parameter} not determined by itself"
-    spread = f" ± {std:.2g}" if std != float("inf") else ""
+    spread = f" ± {CONFIDENCE * std:.2g}" if isfinite(std) else ""
     unit = "" if named.units[parameter] == "1" else f" {named.units[parameter]}"
     return f"{parameter} = {named.values[parameter]:.4g}{spread}{unit}"

@@ -103,7 +103,7 @@ def search_of(
 
     continued   Hz: below, the noise is not measured
     """
-    setting: Any = Fitted(np.array([continued]))
+    setting: Any = Fitted(np.array([[continued]]))
     more = ((0, 0), (0, len(EDGES) - in_bands.shape[1]))
     in_bands, replicas = np.pad(in_bands, more), np.pad(replicas, more)
     count, nothing = in_bands.sum(axis=0), np.zeros((20, 0))
@@ -139,9 +139,9 @@ def test_noise_of_other_bands_does_not_dilute_what_stands_out_in_one(energy, sta
     assert standing_out(residual, np.column_stack([low, ~low]).astype(float), np.ones((20, 2))) == stands_out
 
 
-@pytest.mark.parametrize(("energy", "stands_out"), [(4.1, False), (760.0, False), (780.0, True)])
+@pytest.mark.parametrize(("energy", "stands_out"), [(4.1, False), (48.0, False), (50.0, True)])
 def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
-    """As 1/f² below 4 Hz: 256 times at the middle of the band up to 0.5 Hz."""
+    """As 1/f below 4 Hz: 16 times at the middle of the band up to 0.5 Hz."""
     residual = np.ones(10 * SAMPLES)
     residual[:20] = np.sqrt(energy)
     low = np.arange(10 * SAMPLES) < 20
@@ -154,6 +154,5 @@ def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
     unexplained: Any = SimpleNamespace(state="unexplained")
     assert not list(in_doubt(search, [unexplained]))
     if doubts:
-        assert doubts[0].startswith(f"at joint1, motor side, the residual is {np.sqrt(energy):.2g} times its")
-        assert "from 0 to 0.5 Hz" in doubts[0]
+        assert f"joint1, motor side ({np.sqrt(energy):.2g} times from 0 to 0.5 Hz)" in doubts[0]
     assert standing_out(residual, bands, np.ones((20, 2)))

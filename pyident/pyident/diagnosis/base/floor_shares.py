@@ -6,7 +6,7 @@ from pyident.diagnosis.base.residual_over_floor import Examination
 
 
 def floor_shares(ex: Examination) -> np.ndarray:
-    """(n,) rms of the floor, of the torque or of the stiffness' moment, per equation."""
+    """(n,) rms of the floor, of the torque or the stiffness' moment, per equation; NaN where that is none."""
     robot = ex.setting.robot
     level = np.mean(np.square(ex.floor.rms), axis=1) * ex.floor_energies / sum(e.y.shape[1] for e in ex.logs)
     out = np.zeros(len(robot.q))
@@ -20,7 +20,8 @@ def floor_shares(ex: Examination) -> np.ndarray:
             else:
                 own = robot.parameters[stiffness] * part.motion.q[:, row]
             signals.append(np.square(log.band.transform(own * part.use[:, row])).mean())
-        out[row] = np.sqrt(level[row] / max(float(np.mean(signals)), 1e-300))
+        there = float(np.mean(signals))
+        out[row] = np.sqrt(level[row] / there) if there > 0 else np.nan
     return out
 
 
@@ -32,4 +33,4 @@ def worth_little(ex: Examination) -> bool:
     motors = [row for row, c in enumerate(ex.setting.robot.q) if c.is_motor and ex.used[row]]
     if not motors:
         return False
-    return bool(np.median(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)
+    return bool(np.nanmedian(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)

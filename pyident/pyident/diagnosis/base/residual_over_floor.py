@@ -136,24 +136,14 @@ class Examination:
         each = (self.replica_energy * self.count).sum(axis=2)
         return each.max(axis=0) / np.maximum(each.mean(axis=0), 1e-300)
 
-    def over_floor_in_bands(self, base: Base) -> np.ndarray:
-        """(n, bands) energy that a base leaves over that of replicas; 0 where a band holds no equation."""
-        left = sum(np.square(r) @ inside for r, inside in zip(base.residual, self.bands, strict=True))
-        floor = np.maximum(self.replica_energy.mean(axis=0) * self.count, 1e-300)
-        return np.asarray(left) / floor * (self.count > 0)
+    def by_band(self, residuals: Sequence[np.ndarray]) -> np.ndarray:
+        """(logs, n, bands) energy of residuals, per log (n, E)."""
+        return np.array([np.square(r) @ inside for r, inside in zip(residuals, self.bands, strict=True)])
 
-    @property
-    def most_in_bands(self) -> np.ndarray:
-        """(n, bands) the most that a replica leaves there, over the average."""
-        return self.replica_energy.max(axis=0) / np.maximum(self.replica_energy.mean(axis=0), 1e-300)
-
-    @property
-    def may_rise(self) -> np.ndarray:
-        """(n, bands) how far a noise that rises as 1/f² where it was not measured exceeds the floor."""
-        top = max(EDGES[-1], float(self.floor.frequencies[-1]))
-        edges = np.array([*EDGES, top])
-        middle = (edges[:-1] + edges[1:]) / 2
-        return np.maximum(self.setting.continued[:, None] / np.maximum(middle, 1e-300), 1.0) ** 2
+    @cached_property
+    def replicas_by_band(self) -> np.ndarray:
+        """(B, logs, n, bands) the same of the replicas'."""
+        return np.array([self.by_band(made) for made in self.replica_residuals])
 
     @cached_property
     def floor(self) -> Floor:

@@ -70,12 +70,11 @@ class Setting:
 
     @property
     def continued(self) -> np.ndarray:
-        """(n,) Hz: below, the noise of an equation's torque is not measured but continued."""
-        found = np.zeros(len(self.robot.coordinates))
-        for r in self.repeats:
+        """(logs, n) Hz: below, the noise of an equation's torque is not measured but continued."""
+        found = np.zeros((len(self.repeats), len(self.robot.coordinates)))
+        for own, r in zip(found, self.repeats, strict=True):
             if isinstance(r, AlongMotion):
-                own = [r.noise[name].continued for name in self.robot.torques]
-                found[: len(own)] = np.maximum(found[: len(own)], own)
+                own[: len(self.robot.joints)] = [r.noise[name].continued for name in self.robot.torques]
         return found
 
 

@@ -21,6 +21,7 @@ from pyident.diagnosis.imitators.breadth import rests_on
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.imitators.modulation import grows_with
+from pyident.diagnosis.imitators.own_friction import told_by_friction
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.further_orders import as_orders, with_orders
 from pyident.diagnosis.search.gate import Refusal, admission, counts, owns, region_of, sets_for, share_in
@@ -233,6 +234,8 @@ def _fault(whole: Search, candidate: Candidate) -> str:
     samples = rests_on(whole, candidate)
     if samples:
         return f"most of its gain rests on {samples}, where little of its force is"
+    if told_by_friction(whole, candidate):
+        return "each log's own friction and zeros do the same"
     words = stands_in_for(whole, candidate)
     return f"what it leaves depends on {words}, beside which it explains little" if words else ""
 

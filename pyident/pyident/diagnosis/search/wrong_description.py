@@ -143,7 +143,7 @@ def _no_chance(view: Search, entry: Admission) -> bool:
 def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
     """Of an error that takes too little for a name, or not the same everywhere."""
     listed = " or ".join(
-        f"{_place(f)} (by about {f.gain.coefficients[0]:.2g} {unit})"
+        f"{_place(f)} (by about {f.gain.coefficients[0]:.2g}{'' if unit == '1' else f' {unit}'})"
         for f in step.tie
         for unit in units_of(view.robot, f.candidate).values()
     )

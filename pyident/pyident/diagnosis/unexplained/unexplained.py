@@ -64,24 +64,32 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
 
 
 def _pretended_by_replicas(examination: Examination, workers: Workers, row: int, count: int) -> np.ndarray:
-    """(count, variables) energies that the splines explain of replicas."""
-    arguments = examination.setting, examination.floors, row
+    """(count, variables) energies that the splines explain of replicas, 0 where a signal stands still."""
+    asked = [(v.name, v.form) for v in variables(examination.setting.robot, examination.logs, row)]
+    arguments = examination.setting, examination.floors, row, asked
     seeds = range(_FIRST_SEED, _FIRST_SEED + count)
     jobs = [workers.submit(_pretended, *arguments, group) for group in together(seeds)]
     return np.array([gains for job in jobs for gains in job.result()])
 
 
 def _pretended(
-    fmu: Simulator, setting: Setting, floors: Sequence[Floor], row: int, seeds: Sequence[int]
+    fmu: Simulator,
+    setting: Setting,
+    floors: Sequence[Floor],
+    row: int,
+    asked: Sequence[tuple[str, str]],
+    seeds: Sequence[int],
 ) -> list[np.ndarray]:
-    """The energies of each replica."""
+    """The energies of each replica, of signals by name and form."""
     found = []
     for made in judged_replicas(fmu, setting, seeds):
         data = whitened(setting.robot, made, floors)
         listed = variables(setting.robot, data, row)
         levels = levels_of(floors, data)
         base = extended(solve_base(data), constant_columns(data, levels, row))
-        found.append(spline_gains(base, listed, data, levels, row))
+        explained = spline_gains(base, listed, data, levels, row).tolist()
+        gains = dict(zip(((v.name, v.form) for v in listed), explained, strict=True))
+        found.append(np.array([gains.get(variable, 0.0) for variable in asked]))
     return found
 
 

@@ -1,0 +1,36 @@
+"""Whether each log's own friction and zeros do what a load that one log carries is named for.
+
+Torque sensors and currents are zeroed anew before a log, and friction is another on a cold morning. A small
+mass that hangs on the arm in one log alone shifts the torques of this log, too, and may be named for these.
+"""
+
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.projection import extended, joined
+from pyident.diagnosis.search.search import Search
+
+
+def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
+    """The friction of a joint (from 1) in every one of so many logs but the first; an offset that the model
+    lacks in all of them."""
+    present = robot.joints[joint - 1].values
+    names = [name for name in ("coulomb", "viscous", "offset") if name in present]
+    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
+    if found and "offset" not in present:
+        found += [Candidate("offset", joint, log=log) for log in range(count)]
+    return found
+
+
+def told_by_friction(whole: Search, candidate: Candidate) -> bool:
+    """Whether a candidate of one log takes little beside such friction of the joints where it acts."""
+    if candidate.log is None:
+        return False
+    count = len(whole.examination.logs)
+    joints = sorted({whole.robot.q[row].joint for row in whole.rows(candidate)})
+    listed = [c for k in joints for c in friction_of_each_log(whole.robot, k, count)]
+    if not listed:
+        return False
+    without = whole.without(candidate)
+    beside = extended(without.base, joined([whole.columns(c) for c in listed]))
+    taken = without.gain_of(candidate).energy
+    return without.gain_of(candidate, beside).energy < whole.rules.apart * taken
