@@ -20,7 +20,7 @@ _NOTHING = 2.5  # times the frequency that the motion reaches: from there on not
 _RINGS = 1 / (_NOTHING - 1)  # periods of the highest frequency of the motion, until a step has settled
 _ENDS = (0.01, 0.05)  # of the samples, at either end, where a motion goes on that nobody knows: between
 _SETTLED = 3  # times what the low pass blurs: beside an end of a motion just below its corner
-_WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
+WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 _SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
@@ -101,7 +101,7 @@ def top_power(values: np.ndarray) -> np.ndarray:
     """(M,) power of a signal (N,) at its highest frequencies, as the variance of white noise that has it."""
     window = np.hanning(len(values))
     S = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / np.sum(window**2)
-    return S[int(_WHITE_FROM * len(S)) :]
+    return S[int(WHITE_FROM * len(S)) :]
 
 
 def _course(x: np.ndarray, count: int) -> np.ndarray:

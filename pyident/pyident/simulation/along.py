@@ -7,7 +7,7 @@ theirs has in the log. Every replica has parameters of its own, drawn from the f
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,14 +15,27 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
 from pyident.conditioning.rest import away_from_rest
-from pyident.conditioning.smooth_motion import all_smooth, blurred, channel_noise, ends_of, reached
+from pyident.conditioning.smooth_motion import (
+    WHITE_FROM,
+    all_smooth,
+    blurred,
+    channel_noise,
+    ends_of,
+    reached,
+)
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
 from pyident.simulation.bends import telling
-from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
+from pyident.simulation.noise_spectrum import (
+    NoiseSpectrum,
+    between_reversals,
+    bridged,
+    repeated_spectrum,
+    share_told,
+)
 from pyident.simulation.repetition import Repetition, repetition_of
 
 
@@ -133,10 +146,17 @@ def _torque_noise(
             rest = bridged(rest, moving)
         if repeats:
             found = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
+            found = replace(found, density=found.density / share_told(moving[repeats.rows]))
         else:
             found = between_reversals(rest, moving, log.period)
-        out[name] = found or NoiseSpectrum.white(channel_noise(rest), log.period)
+        out[name] = found or _of_highest(rest, moving, log.period)
     return out
+
+
+def _of_highest(rest: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum:
+    """White noise by the highest frequencies of what is left (N,), of which straight lines hold none."""
+    white = NoiseSpectrum.white(channel_noise(rest) / np.sqrt(share_told(moving)), period)
+    return replace(white, continued=WHITE_FROM * 0.5 / period)
 
 
 def resolution(x: np.ndarray) -> float:

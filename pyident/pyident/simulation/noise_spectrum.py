@@ -123,17 +123,26 @@ def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> No
         starts = range(0, len(left) - length + 1, length // 2)
         pieces = np.array([left[a : a + length] for a in starts if moving[a : a + length].all()])
         if len(pieces) >= _ENOUGH:
-            return _no_more_than(left, _fitted(pieces, period))
+            return _no_more_than(left, moving, _fitted(pieces, period))
     return None
 
 
-def _no_more_than(left: np.ndarray, found: NoiseSpectrum) -> NoiseSpectrum:
+def share_told(known: np.ndarray) -> float:
+    """Of the power of noise in a signal behind a Hann window, where straight lines hold none; known (N,)."""
+    window = np.square(np.hanning(len(known)))
+    return float(window[known].sum() / window.sum()) if known.any() else 1.0
+
+
+def _no_more_than(left: np.ndarray, known: np.ndarray, found: NoiseSpectrum) -> NoiseSpectrum:
     """A spectrum that was continued, with no more noise than all that is left (N,), octave by octave.
 
     The fit of the model has taken some of the noise, in the lowest octaves most: they count as one.
+
+    known   (N,) where what is left is no straight line
     """
     window = np.hanning(len(left))
     S = np.abs(np.fft.rfft((left - left.mean()) * window)) ** 2 / np.sum(window**2) * 2 * found.period
+    S /= share_told(known)
     edges = [int(found.continued * len(left) * found.period)]
     while edges[-1] >= 2 * _OCTAVE:
         edges.append(edges[-1] // 2)
