@@ -1,6 +1,7 @@
 """Torques that belong to another instant than the motion beside them, or come from a clock that drifts.
 
-Judged where joints keep moving: what sticks holds its torque after it has stopped, as if this came late.
+What sticks holds its torque after it has stopped, as if this came late. So a delay must show where joints
+keep moving as well.
 """
 
 from collections.abc import Iterator
@@ -23,7 +24,6 @@ _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may ga
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
     """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
-    of = of.in_motion
     late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
     yield from late or _drift(of, source)
 
@@ -55,7 +55,20 @@ def delay(of: Balances, k: int) -> Delay | None:
     material = now - left[best] > LOG_CHECKS.delay_material**2
     if not inside or abs(shift) < LOG_CHECKS.delay or not material or left[best] > LOG_CHECKS.better * now:
         return None
-    return Delay(shift, float(left[best]), now)
+    return Delay(shift, float(left[best]), now) if _shows_in_motion(of, k, shift) else None
+
+
+def _shows_in_motion(of: Balances, k: int, shift: float) -> bool:
+    """Whether joint k (from 0) tells about this shift where it keeps moving."""
+    moving = of.in_motion
+    width = round(abs(shift)) + _NEAR
+    told = _vertex(moving, k, np.arange(-2 * width, 2 * width + 1) / 2) if k in moving.joints else None
+    return told is not None and abs(told.shift) > _SURE * told.std and _alike(told.shift, shift, told.std)
+
+
+def _alike(one: float, other: float, std: float) -> bool:
+    """Whether two delays [samples] may be one."""
+    return abs(one - other) <= LOG_CHECKS.delays_apart + _SURE * std
 
 
 def _late(of: Balances, k: int, source: str) -> Defect | None:
@@ -97,8 +110,7 @@ def common_delay(of: Balances) -> CommonDelay | None:
         return None
     weights = np.array([one.std**-2 for one in told])
     shift, std = float(weights @ [one.shift for one in told] / weights.sum()), float(weights.sum() ** -0.5)
-    alike = all(abs(one.shift - shift) <= LOG_CHECKS.delays_apart + _SURE * one.std for one in told)
-    return CommonDelay(shift, std) if alike else None
+    return CommonDelay(shift, std) if all(_alike(one.shift, shift, one.std) for one in told) else None
 
 
 def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:

@@ -100,6 +100,7 @@ _SWITCH = frozenset(["enable", "enabled"])
 _SWITCHED = frozenset(["torque", "motor", "servo", "drive"])
 _PLAIN = frozenset([*_MEASURED, "est", "hat", "filtered", "raw", "dot", "ddot", "d"])  # of no joint's name
 _AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
+_MOTIONS = frozenset(["angle", "length", "speed"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
@@ -132,6 +133,7 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None) or _last_unit(rest)
     if unit and len(words) > 1:
         words = words[:-1]
+    words = _of_the_load(words, KINDS.get(unit or ""))
     side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
     if joint is None and numbers:
         joint = numbers[-1]
@@ -141,6 +143,13 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     return Meaning(
         _signal(words, KINDS.get(unit or "")), joint if joint != "" else None, side, unit, _wanted(words)
     )
+
+
+def _of_the_load(words: list[str], kind: str | None) -> list[str]:
+    """A load is a torque, but in the name of a position or a speed it is the side that is measured."""
+    others = {_BARE.get(word) for word in words if len(word) > 1}
+    moves = kind in _MOTIONS or bool(others & {"position", "velocity", "acceleration"})
+    return ["link" if moves and word == "load" else word for word in words]
 
 
 def _parts(word: str) -> list[str]:
@@ -187,6 +196,8 @@ def _found(words: list[str], kind: str | None) -> list[str]:
     named = {word: _BARE[word] for word in words if word in _BARE}
     long = {word: signal for word, signal in named.items() if len(word) > 1}
     chosen = list((long if set(long.values()) - {"time"} else named).values())
+    if not chosen and kind in _MOTIONS and set(words) & (_MOTOR | _LINK):
+        chosen = [_MEASURES[kind]]
     if chosen and not long and _MEASURES.get(kind or "", chosen[0]) not in chosen:
         chosen = [_MEASURES[str(kind)]]
     derived = "acceleration" if "ddot" in words else "velocity" if "dot" in words else None
@@ -194,8 +205,11 @@ def _found(words: list[str], kind: str | None) -> list[str]:
 
 
 def _last_unit(name: str) -> str | None:
-    """The unit that a name ends with, where its capitals matter (cur_mA)."""
-    last = _SPLIT.split(name)[-1]
+    """The unit that a name ends with, where its capitals matter (cur_mA, current_A)."""
+    *words, last = _SPLIT.split(name)
+    if last in ("A", "V"):  # an axis may be called so, but that of a current
+        electric = {_BARE.get(word.lower()) for word in words if len(word) > 1} & {"current", "voltage"}
+        return known_unit(last) if electric else None
     return known_unit(last) if len(last) > 1 and last not in ("min", "rev") else None
 
 

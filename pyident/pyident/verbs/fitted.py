@@ -136,6 +136,13 @@ class Fit(Result):
                     f"written at the least value that it may have: {', '.join(bound)}; an effect that is "
                     "missing, a wrong sign, or too little motion to tell"
                 )
+        drowned = [k for k, e in self.identified.relative_error.items() if k != "all" and e > 100]
+        if drowned:
+            lines.append(
+                f"above 100 % at {', '.join(drowned)}: noise of the positions, differentiated twice, exceeds "
+                "the torque there, and the figure says nothing of the model; give [processing] of the robot "
+                "file a cutoff of a few times the highest frequency of the motion"
+            )
         lines += [f"the same on {source}, held out: {_percentages(e)}" for source, e in self.heldout.items()]
         return [wrapped(line, "  ") for line in lines]
 

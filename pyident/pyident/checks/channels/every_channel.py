@@ -171,11 +171,17 @@ def _longest(true: np.ndarray) -> int:
 
 
 def _unsigned(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """A torque that comes down to zero again and again and never goes below: its magnitude."""
-    size = np.abs(x) / max(float(np.abs(x).max()), 1e-300)
-    away = size[(size < 0.02) | (size > 0.2)] > 0.2  # noise about zero touches it once
-    touches = int(np.sum(away[:-1] & ~away[1:]))
-    if (x.min() >= 0 or x.max() <= 0) and touches >= 4:
+    """A torque that bounces off zero again and again: its magnitude. What carries a weight turns before."""
+    if x.min() < 0 < x.max():
+        return
+    size, largest = np.abs(x), float(np.abs(x).max())
+    clear = np.flatnonzero((size < 0.02 * largest) | (size > 0.2 * largest))
+    away = size[clear] > 0.2 * largest  # noise about zero touches it once
+    stays = np.split(clear, np.flatnonzero(np.diff(away)) + 1)
+    lowest = [stay[np.argmin(size[stay])] for stay in stays if size[stay[0]] < 0.02 * largest]
+    steps = np.abs(np.diff(x))
+    touches = sum(size[i] <= steps[max(i - 2, 0) : i + 2].max(initial=0.0) for i in lowest)
+    if touches >= 4:
         yield _defect("doubtful", "unsigned", log, name, f"comes to zero {touches} times and never changes "
                       f"its sign; it looks like a magnitude: record the signed torque")  # fmt: skip
 
