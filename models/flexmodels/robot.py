@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from flexmodels.coordinate import Coordinate, deformation_of, motor_of, torque_of
+from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection
 from flexmodels.gearing import Transmission
@@ -136,12 +137,17 @@ class Robot:
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m."""
+        """Unit of every parameter, in FMI's notation; a slider has m and N where a hinge has rad and N.m.
+
+        What acts on deformations alone keeps rad and N.m: these are turns behind a slider, too.
+        """
         units = {f"link{k + 1}.{p}": u for k in range(len(self.links)) for p, u in LINK_PARAMETERS.items()}
         for k, joint in self.numbered:
             for effect in joint.effects:
+                bends = bool(effect.forces) and signals.e not in effect.forces
                 for p in effect.parameters:
-                    units[parameter_name(k, effect.name, p.name)] = unit_at(joint, p.unit)
+                    unit = p.unit if bends else unit_at(joint, p.unit)
+                    units[parameter_name(k, effect.name, p.name)] = unit
         return {name: units[name] for name in self.parameters}
 
     def with_parameters(self, values: Mapping[str, float], name: str | None = None) -> "Robot":

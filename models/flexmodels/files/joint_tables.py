@@ -64,6 +64,11 @@ def _joint(table: Table, k: int, joints: int, own: Mapping[str, Effect]) -> Join
         limits=_limits(table.table("limits")) if "limits" in table else None,
         own=own,
     )
+    if joint.kind == "prismatic" and hinge and not joint.bends:
+        raise RobotError(
+            f"{table.place('k')} would let a slider turn about its axis, not stretch: a belt or a spindle "
+            "that gives way is not among the models here; give no k, or three for a carriage that tilts"
+        )
     return replace(joint, values=hinge | _laws(table, joint, k, joints))
 
 

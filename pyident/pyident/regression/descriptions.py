@@ -37,7 +37,8 @@ class Description:
     """One quantity that a robot file states, at a joint (from 1).
 
     words     what is wrong when it is
-    unit      of the correction;  largest: beyond it the linear column means nothing
+    unit      of the correction;  largest: beyond it the linear column means nothing;  least: a smaller one is
+              worth no name, as no data sheet tells it better
     correct   the robot whose quantity is larger by an amount;  None: a torque's gain, which no file states
     turning   of revolute joints only
     whole     of the robot, not of a joint: it is listed at joint 1
@@ -50,6 +51,7 @@ class Description:
     correct: Correct | None
     turning: bool = False
     whole: bool = False
+    least: float = 0.0
 
 
 def _origin(axis: int) -> Correct:
@@ -109,7 +111,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
             for i, a in enumerate("xyz")
         ),
         Description("encoder_zero", "where the encoder reads zero", "rad", 0.1, _zero, turning=True),
-        Description("torque_gain", "the gain of the logged torque", "1", 0.2, None),
+        Description("torque_gain", "the gain of the logged torque", "1", 0.2, None, least=0.01),
     )
 }
 

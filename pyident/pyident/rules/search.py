@@ -87,7 +87,7 @@ class SearchRules:
     band_stands_out: float = rule(
         3.0,
         "floor's energy in one band by which a residual exceeds it there: twice its rms",
-        "a noise's spectrum is known that well; where it was not measured, it may rise as 1/f besides",
+        "a noise's spectrum is known that well; where it was not measured, it may rise besides",
         "by reason, after friction of 31 floors below 1 Hz was diluted to 1.4 by 60 Hz of noise",
     )
     worthless: float = rule(

@@ -1,5 +1,6 @@
 """A value far from zero, and the same on held-out logs, counts though it explains next to nothing."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,6 +11,7 @@ from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search import gate, wrong_description
+from pyident.diagnosis.search import measured as module
 from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.measured import measured
@@ -36,6 +38,22 @@ def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
             with_further=lambda _: after,
         ),
     )
+
+
+@pytest.fixture(autouse=True)
+def replicas_show_noise(monkeypatch):
+    monkeypatch.setattr(module, "_in_replicas", lambda *_: 1.0)
+
+
+def test_what_replicas_show_as_well_is_no_error(monkeypatch):
+    monkeypatch.setattr(module, "_in_replicas", lambda *_: 6.0)
+    assert not measured(search(0.3), AXIS, SEEN_AGAIN)
+
+
+@pytest.mark.parametrize(("value", "counts"), [(0.003, False), (0.02, True)])
+def test_a_gain_is_known_to_a_hundredth_at_best(value, counts, monkeypatch):
+    monkeypatch.setattr(module, "_size", lambda *_: value)
+    assert measured(search(0.3), replace(AXIS, effect="torque_gain"), SEEN_AGAIN) == counts
 
 
 @pytest.mark.parametrize(("size", "counts"), [(0.3, True), (0.02, False)])  # 13 and 1 standard deviations

@@ -1,8 +1,8 @@
 """What a base leaves beyond what any replica leaves: in all equations of a row, or in one band of them.
 
-Below the frequencies in which a log shows its torques' noise, this may rise as 1/f besides, as that of
-amplifiers does. A log whose motion repeats shows it to the bottom, so that a band is judged by the logs that
-know it best.
+Below the frequencies in which a log shows its torques' noise, this may rise besides: as 1/f², as behind a low
+pass, for an octave, and as 1/f below it, as that of amplifiers does. A log whose motion repeats shows it to the
+bottom, so that a band is judged by the logs that know it best.
 """
 
 from dataclasses import dataclass
@@ -78,8 +78,9 @@ def bands_in_doubt(examination: Examination, base: Base) -> np.ndarray:
 
 
 def _rises(ex: Examination) -> np.ndarray:
-    """(logs, n, bands) how far a noise that rises as 1/f where it was not measured exceeds the floor."""
+    """(logs, n, bands) how far a noise that rises where it was not measured exceeds the floor."""
     top = max(EDGES[-1], float(ex.floor.frequencies[-1]))
     edges = np.array([*EDGES, top])
     middle = (edges[:-1] + edges[1:]) / 2
-    return np.maximum(ex.setting.continued[..., None] / np.maximum(middle, 1e-300), 1.0)
+    below = np.maximum(ex.setting.continued[..., None] / np.maximum(middle, 1e-300), 1.0)
+    return np.minimum(below**2, 2 * below)

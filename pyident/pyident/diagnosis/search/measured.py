@@ -4,15 +4,19 @@ An axis that is turned by a fifth of a degree may explain a hundredth of a resid
 samples be certain all the same. Shares of the excess say nothing there; its value does: it is far from zero
 in the fitted logs, and held-out logs, which move otherwise, find the same one. Either of the two must tell it
 beyond any chance, the other surely. Standard deviations are those of coloured noise, from the residual at the
-very frequencies where the error acts (White 1980). Positions that had to be moved in time are where they
-belong to a fiftieth of a sample, which is more than such an error.
+very frequencies where the error acts (White 1980), and no less than what replicas, which have no such error,
+show of it: differences of held torques and of noisy angles make one by themselves, alike in every log.
+Positions that had to be moved in time are where they belong to a fiftieth of a sample, which is more than
+such an error.
 """
 
 import numpy as np
 
-from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.candidates import Candidate, bounds
+from pyident.diagnosis.base.projection import gains_over, others_of
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
+from pyident.regression.descriptions import DESCRIPTIONS
 
 
 def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> bool:
@@ -25,9 +29,16 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     moved = search.examination.setting.alignment.needed
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
-    fitted = _deviations(search, candidate)
+    least = DESCRIPTIONS[candidate.effect].least if candidate.describes else 0.0
+    if least and _size(search, candidate) < least:
+        return False
+    fitted = _deviations(search, candidate) / max(_in_replicas(search, candidate), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
     return either and unseen.of_one_size(rules, 1 / fitted)
+
+
+def _size(search: Search, candidate: Candidate) -> float:
+    return float(np.abs(search.gain_of(candidate).coefficients).max())
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:
@@ -38,3 +49,12 @@ def _deviations(search: Search, candidate: Candidate) -> float:
         fall += float((np.square(before) - np.square(after)).sum())
         variance += float((np.square(before - after) * np.square(after)).sum())
     return fall / max(np.sqrt(variance), 1e-300)
+
+
+def _in_replicas(search: Search, candidate: Candidate) -> float:
+    """The rms of what replicas show of it, in standard deviations."""
+    base, replicas = search.base, search.examination.replica_residuals
+    ends = bounds(search.robot, candidate)
+    return float(
+        np.sqrt(np.mean(gains_over(base, search.columns(candidate), others_of(base, replicas), *ends)))
+    )
