@@ -184,7 +184,7 @@ def _ribbon(replicas: Sequence[np.ndarray], samples: int, period: float) -> tupl
     stacked = np.stack([r[:samples] for r in replicas])
     width = max(int(BINS.window / period), 1)
     middle = uniform_filter1d(stacked.mean(axis=0), width)
-    half = BINS.ribbon * np.sqrt(uniform_filter1d(stacked.var(axis=0, ddof=1), width))
+    half = BINS.ribbon * np.sqrt(np.maximum(uniform_filter1d(stacked.var(axis=0, ddof=1), width), 0.0))
     return middle - half, middle + half
 
 

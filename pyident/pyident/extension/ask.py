@@ -23,6 +23,8 @@ from pyident.regression.spectrum import Equations
 from pyident.rules.periodic import PeriodicRules
 from pyident.simulation.simulator import OpenPool
 
+_HARDLY = 0.2  # of the samples that a law needs to be seen: with fewer, any coefficient would do
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -82,8 +84,7 @@ def _listed(
 
     def shown(values: dict[str, float]) -> bool:
         covered = [coverage(robot, joint, effect, motion, values) for motion in motions]
-        return any(share is None or share >= 1 for share in covered)
+        return any(share is None or share >= _HARDLY for share in covered)
 
     seen = [values for values in grid if shown(values)]
-    # where the logs hardly are, any coefficient would do
     return [Candidate(effect, joint, tuple(values.items())) for values in seen or grid]

@@ -47,7 +47,7 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     again = "" if len(places) == 1 else f" and at {len(places) - 1} other samples"
     gross = sizes.max() > CHANNELS.large_jump * np.ptp(x) or len(places) > max(CHANNELS.many * len(x), 3)
     yield Defect("gross" if gross else "doubtful", "jump", name,
-                 f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.4g} s{again}; a count was "
+                 f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.9g} s{again}; a count was "
                  f"lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
 
 
@@ -73,7 +73,7 @@ def _near(events: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:
 def _turn(log: Log, name: str, at: int) -> Defect:
     time = log.frame["time"].to_numpy(float)
     return Defect("gross", "wrapped", name,
-                  f"{log.source}: {name} jumps by a turn at {time[at + 1]:.4g} s; unwrap it")  # fmt: skip
+                  f"{log.source}: {name} jumps by a turn at {time[at + 1]:.9g} s; unwrap it")  # fmt: skip
 
 
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -95,7 +95,7 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     yield Defect("gross" if gross else "doubtful", "spike", name,
                  f"{log.source}: {name} sticks out by {odd[alone].max():.3g} for single samples, "
                  f"{len(alone)} times, first at "
-                 f"{time[alone[0]]:.4g} s; repair the channel or cut the log there")  # fmt: skip
+                 f"{time[alone[0]]:.9g} s; repair the channel or cut the log there")  # fmt: skip
 
 
 def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -109,7 +109,7 @@ def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         time = log.frame["time"].to_numpy(float)
         yield Defect("gross" if len(lost) > CHANNELS.many * len(x) else "doubtful", "spike", name,
                      f"{log.source}: {name} drops to zero for single samples, {len(lost)} times, first at "
-                     f"{time[lost[0]]:.4g} s; values were lost: repair the channel")  # fmt: skip
+                     f"{time[lost[0]]:.9g} s; values were lost: repair the channel")  # fmt: skip
 
 
 def _clusters(at: np.ndarray) -> list[np.ndarray]:
