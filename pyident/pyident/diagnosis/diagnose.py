@@ -16,9 +16,10 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.denoised import unfiltered, within
 from pyident.diagnosis.base.floor_shares import worth_little
-from pyident.diagnosis.base.residual_over_floor import Region, examine
+from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
+from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.misaligned import alignment_of
@@ -26,7 +27,7 @@ from pyident.diagnosis.next_steps import with_dependences, with_experiments, wit
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search, search_of
-from pyident.diagnosis.search.selection import Selection, notable, select
+from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
@@ -190,8 +191,9 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
     """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    beside, everywhere = search.resting_on(selection.candidates), Region(tuple(range(len(search.robot.q))))
-    by_log = friction_by_log(search) if notable(beside, everywhere) else None
+    beside = search.resting_on(selection.candidates)
+    left = beside.stands_out or bands_in_doubt(search.examination, beside.base).any()
+    by_log = friction_by_log(search) if left else None
     if by_log is not None:
         again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
         after = by_log.search.resting_on(again.candidates).remaining_on(rows)
