@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.coordinate import joint_number
-from flexmodels.joint import parameter_name
+from flexmodels.joint import CATALOGUE, parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, units_of
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
 from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median
@@ -22,6 +22,7 @@ from pyident.diagnosis.imitators.own_friction import friction_of_each_log
 from pyident.diagnosis.search.search import Search, search_of
 
 _SURE = 3.0  # standard deviations
+_ZERO = (".offset", ".offset_drift.rate")  # of a torque, not friction
 _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time
 
 
@@ -41,7 +42,7 @@ class FrictionByLog:
     def sentence(self, beside: Search) -> str:
         """Whose friction differs, and of whom only the torque's zero. beside: as of `differences`."""
         names = self.differences(beside)
-        dry = sorted({joint_number(name) for name in names if not name.endswith(".offset")})
+        dry = sorted({joint_number(name) for name in names if not name.endswith(_ZERO)})
         zero = sorted({joint_number(name) for name in names} - set(dry))
         told = [f"the friction of {_joints(dry)}"] if dry else []
         told += [f"the zero of the torque of {_joints(zero)}"] if zero else []
@@ -64,7 +65,7 @@ class FrictionByLog:
         for (effect, joint, log), (x, std) in of.items():
             if not log:
                 continue
-            name = parameter_name(joint, effect, effect)
+            name = _named(effect, joint)
             x0, std0 = of.get((effect, joint, 0), (0.0, 0.0))
             out.setdefault(name, []).append(x - x0)
             if abs(x - x0) > _SURE * np.hypot(std, std0):
@@ -74,8 +75,8 @@ class FrictionByLog:
     def note(self, beside: Search) -> str:
         """By how much, and what to do. beside: as of `differences`."""
         robot, first = self.search.robot, self.search.examination.setting.logs[0].source
-        own = {parameter_name(c.joint, c.effect, c.effect): c for c in self.candidates}
-        units = {name: units_of(robot, c)[c.effect] for name, c in own.items()}
+        own = {_named(c.effect, c.joint): c for c in self.candidates}
+        units = {name: units_of(robot, c)[name.rpartition(".")[2]] for name, c in own.items()}
         each = []
         for name, others in self.differences(beside).items():
             ends = dict.fromkeys(f"{x:+.2g}" for x in (min(others), max(others)))
@@ -85,6 +86,11 @@ class FrictionByLog:
             "time; record with the robot warm and the torques' zeros set anew, or fit each log by itself, as "
             "a model has one value for all"
         )
+
+
+def _named(effect: str, joint: int) -> str:
+    """Of its one parameter."""
+    return parameter_name(joint, effect, CATALOGUE[effect].linear[0].name)
 
 
 def _joints(numbers: Sequence[int]) -> str:

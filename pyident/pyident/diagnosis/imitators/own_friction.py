@@ -11,13 +11,14 @@ from pyident.diagnosis.search.search import Search
 
 
 def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
-    """The friction of a joint (from 1) in every one of so many logs but the first; an offset that the model
-    lacks in all of them."""
+    """The friction of a joint (from 1) in every one of so many logs but the first; in all of them the drift of
+    the torque's zero, and an offset that the model lacks."""
     present = robot.joints[joint - 1].values
     names = [name for name in ("coulomb", "viscous", "offset") if name in present]
     found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
-    if found and "offset" not in present:
-        found += [Candidate("offset", joint, log=log) for log in range(count)]
+    lacking = [name for name in ("offset", "offset_drift") if name not in present]
+    if count > 1:
+        found += [Candidate(name, joint, log=log) for log in range(count) for name in lacking]
     return found
 
 
