@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmodels.coordinate import joint_number
-from flexmodels.joint import CATALOGUE, parameter_name
+from flexmodels.effects import CATALOGUE
+from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, units_of
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
 from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median

@@ -11,8 +11,8 @@ from pyident.diagnosis.search.search import Search
 
 
 def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
-    """The friction of a joint (from 1) in every one of so many logs but the first; in all of them the drift of
-    the torque's zero, and an offset that the model lacks."""
+    """The friction of a joint (from 1) in every one of so many logs but the first; in all of them the drift
+    of the torque's zero, and an offset that the model lacks."""
     present = robot.joints[joint - 1].values
     names = [name for name in ("coulomb", "viscous", "offset") if name in present]
     found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
