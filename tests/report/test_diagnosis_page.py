@@ -12,7 +12,7 @@ from flexmodels.effects import CATALOGUE
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row, Stage
 from pyident.report.diagnosis_page import write_diagnosis
 from pyident.report.law_sheet import law_sheet
-from pyident.report.wording import interval, measured, number, percent, times, unit
+from pyident.report.wording import measured, number, percent, times, unit
 
 BANDS = ((0.0, 0.5), (0.5, 24.95))
 ROWS = (
@@ -152,8 +152,8 @@ def test_the_numbers_of_a_finding(page):
     _, _, text = page(MISSING)
     for told in ("97.2", "41.5", "none of 20", "p = 0.048", "1.17 ×", "91.5", "64.2"):
         assert told in text, told
-    assert "8.12 7.63 to 8.61 N m" in text  # 8.1234 +- 1.96 * 0.25
-    assert "0.05170 best fit rad/s" in text
+    assert "8.12 N m" in text
+    assert "0.05170 rad/s" in text
     assert "presliding at joint1: 64.2 % by itself, 0.4 % beside this finding" in text.replace("\u00a0", " ")
 
 
@@ -236,8 +236,6 @@ def test_every_law_has_a_sheet_with_formulas(effect):
         (number(0.0), "0"),
         (number(1e-7, 2), "1.0 × 10⁻⁷"),
         (measured(20.12345, 0.0123), "20.123"),
-        (interval(10.0, inf), ""),
-        (interval(-5.0, 0.1), "−5.20 to −4.80"),
         (times(1903.7), "1\u202f904"),
         (percent(0.01), "<\u00a00.1\u00a0%"),
         (percent(-0.01), "0.0\u00a0%"),

@@ -43,9 +43,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     worst = rows[int(np.argmax(search.over_floor))]
     steps = selection.steps
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
-    open_places = any(p.state == "unexplained" for p in places)
-    findings = tuple(_with_true_intervals(f, open_places) for f in findings)
-    verdict = verdict_of(findings, open_places)
+    verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
     stages = tuple(_stages(search, findings, steps))
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
     return Diagnosis(
@@ -100,16 +98,6 @@ def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -
         alike=alike,
         replicas=len(search.families.peaks),
     )
-
-
-def _with_true_intervals(finding: Finding, open_places: bool) -> Finding:
-    """Without deviations that hold only if nothing else is missing, of other values, or of another law."""
-    if not open_places and finding.settled and not finding.tie[0].nonlinear:
-        return finding
-    tie = (
-        replace(n, std={name: x if np.isinf(x) else np.nan for name, x in n.std.items()}) for n in finding.tie
-    )
-    return replace(finding, tie=tuple(tie))
 
 
 def _alike(view: Search, step: Step) -> bool:

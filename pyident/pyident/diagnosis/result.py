@@ -15,8 +15,8 @@ VerdictName = Literal["nothing_detectable", "missing_effect", "unexplained", "ca
 class Named:
     """An effect at a joint, or an error of the robot file, with the parameters that fit best.
 
-    values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined; NaN: it
-                   holds only for the nonlinear values found, or if nothing else were missing)
+    values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined); of the
+                   floor's noise alone, and so no interval
     nonlinear      the parameters that enter the law nonlinearly, and the correction of a robot file
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself

@@ -6,7 +6,7 @@ from math import isinf
 
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
 from pyident.report.diagnosis_figures import band_name, colour, row_name
-from pyident.report.wording import interval, measured, number, unit
+from pyident.report.wording import measured, number, unit
 
 _NEIGHBOURS = 4  # rivals that are argued with, per finding
 _WORTH = 1.0  # % that a rival must take away by itself to be argued with
@@ -44,11 +44,10 @@ class Worst:
 
 @dataclass(frozen=True)
 class ParameterRow:
-    """A parameter as the page shows it; `interval` says so where none is known."""
+    """A parameter as the page shows it, or that it is not known."""
 
     name: str
     value: str
-    interval: str
     unit: str
 
 
@@ -74,8 +73,8 @@ def parameters(d: Diagnosis) -> list[tuple[Named, list[ParameterRow]]]:
 def _row(n: Named, name: str) -> ParameterRow:
     value, std = n.values[name], n.std[name]
     undetermined = isinf(std) and name not in n.nonlinear
-    known = interval(value, std) or ("not determined by itself" if undetermined else "best fit")
-    return ParameterRow(name, measured(value, std), known, unit(n.units[name]))
+    known = "not determined by itself" if undetermined else measured(value, std)
+    return ParameterRow(name, known, unit(n.units[name]))
 
 
 def found_twice(d: Diagnosis) -> list[Named]:

@@ -2,8 +2,6 @@
 
 from math import floor, isfinite, log10
 
-from pyident.rules.confidence import CONFIDENCE
-
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MINUS = "−"
 
@@ -42,16 +40,6 @@ def unit(symbol: str) -> str:
 def measured(value: float, std: float) -> str:
     """A value with as many digits as its standard deviation leaves it."""
     return _fixed(value, _places(std)) if _shown(value, std) else number(value, 4)
-
-
-def interval(value: float, std: float) -> str:
-    """Where the value lies with 95 % probability; empty where no standard deviation is known."""
-    if not isfinite(std):
-        return ""
-    low, high = value - CONFIDENCE * std, value + CONFIDENCE * std
-    if not _shown(value, std):
-        return f"{number(low, 4)} to {number(high, 4)}"
-    return f"{_fixed(low, _places(std))} to {_fixed(high, _places(std))}"
 
 
 def _shown(value: float, std: float) -> bool:

@@ -2,11 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pyident.rules.confidence import CONFIDENCE
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
 from pyident.verbs.text import Text, wrapped
@@ -242,10 +240,8 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
 
 
 def said_value(named: Any, parameter: str) -> str:
-    """A parameter of a named effect with its interval of 95 %, where the logs tell one."""
-    std = named.std[parameter]
-    if std == float("inf") and parameter not in named.nonlinear:
+    """A parameter of a named effect, where the logs determine it."""
+    if named.std[parameter] == float("inf") and parameter not in named.nonlinear:
         return f"{parameter} not determined by itself"
-    spread = f" ± {CONFIDENCE * std:.2g}" if isfinite(std) else ""
     unit = "" if named.units[parameter] == "1" else f" {named.units[parameter]}"
-    return f"{parameter} = {named.values[parameter]:.4g}{spread}{unit}"
+    return f"{parameter} = {named.values[parameter]:.4g}{unit}"
