@@ -33,7 +33,7 @@ class FrictionByLog:
 
     search       among all candidates, every log with its own friction at these joints
     joints       at which it does, from 1
-    candidates   the friction of these in every log but the first
+    candidates   how the friction of these differs in every log but the first; a zero and a drift in all
     """
 
     search: Search
@@ -60,16 +60,14 @@ class FrictionByLog:
         """
         found = gain(beside.base, joined([beside.columns(c) for c in self.candidates]))
         pairs = zip(found.coefficients.tolist(), found.std.tolist(), strict=True)
-        of = dict(zip([(c.effect, c.joint, c.log) for c in self.candidates], pairs, strict=True))
         out: dict[str, list[float]] = {}
         sure: set[str] = set()
-        for (effect, joint, log), (x, std) in of.items():
-            if not log:
+        for c, (x, std) in zip(self.candidates, pairs, strict=True):
+            if c.log is None:
                 continue
-            name = _named(effect, joint)
-            x0, std0 = of.get((effect, joint, 0), (0.0, 0.0))
-            out.setdefault(name, []).append(x - x0)
-            if abs(x - x0) > _SURE * np.hypot(std, std0):
+            name = _named(c.effect, c.joint)
+            out.setdefault(name, []).append(x)
+            if abs(x) > _SURE * std:
                 sure.add(name)
         return {name: values for name, values in out.items() if name in sure or not sure}
 

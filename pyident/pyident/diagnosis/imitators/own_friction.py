@@ -11,15 +11,13 @@ from pyident.diagnosis.search.search import Search
 
 
 def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
-    """The friction of a joint (from 1) in every one of so many logs but the first; in all of them the drift
-    of the torque's zero, and an offset that the model lacks."""
+    """How the friction of a joint (from 1), its torque's zero and the drift of this differ in every one of so
+    many logs from the first; and the zero and its drift in all, where the model has none."""
     present = robot.joints[joint - 1].values
     names = [name for name in ("coulomb", "viscous", "offset") if name in present]
-    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in names]
     lacking = [name for name in ("offset", "offset_drift") if name not in present]
-    if count > 1:
-        found += [Candidate(name, joint, log=log) for log in range(count) for name in lacking]
-    return found
+    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in (*names, *lacking)]
+    return [*found, *(Candidate(name, joint) for name in lacking)] if found else []
 
 
 def told_by_friction(whole: Search, candidate: Candidate) -> bool:
