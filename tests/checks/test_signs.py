@@ -52,3 +52,13 @@ def _inertial(e, period):
     from numpy import gradient
 
     return -1.1 * gradient(gradient(e, period), period)
+
+
+def test_a_spring_is_no_wrong_sign():
+    """Of 40 N m/rad at a joint that swings at 0.5 Hz: more than its inertia's torque, and against it."""
+    sound = analytic_log(torque_noise=0.02)
+    e = sound.frame["joint1.e"]
+    hung = replace(sound, frame=sound.frame.assign(**{"joint1.tau": sound.frame["joint1.tau"] + 40 * e}))
+    signals = samples(free_joint(), hung)
+    assert signals is not None
+    assert not list(signs(balances(signals), hung.source))

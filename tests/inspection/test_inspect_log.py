@@ -163,6 +163,10 @@ def test_the_rate_is_in_the_unit_of_the_time(tmp_path):
         ("A2 Motorstrom", "current", 2, None),
         ("Antriebsmoment_4", "torque", 4, None),
         ("A3 Hub", "position", 3, None),
+        ("load_pos_mm", "position", None, "mm"),
+        ("load_1", "torque", 1, None),
+        ("link_deg", "position", None, "deg"),
+        ("motor_current_A", "current", None, "A"),
     ],
 )
 def test_names_are_understood(name, signal, joint, unit):

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import bessel, butter, sosfilt, sosfreqz
 
 from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
-from pyident.simulation.repetition import period_of
+from pyident.simulation.repetition import period_of, repetition_of
 
 PERIOD, POLE = 0.01, 0.9
 SLOW = np.array([0.1, 0.3])  # Hz, where the motion is
@@ -178,3 +178,30 @@ def test_noise_is_drawn_with_its_spectrum():
     assert np.mean([np.var(x) for x in drawn]) == pytest.approx(1.25, rel=0.05)
     assert spectrum.std == pytest.approx(np.sqrt(1.25), rel=0.02)
     assert np.mean([np.corrcoef(x[1:], x[:-1])[0, 1] for x in drawn]) == pytest.approx(0.9 / 1.25, abs=0.02)
+
+
+def test_a_motion_that_repeats_behind_a_run_in_is_found_there():
+    """Two seconds on the way there, and a stretch that differs at the end."""
+    q = course(np.arange(6000) * PERIOD)
+    there = np.linspace(0, 1, 200)[:, None] ** 2 * (q[0] + 0.7)
+    back = q[-1] + np.linspace(0, 2, 400)[:, None]
+    found = repetition_of(np.vstack([there, q, back]), np.zeros(2))
+    assert found is not None
+    assert found.period == pytest.approx(777.34, abs=0.05)
+    assert found.rows.start >= 200
+    assert found.rows.stop <= 6200
+    assert repetition_of(there, np.zeros(2)) is None
+
+
+@pytest.mark.parametrize("share", [1.0, 0.15])
+def test_noise_is_not_diluted_by_what_is_not_known(share):
+    """A joint that moves in a part of a log only: elsewhere what is left is a straight line."""
+    found = []
+    for seed in range(6):
+        known = np.arange(40000) < share * 40000
+        known &= np.arange(40000) % 700 > 10  # reversals
+        spectrum = between_reversals(bridged(noise(40000, seed), known), known, PERIOD)
+        assert spectrum is not None
+        found.append(spectrum)
+    f = np.array([0.3, 3.0, 40.0])
+    assert mean_of(found, f) == pytest.approx(true(f), rel=0.4)

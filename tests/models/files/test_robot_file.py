@@ -106,3 +106,29 @@ def test_unknown_names_are_refused(four_link):
         four_link.with_effect(1, "magic")
     with pytest.raises(RobotError, match="has no joint 5"):
         four_link.with_effect(5, "offset")
+
+
+SLIDER = """
+[[joint]]
+kind = "prismatic"
+x = [1.0, 0.0, 0.0]
+y = [0.0, 1.0, 0.0]
+J_m = 3.0
+k = {k}
+[[link]]
+m = 2.0
+com = [0.1, 0.0, 0.0]
+J_com = [0.01, 0.02, 0.02]
+"""
+
+
+def test_a_slider_does_not_stretch(tmp_path):
+    """A belt's stiffness would be one about the slider's axis; of a carriage that tilts it is one."""
+    file = tmp_path / "slider.toml"
+    head = 'name = "slider"\ngravity = [0.0, 0.0, -9.81]\ntip = [0.2, 0.0, 0.0]\n'
+    file.write_text(head + SLIDER.format(k="[4e5]"))
+    with pytest.raises(RobotError, match="not stretch"):
+        load_robot(file)
+    file.write_text(head + SLIDER.format(k="[4e5, 4e5, 4e5]"))
+    units = load_robot(file).units
+    assert (units["joint1.J_m"], units["joint1.k[1]"]) == ("kg", "N.m/rad")
