@@ -184,7 +184,7 @@ def tree_robot(seed: int = 0, passive: int = 0) -> Robot:
     rng = np.random.default_rng(seed + 100)
     robot = mixed_robot(seed)
     joints = [replace(j, parent=p) for j, p in zip(robot.joints, (0, 1, 1, 2, 0), strict=True)]
-    for k in (2, 4):
+    for k in (0, 4):
         laws = joints[k].values
         one = {"stiffness": {"k[1]": 90.0}, "damping": {"d[1]": 3.0}}
         joints[k] = replace(joints[k], bends=False, values={**laws, **one})

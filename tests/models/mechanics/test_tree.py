@@ -110,13 +110,13 @@ def test_the_tip_belongs_to_its_link():
 
 def test_a_hinge_that_only_twists_has_one_stiffness():
     robot = TREES[0]
-    names = [name for name in robot.parameters if name.startswith("joint3.")]
-    assert {"joint3.k[1]", "joint3.d[1]"} <= set(names)
-    assert not {"joint3.k[2]", "joint3.d[3]"} & set(names)
-    assert [c for c in robot.coordinates if c.startswith("joint3.")] == ["joint3.e", "joint3.eps[1]"]
-    stiffness = robot.joints[2].law("stiffness")
+    names = [name for name in robot.parameters if name.startswith("joint1.")]
+    assert {"joint1.k[1]", "joint1.d[1]"} <= set(names)
+    assert not {"joint1.k[2]", "joint1.d[3]"} & set(names)
+    assert [c for c in robot.coordinates if c.startswith("joint1.")] == ["joint1.e", "joint1.eps[1]"]
+    stiffness = robot.joints[0].law("stiffness")
     assert [p.name for p in stiffness.parameters] == ["k[1]"]
-    assert robot.joints[0].law("stiffness") is CATALOGUE["stiffness"]
+    assert robot.joints[2].law("stiffness") is CATALOGUE["stiffness"]
     with pytest.raises(RobotError, match="effect damping acts on deformations that joint 2"):
         robot.with_effect(2, "damping")
 
