@@ -5,6 +5,7 @@ speaks for a wrong sign only if it would be negative beside a spring, too.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,30 +38,44 @@ def against(of: Balances, k: int) -> str | None:
     """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
     used = of.samples.use[:, k] > 0
     de, dde, y = of.samples.dq[used, k], of.samples.ddq[used, k], of.torque[used, k]
+    own = _solution(of.Phi[used, k], y)
     power, torque = float(np.mean(np.abs(y * de))), float(np.sqrt(np.mean(np.square(y))))
-    if _negative(of.Phi[used, k], y, _friction(of, k, de), LOG_CHECKS.friction_share * power):
+    if own.negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
         return "friction would feed energy in"
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
-    angle = of.samples.q[used, k]
-    beside_spring = np.column_stack([of.Phi[used, k], angle - angle.mean(), np.ones(len(y))])
     row = inertia(of, k)
-    negative = _negative(of.Phi[used, k], y, row, least) and _negative(
-        beside_spring, y, np.append(row, [0.0, 0.0]), least
-    )
+    if not own.negative(row, least):
+        return None
+    angle = of.samples.q[used, k]
+    beside_spring = _solution(np.column_stack([of.Phi[used, k], angle - angle.mean(), np.ones(len(y))]), y)
+    negative = beside_spring.negative(np.append(row, [0.0, 0.0]), least)
     return "its inertia would be negative" if negative else None
 
 
-def _negative(A: np.ndarray, y: np.ndarray, row: np.ndarray, least: float) -> bool:
-    """Whether row p is below zero beyond chance and by a least amount, p (P,) of A p = y, A (M, P)."""
-    normal, b = A.T @ A, A.T @ y[:, None]
-    p, inverse = solved(normal, b)
-    if not row.any() or not _estimable(normal, inverse, row):
-        return False
-    left = max(float(y @ y - b[:, 0] @ p[:, 0]), 1e-12 * float(y @ y))
-    variance = left / max(len(y) - len(p) / 2, 1)
-    value = float(row @ p[:, 0])
-    std = EQUATIONS.coloured * float(np.sqrt(max(row @ inverse @ row, 0.0) * variance))
-    return value < -LOG_CHECKS.sure * std and value < -least
+@dataclass(frozen=True)
+class _Solution:
+    """p (P,) of A p = y, with AᵀA and its inverse (P, P), and the variance of what is left."""
+
+    p: np.ndarray
+    normal: np.ndarray
+    inverse: np.ndarray
+    variance: float
+
+    def negative(self, row: np.ndarray, least: float) -> bool:
+        """Whether row p is below zero beyond chance and by a least amount; row (P,)."""
+        if not row.any() or not _estimable(self.normal, self.inverse, row):
+            return False
+        value = float(row @ self.p)
+        std = EQUATIONS.coloured * float(np.sqrt(max(row @ self.inverse @ row, 0.0) * self.variance))
+        return value < -LOG_CHECKS.sure * std and value < -least
+
+
+def _solution(A: np.ndarray, y: np.ndarray) -> _Solution:
+    """Of A (M, P), y (M,)."""
+    normal, b, yy = A.T @ A, A.T @ y, float(y @ y)
+    p, inverse = solved(normal, b[:, None])
+    left = max(yy - float(b @ p[:, 0]), 1e-12 * yy)
+    return _Solution(p[:, 0], normal, inverse, left / max(len(y) - len(p) / 2, 1))
 
 
 def _estimable(normal: np.ndarray, inverse: np.ndarray, row: np.ndarray) -> bool:

@@ -76,7 +76,7 @@ def _late(of: Balances, k: int, source: str) -> Defect | None:
     if found is None:
         return None
     time, share = abs(found.shift) * of.samples.period, found.left / found.now
-    way, cause = ("late", "a filter that only this torque passes")
+    way, cause = "late", "a filter that only this torque passes"
     if found.shift < 0:
         way, cause = "early", "a slow current loop (effect torque_delay)"
     return Defect(

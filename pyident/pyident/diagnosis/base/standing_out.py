@@ -73,8 +73,8 @@ def bands_standing_out(examination: Examination, base: Base) -> np.ndarray:
 
 def bands_in_doubt(examination: Examination, base: Base) -> np.ndarray:
     """(n, bands) where a residual would stand out but for what slow noise may do."""
-    least = 1 + examination.setting.rules.search.band_stands_out
-    return in_bands(examination, base).above(least) & ~bands_standing_out(examination, base)
+    found, more = in_bands(examination, base), examination.setting.rules.search.band_stands_out
+    return found.above(1 + more) & ~found.above(1 + more * found.rise)
 
 
 def _rises(ex: Examination) -> np.ndarray:
