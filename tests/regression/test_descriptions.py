@@ -111,6 +111,30 @@ def test_a_torque_read_too_small(robot, motion):
         corrected(robot, 3, "torque_gain", 0.02)
 
 
+def test_a_torque_that_comes_late(robot, motion):
+    time, k, late = np.linspace(0, 2, 2001), 3, 4e-3
+    rates = np.linspace(2.0, 4.0, motion.q.shape[1])
+    size, angles = np.where(motion.q.std(axis=0) > 0.3, 1.0, 0.05), np.outer(time, rates)
+    course = Motion(
+        size * np.sin(angles), size * rates * np.cos(angles), -size * rates**2 * np.sin(angles), None, time
+    )
+    p = np.array(list(robot.linear_parameters.values()))
+    torque = regressor(robot, course).matrix[:, k - 1] @ p
+    (row,) = (found := description_column(robot, k, "torque_lag", course))
+    assert row == k - 1
+    logged = np.interp(time - late, time, torque)
+    turns = np.flatnonzero(np.diff(np.sign(course.dq[:, k - 1])))
+    clear = np.ones(len(time), bool)
+    for turn in turns:  # until the friction before it has been logged
+        clear[turn - 1 : turn + 7] = False
+    clear[:7] = False
+    change = (logged - torque)[clear]
+    assert len(turns) > 0
+    assert np.linalg.norm(change - late * found[row][clear]) < 0.05 * np.linalg.norm(change)
+    with pytest.raises(RobotError, match=r"give joint3.tau the delay that `diagnose` finds, in the mapping"):
+        corrected(robot, 3, "torque_lag", 0.002)
+
+
 def test_places_are_said_as_the_robot_file_says_them():
     arm = load_robot("tx40")
     assert parsed(arm, "joint3.origin[z]") == (3, "origin[z]")

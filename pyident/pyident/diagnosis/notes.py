@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from flexmodels.coordinate import joint_name
+from flexmodels.coordinate import joint_name, joint_number
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
@@ -17,6 +17,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
+from pyident.regression.descriptions import DESCRIPTIONS, stated
 
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
@@ -147,6 +148,13 @@ def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
                 f"{joint} has friction under its load: a gear that loses more while it drives than while it "
                 "is driven looks like a gain of its logged torque"
             )
+
+
+def of_mapping(findings: Sequence[Finding]) -> Iterator[str]:
+    """What the mapping of the logs has to say where a logged torque is wrong."""
+    for n in (n for f in findings for n in f.tie if n.describes and not stated(n.effect)):
+        mend = DESCRIPTIONS[n.effect].mend.format(k=joint_number(n.joint))
+        yield f"{n.effect} at {n.joint}: {mend}, in the mapping of the logs"
 
 
 def orders_of(step: Step) -> str:

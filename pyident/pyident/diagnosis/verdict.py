@@ -98,6 +98,9 @@ def _said(named: Named) -> str:
         alone = f" in {Path(named.log).name} only" if named.log else ""
         return f"{named.effect} at {named.joint}{alone}"
     ((name, value),) = named.values.items()
+    if named.effect == "torque_lag":
+        way = "late" if value > 0 else "early"
+        return f"the logged torque of {named.joint}, about {1e3 * abs(value):.2g} ms {way}"
     if not stated(named.effect):
         return f"the logged torque of {named.joint} by about {value:.2g} of itself"
     place = place_name(joint_number(named.joint), named.effect)

@@ -30,6 +30,7 @@ _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
 
 Correct = Callable[[Robot, int, float], Robot]
+Slope = Callable[[np.ndarray, Motion, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,12 @@ class Description:
     words     what is wrong when it is
     unit      of the correction;  largest: beyond it the linear column means nothing;  least: a smaller one is
               worth no name, as no data sheet tells it better
-    correct   the robot whose quantity is larger by an amount;  None: a torque's gain, which no file states
+    correct   the robot whose quantity is larger by an amount;  None: of a logged torque, which no file states
+    slope     (N,) of a joint's torque (N,), a motion and the joint (from 0): what the correction changes in a
+              logged torque, per unit;  mend: how it is corrected in the mapping of the log
     turning   of revolute joints only
     whole     of the robot, not of a joint: it is listed at joint 1
+    measured  of torques that are measured: a known controller logs the one that it commands, in time
     """
 
     name: str
@@ -51,7 +55,10 @@ class Description:
     correct: Correct | None
     turning: bool = False
     whole: bool = False
+    measured: bool = False
     least: float = 0.0
+    slope: Slope | None = None
+    mend: str = ""
 
 
 def _origin(axis: int) -> Correct:
@@ -95,6 +102,23 @@ def _zero(robot: Robot, k: int, amount: float) -> Robot:
     return replace(robot, joints=tuple(joints), tip=tip)
 
 
+def _scaled(torque: np.ndarray, _: Motion, __: int) -> np.ndarray:
+    return -torque
+
+
+def _later(torque: np.ndarray, motion: Motion, k: int) -> np.ndarray:
+    """Minus the torque's rate; across a reversal, where friction makes it a step, that of one side."""
+    if motion.time is None:
+        return np.zeros_like(torque)
+    forward = np.diff(torque) / np.diff(motion.time)
+    one_way = motion.dq[1:, k] * motion.dq[:-1, k] > 0
+    counted = np.zeros((2, len(torque)))
+    counted[0, :-1], counted[1, 1:] = one_way, one_way
+    rates = np.zeros((2, len(torque)))
+    rates[0, :-1], rates[1, 1:] = forward, forward
+    return -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)
+
+
 DESCRIPTIONS: Mapping[str, Description] = {
     d.name: d
     for d in (
@@ -111,7 +135,27 @@ DESCRIPTIONS: Mapping[str, Description] = {
             for i, a in enumerate("xyz")
         ),
         Description("encoder_zero", "where the encoder reads zero", "rad", 0.1, _zero, turning=True),
-        Description("torque_gain", "the gain of the logged torque", "1", 0.2, None, least=0.01),
+        Description(
+            "torque_gain",
+            "the gain of the logged torque",
+            "1",
+            0.2,
+            None,
+            least=0.01,
+            slope=_scaled,
+            mend="multiply joint{k}.tau by 1 + the correction that `diagnose` finds",
+        ),
+        Description(
+            "torque_lag",
+            "how late the logged torque comes",
+            "s",
+            0.02,
+            None,
+            measured=True,
+            least=5e-4,
+            slope=_later,
+            mend="give joint{k}.tau the delay that `diagnose` finds",
+        ),
     )
 }
 
@@ -122,7 +166,7 @@ def describes(name: str) -> bool:
 
 
 def stated(name: str) -> bool:
-    """Whether a robot file states it: every law, and every description but a torque's gain."""
+    """Whether a robot file states it: every law, and every description but of a logged torque."""
     return not describes(name) or DESCRIPTIONS[name].correct is not None
 
 
@@ -136,19 +180,20 @@ def description_names(robot: Robot, joint: int) -> list[str]:
         d.name
         for d in DESCRIPTIONS.values()
         if not (d.turning and kind != "revolute")
+        and not (d.measured and robot.controller is not None)
         and not (d.whole and (joint != 1 or d.name.removesuffix("]")[-1] not in tilts))
     ]
 
 
 def corrected(robot: Robot, joint: int, name: str, amount: float) -> Robot:
     """The robot with another description. Raises RobotError for a quantity that no robot file states."""
-    correct = _described(robot, joint, name).correct
-    if correct is None:
+    d = _described(robot, joint, name)
+    if d.correct is None:
         raise RobotError(
-            f"{name} at joint {joint} stands in no robot file: multiply joint{joint}.tau by 1 + the "
-            "correction that `diagnose` finds, in the mapping of the log"
+            f"{name} at joint {joint} stands in no robot file: {d.mend.format(k=joint)}, "
+            "in the mapping of the log"
         )
-    return correct(robot, joint, amount)
+    return d.correct(robot, joint, amount)
 
 
 def value_of(robot: Robot, joint: int, name: str) -> str:
@@ -179,9 +224,10 @@ def place_name(joint: int, name: str) -> str:
 
 def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
-    if DESCRIPTIONS[name].correct is None:
+    slope = DESCRIPTIONS[name].slope
+    if slope is not None:
         p = np.array(list(robot.linear_parameters.values()))
-        return {joint - 1: -generalised_forces(robot, motion, p)[:, joint - 1]}
+        return {joint - 1: slope(generalised_forces(robot, motion, p)[:, joint - 1], motion, joint - 1)}
     as_it_is = _as_they_are.of((robot, motion), lambda: _link_forces(robot, motion))
     other = _link_forces(corrected(robot, joint, name, _STEP), motion)
     return dict(enumerate((other - as_it_is) / _STEP))

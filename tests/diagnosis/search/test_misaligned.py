@@ -54,6 +54,22 @@ def test_laws_behind_it_are_named():
     assert not any(n.effect == "torque_delay" for f in found.findings for n in f.tie)
 
 
+@pytest.mark.parametrize("samples", [0.8, -0.5])
+def test_one_torque_that_comes_late_is_named_with_its_time(samples):
+    logs, k = [made(arm(), seed, plain, 20.0, 2.0) for seed in range(3)], 3
+    for i, log in enumerate(logs):
+        time, torque = log.frame["time"].to_numpy(), log.frame[f"joint{k}.tau"].to_numpy()
+        moved = np.interp(time - samples * log.period, time, torque)
+        logs[i] = replace(log, frame=log.frame.assign(**{f"joint{k}.tau": moved}))
+    found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
+    (finding,) = found.findings
+    names = {n.effect: n.values for n in finding.tie}
+    assert {n.joint for n in finding.tie} == {f"joint{k}"}
+    assert names["torque_lag"]["correction"] == pytest.approx(samples * logs[0].period, rel=0.15)
+    assert set(names) - {"torque_lag"} == ({"torque_delay"} if samples < 0 else set())
+    assert any(note.startswith("torque_lag at joint3: give joint3.tau the delay") for note in found.notes)
+
+
 def test_positions_in_time_stay_there():
     search = searched(arm(), logs_of(three_laws, 0.0)[:2], never)
     assert search.examination.setting.alignment == NOTHING

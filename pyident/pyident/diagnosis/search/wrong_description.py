@@ -27,7 +27,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
-from pyident.regression.descriptions import place_name
+from pyident.regression.descriptions import DESCRIPTIONS, place_name
 
 
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
@@ -59,7 +59,7 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     """Errors that explain what a law was named for, and as much; the view rests on all other laws."""
     rules, law, errors = view.rules, step.best, view.step()
     best = errors.best
-    if not _small(view, best) or admission(view, best, [best.candidate], held).reason:
+    if not _sized(view, best) or admission(view, best, [best.candidate], held).reason:
         return None
     share, of_error = _shares(view, step, best)
     beside = view.with_further([best.candidate])
@@ -75,10 +75,11 @@ def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
     return share_in(view, step.candidates, region), share_in(view, [error.candidate], region)
 
 
-def _small(view: Search, error: Found) -> bool:
-    """Whether its value lies where its column, a slope, holds."""
+def _sized(view: Search, error: Found) -> bool:
+    """Whether its value lies where its column, a slope, holds, and is worth a name."""
     lower, upper = bounds(view.robot, error.candidate)
-    return bool(np.all((error.gain.coefficients > lower) & (error.gain.coefficients < upper)))
+    value, least = error.gain.coefficients, DESCRIPTIONS[error.candidate.effect].least
+    return bool(np.all((value > lower) & (value < upper) & (np.abs(value) >= least)))
 
 
 def _beside(
@@ -93,7 +94,7 @@ def _beside(
         view = among.resting_on(candidates_of([*steps, *named]))
         step = view.step()
         entry = admission(view, step.best, [step.best.candidate], held)
-        if entry.reason or not entry.region.rows or not _small(view, step.best):
+        if entry.reason or not entry.region.rows or not _sized(view, step.best):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         if entry.measured and not steps:
