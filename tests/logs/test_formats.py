@@ -122,6 +122,21 @@ def test_drives_and_gears_are_facts_of_the_mapping(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("facts", "torque"),
+    [
+        ('unit = "%"\nrated = 300', 6.0),
+        ('unit = "1"\ndrive = 3', 6.0),
+        ('unit = "mA"\ndrive = 3', 6e-3),
+        ('unit = "A"\ndrive = 1', 2.0),
+    ],
+)
+def test_a_drive_is_per_ampere_or_column_and_a_rated_torque_at_100_percent(facts, torque, tmp_path):
+    pd.DataFrame({"i": [2.0] * 4}).to_csv(tmp_path / "raw.csv", index=False)
+    m = mapping(tmp_path, f'rate = 10\n[signals."joint1.tau"]\nsource = "i"\n{facts}')
+    np.testing.assert_allclose(import_log([tmp_path / "raw.csv"], m).frame["joint1.tau"], torque)
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         ('time = {source = "t"}\n[signals."joint1.e"]\nsource = "t"', "column t is the column of time and"),
@@ -131,6 +146,12 @@ def test_drives_and_gears_are_facts_of_the_mapping(tmp_path):
         ),
         ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ndrive = 2', "only a torque has a drive"),
         ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ngear = 0', "a gear must not be 0"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "mA"', "needs drive = .* per A"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "V"', "needs drive = .* per V"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "%"', "at 100 %, and no drive"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "%"\ndrive = 3', "at 100 %, and no drive"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nrated = 300', "in % has a rated value"),
+        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\nunit = "%"\nrated = 3', "in % has a rated value"),
     ],
 )
 def test_a_mapping_that_cannot_be_meant_is_questioned(text, words, tmp_path):

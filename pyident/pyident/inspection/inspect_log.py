@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
+from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, ORDER, RANK, first_guesses
 from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
 from pyident.inspection.of_one_kind import of_one_kind, whole
@@ -150,14 +151,8 @@ def _placed(c: Channel) -> Channel:
 
 
 def _asked(c: Channel) -> Channel:
-    if c.signal == "current":
-        return replace(c, sure=False, doubt=f"how many N m (or N) does one {c.unit or 'A'} of {c.column} "
-                                            "give, and "
-                       "at the motor or at the joint? (drive, gear)")  # fmt: skip
-    if c.signal == "voltage":
-        doubt = (f"{c.column} is a voltage or duty: it is not needed where the robot file has a [servo]; "
-                 "otherwise, how many N m (or N) does one unit give? (drive)")  # fmt: skip
-        return replace(c, sure=False, doubt=doubt)
+    if c.signal in ("current", "voltage"):
+        return replace(c, sure=False, doubt=of_its_drive(c))
     if c.doubt or c.sure:
         return c
     if c.signal == "switch":

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pyident.inspection.channel import Channel
+from pyident.inspection.drives import drive_line
 from pyident.inspection.physics import mapping_of
 from pyident.logs.mapping import Mapping
 
@@ -72,7 +73,7 @@ class Proposal:
         if c.clock:
             lines.append(f"time = {_quoted(c.clock)}")
         if c.signal in ("current", "voltage"):
-            lines.append("drive = 1.0  # ? N m (or N) per unit of the column")
+            lines.append(drive_line(c))
         return lines
 
 

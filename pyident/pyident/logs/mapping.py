@@ -9,7 +9,9 @@ from flexmodels.files.toml_table import Table, number
 from flexmodels.robot import RobotError
 from pyident.logs.indices import at_joint, indexed
 from pyident.logs.log import LogError
-from pyident.logs.units import factor, known_unit
+from pyident.logs.units import KINDS, factor, known_unit
+
+_PERCENT = "%"
 
 
 @dataclass(frozen=True)
@@ -113,22 +115,49 @@ def _is_effort(name: str) -> bool:
 
 def _source(table: Table, i: int, count: int, k: int = 0, motor: bool = False) -> Source:
     """Of joint k, the i-th of `count`; motor: a torque, which a gear multiplies where it divides an angle."""
-    unit = factor(known_unit(text := str(table.get("unit", "1"))) or text, table.place("unit"))
-    sign, gain, offset, delay, drive, gear = (
+    name = known_unit(text := str(table.get("unit", "1"))) or text
+    unit = factor(name, table.place("unit"))
+    sign, gain, offset, delay, gear = (
         _of_joint(table, key, i, count, default)
-        for key, default in (("sign", 1.0), ("gain", 1.0), ("offset", 0.0), ("delay", 0.0), ("drive", 1.0),
-                             ("gear", 1.0))
-    )  # fmt: skip
-    if gear == 0 or (drive != 1 and not motor):
-        raise LogError(f"{table.place('gear' if gear == 0 else 'drive')}: a gear must not be 0, and only a "
-                       "torque has "
-                       f"a drive (N m per A, or per unit of the column)")  # fmt: skip
+        for key, default in (("sign", 1.0), ("gain", 1.0), ("offset", 0.0), ("delay", 0.0), ("gear", 1.0))
+    )
+    drive = _drive(table, i, count, name, motor)
+    if gear == 0:
+        raise LogError(f"{table.place('gear')}: a gear must not be 0")
     side = gear if motor else 1 / gear
     clock = at_joint(str(table.get("time")), k) if "time" in table else None
     column = at_joint(str(table.get("source")), k)
     source = Source(column, sign * gain * drive * side * unit, offset * unit, delay, clock)
     table.done()
     return source
+
+
+def _drive(table: Table, i: int, count: int, unit: str, effort: bool) -> float:
+    """What a torque's column is multiplied by once its unit is: N m per A or V, or what 100 % of it are.
+
+    A column in % takes `rated` and no `drive`, which could be meant per % as well as per 100 %.
+    """
+    if "drive" in table and not effort:
+        raise LogError(
+            f"{table.place('drive')}: only a torque has a drive (N m per A or V, or per unit of the column)"
+        )
+    percent = effort and unit == _PERCENT
+    if "rated" in table and not percent:
+        raise LogError(f"{table.place('rated')}: only a torque or current in % has a rated value, at 100 %")
+    if percent:
+        if "drive" in table or "rated" not in table:
+            raise LogError(
+                f"{table.place('unit')}: a torque in % needs rated = ..., its N m (or N) at 100 %, and no "
+                'drive; or give unit = "1" and as drive the N m per % of the column'
+            )
+        return _of_joint(table, "rated", i, count, 1.0)
+    by_robot = table.where.endswith(".current")  # its transmission makes a torque of it
+    if effort and KINDS[unit] == "electric" and "drive" not in table and not by_robot:
+        raise LogError(
+            f"{table.place('unit')}: a torque that comes in {unit} needs drive = ..., its N m (or N) per "
+            f"{'V' if unit.endswith('V') else 'A'}"
+        )
+    return _of_joint(table, "drive", i, count, 1.0)
 
 
 def _of_joint(table: Table, key: str, i: int, count: int, default: float) -> float:
