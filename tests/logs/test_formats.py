@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 from pyident.logs.foreign import import_log
-from pyident.logs.formats.delimited import layout_of, read_delimited
+from pyident.logs.formats.delimited import read_delimited
 from pyident.logs.formats.hierarchical import read_hdf5
+from pyident.logs.formats.layout import layout_of
 from pyident.logs.formats.parquet import read_parquet
 from pyident.logs.indices import at_joint
 from pyident.logs.log import LogError

@@ -4,10 +4,18 @@ sensor_msgs/JointState in the order of its definition: seconds, nanoseconds, fra
 then n positions, n velocities and n efforts; what a driver does not fill is missing.
 """
 
+import re
+from collections.abc import Mapping
+
+import numpy as np
 import pandas as pd
 
+from pyident.logs.log import LogError
+
 _STAMP = ("stamp.sec", "stamp.nanosec", "frame_id")
-_FIELDS = {1: ("position",), 3: ("position", "velocity", "effort")}  # two may be either of the last
+_NAME = re.compile(r"(.*[^a-z])?name(\W?\d+\W?)")  # field.name0, name[0]
+_SIGNALS = ("position", "velocity", "effort")
+_FIELDS = {1: ("position",), 3: _SIGNALS}  # two may be either of the last
 
 
 def message_names(frame: pd.DataFrame) -> tuple[str, ...] | None:
@@ -37,3 +45,32 @@ def _text(frame: pd.DataFrame, label: int) -> str | None:
         return None
     words = set(frame[label].astype(str))
     return words.pop() if len(words) == 1 else None
+
+
+def with_joint_names(
+    columns: Mapping[str, np.ndarray], texts: Mapping[str, pd.Series]
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Places of messages (field.position0) under the joint that the row names for them (field.name0).
+
+    columns, texts   the columns of numbers (N,) and of words
+    Also the columns of words that name no joint. Raises LogError where rows name different joints.
+    """
+    places = {name: found for name in texts if (found := _NAME.fullmatch(name)) is not None}
+    fields = {word: [f"{found[1] or ''}{word}{found[2]}" for found in places.values()] for word in _SIGNALS}
+    fields = {word: names for word, names in fields.items() if all(name in columns for name in names)}
+    if not places or not fields:
+        return dict(columns), list(texts)
+    said = np.array([texts[name].astype(str).str.strip() for name in places])
+    joints = list(dict.fromkeys(said[:, 0]))
+    order = np.argsort(said, axis=0)
+    if (np.take_along_axis(said, order, 0) != np.sort(joints)[:, None]).any() or len(joints) < len(places):
+        raise LogError(
+            f"the joints that {next(iter(places))} and its neighbours name change from row to row; keep "
+            "the rows of one group of joints"
+        )
+    out = {name: x for name, x in columns.items() if not any(name in names for names in fields.values())}
+    for word, names in fields.items():
+        values = np.take_along_axis(np.array([columns[name] for name in names]), order, 0)
+        sorted_names = list(np.sort(joints))
+        out |= {f"{joint}.{word}": values[sorted_names.index(joint)] for joint in joints}
+    return out, [name for name in texts if name not in places]

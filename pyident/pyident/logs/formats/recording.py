@@ -14,12 +14,16 @@ class Recording:
 
     clocks   column -> the column that holds its time stamps, where columns have clocks of their own
     header   whether the columns have names of their own; without, they are called "1", "2", ...
+    notes    rows that were left out
+    texts    columns that hold words, which are left out
     """
 
     columns: Mapping[str, np.ndarray]
     units: Mapping[str, str] = field(default_factory=dict)
     clocks: Mapping[str, str] = field(default_factory=dict)
     header: bool = True
+    notes: tuple[str, ...] = ()
+    texts: tuple[str, ...] = ()
 
 
 _SECONDS = re.compile(r"(.*?)[._/]?secs?", re.IGNORECASE)
@@ -47,10 +51,16 @@ def _whole(name: str, columns: Mapping[str, np.ndarray]) -> bool:
 
 
 def leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray]]:
-    """Vectors of a structured value: `a`, `a.b` of a struct, `a[2]` of a matrix, whose long side is time."""
+    """Vectors of a structured value: `a`, `a.b` of a struct, `a[2]` of a matrix, whose long side is time.
+
+    Of an array of structs each by its label, as Simulink gives signals (`signals.q.values`), or by its place.
+    """
     if isinstance(value, np.ndarray) and value.dtype.names and value.ndim == 0:
         for part in value.dtype.names:
             yield from leaves(f"{name}.{part}", value[part].item())
+    elif isinstance(value, np.ndarray) and value.dtype.names:
+        for part, one in zip(_places(value.ravel()), value.ravel(), strict=True):
+            yield from leaves(f"{name}{part}", np.asarray(one, value.dtype))
     elif isinstance(value, np.ndarray) and value.dtype.kind in "fiub":
         if value.ndim == 1:
             yield name, value
@@ -60,3 +70,12 @@ def leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray]]:
                 yield name, rows[0]
             else:
                 yield from ((f"{name}[{i + 1}]", row) for i, row in enumerate(rows))
+
+
+def _places(structs: np.ndarray) -> list[str]:
+    """What tells the structs of an array apart: their labels, where all have one, else their numbers."""
+    said = structs["label"] if "label" in (structs.dtype.names or ()) else []
+    labels = [str(label).strip() for label in said if isinstance(label, str)]
+    if len(set(labels) - {""}) == len(structs):
+        return [f".{label}" for label in labels]
+    return [f"({i})" for i in range(1, len(structs) + 1)]

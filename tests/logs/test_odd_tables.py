@@ -1,0 +1,135 @@
+"""Tables that loggers leave behind: cut off, started again, of two sources, in another code page."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pyident.logs.foreign import import_log
+from pyident.logs.formats.delimited import read_delimited
+from pyident.logs.formats.hierarchical import read_mat
+from pyident.logs.formats.interleaved import with_own_clocks
+from pyident.logs.log import LogError
+from pyident.logs.mapping import read_mapping
+
+TIME = np.arange(60) * 0.01
+
+
+def written(folder, text, encoding="utf-8"):
+    (folder / "raw.csv").write_bytes(text.encode(encoding))
+    return folder / "raw.csv"
+
+
+def read(folder, text, encoding="utf-8"):
+    return read_delimited(written(folder, text, encoding))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_names_do_not_depend_on_the_code_page(encoding, tmp_path):
+    found = read(tmp_path, "Zeit [ms];Winkel [°];Öl\n0;1,5;2\n4;2,5;3\n", encoding)
+    assert list(found.columns) == ["Zeit", "Winkel", "Öl"]
+    assert found.units == {"Zeit": "ms", "Winkel": "°"}
+    assert found.columns["Winkel"].tolist() == [1.5, 2.5]
+
+
+@pytest.mark.parametrize("row", ["[ms]\t[deg]\t[Ncm]", "[ms]\t[]\t[1/rad]", "[s]\t[-]\t[N m]"])
+def test_units_in_brackets_are_no_lists(row, tmp_path):
+    found = read(tmp_path, f"time\tq1\ttau1\n{row}\n0\t1\t2\n1\t2\t3\n")
+    assert list(found.columns) == ["time", "q1", "tau1"]
+    assert found.units["tau1"] == row.split("\t")[-1].strip("[]")
+    assert found.columns["q1"].tolist() == [1, 2]
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        ["12.03.2024 14:07:33,125", "12.03.2024 14:07:33,250", "12.03.2024 14:07:33,375"],
+        ["14:07:33.125", "14:07:33.250", "14:07:33.375"],
+        ["23:59:59.900", "00:00:00.025", "00:00:00.150"],
+        ["31/12/2024 23:59:59.900", "01/01/2025 00:00:00.025", "01/01/2025 00:00:00.150"],
+        ["2024-03-12 14:07:33.125", "2024-03-12 14:07:33.250", "2024-03-12 14:07:33.375"],
+    ],
+)
+def test_dates_and_times_of_the_day_are_clocks(stamps, tmp_path):
+    found = read(tmp_path, "t;q\n" + "".join(f"{stamp};{i}\n" for i, stamp in enumerate(stamps)))
+    assert found.columns["t"] == pytest.approx([0, 0.125, 0.25], abs=1e-9)
+    assert found.texts == ()
+
+
+def test_numbers_as_numpy_2_lists_them(tmp_path):
+    rows = "".join(f'{t},"[np.float64({t}), np.float64(-1e-3)]"\n' for t in TIME)
+    found = read(tmp_path, "t,q\n" + rows)
+    assert list(found.columns) == ["t", "q[1]", "q[2]"]
+    assert found.columns["q[1]"] == pytest.approx(TIME)
+    assert set(found.columns["q[2]"]) == {-1e-3}
+
+
+def test_words_are_listed_and_rows_that_are_none_left_out(tmp_path):
+    rows = [f"{t:.2f};{t:.4f};Move".replace(".", ",") for t in TIME]
+    text = "\n".join(["t;q;mode", *rows[:30], "t;q;mode", *rows[30:], "0,6;0"])
+    found = read(tmp_path, text)
+    assert found.texts == ("mode",)
+    assert found.columns["q"] == pytest.approx(TIME)
+    again = "1 row that repeats the line of names left out"
+    assert found.notes == ("the last row, which is incomplete, left out", again)
+    (tmp_path / "m.toml").write_text('time = {source = "t"}\n[signals."joint1.e"]\nsource = "q"')
+    log = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml"))
+    assert log.notes[1].endswith(again)
+    assert len(log.frame) == len(TIME)
+
+
+NAMED = "field.name0,field.name1,field.position0,field.position1,field.effort0,field.effort1"
+
+
+def test_the_joints_that_rows_name_decide_also_where_their_order_changes(tmp_path):
+    rows = [("b", "a", t, -t, 2 * t, 0) if i % 3 else ("a", "b", -t, t, 0, 2 * t) for i, t in enumerate(TIME)]
+    body = "".join(f"{t},{','.join(map(str, row))}\n" for t, row in zip(TIME, rows, strict=True))
+    found = read(tmp_path, f"%time,{NAMED}\n{body}")
+    assert set(found.columns) == {"time", "a.position", "b.position", "a.effort", "b.effort"}
+    assert found.columns["b.position"] == pytest.approx(TIME)
+    assert found.columns["a.position"] == pytest.approx(-TIME)
+    assert found.columns["b.effort"] == pytest.approx(2 * TIME)
+    body = body.replace(",a,", ",c,", 5)
+    with pytest.raises(LogError, match="name change from row to row"):
+        read(tmp_path, f"%time,{NAMED}\n{body}")
+
+
+def test_sources_whose_rows_alternate_have_a_clock_each(tmp_path):
+    a = pd.DataFrame({"__time": TIME, "q": TIME, "dq": 1 + 0 * TIME})
+    b = pd.DataFrame({"__time": TIME[::2] + 0.003, "tau": 3 * (TIME[::2] + 0.003)})
+    pd.concat([a, b]).sort_values("__time").to_csv(tmp_path / "raw.csv", index=False)
+    found = read_delimited(tmp_path / "raw.csv")
+    assert found.columns["__time"] == pytest.approx(TIME)
+    assert found.clocks == {"tau": "__time of tau"}
+    (tmp_path / "m.toml").write_text(
+        'time = {source = "__time"}\n[signals."joint1.e"]\nsource = "q"\n'
+        '[signals."joint1.tau"]\nsource = "tau"\ntime = "__time of tau"'
+    )
+    log = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml"))
+    assert log.frame["joint1.tau"].to_numpy() == pytest.approx(3 * log.frame["time"].to_numpy())
+    assert log.frame["joint1.e"].to_numpy() == pytest.approx(log.frame["time"].to_numpy())
+
+
+def test_a_column_that_is_filled_now_and_then_has_a_clock_and_one_with_gaps_has_none():
+    slow = np.where(np.arange(60) % 10 == 0, TIME, np.nan)
+    columns, clocks = with_own_clocks({"time": TIME, "q": np.cos(TIME), "slow": slow})
+    assert columns["time of slow"].tolist() == columns["slow"].tolist() == TIME[::10].tolist()
+    assert clocks == {"slow": "time of slow"}
+    for rows in ([5, 20, 21], [1, 2, 3, 40, 41, 42, 43, 59]):
+        gaps = np.cos(TIME)
+        gaps[rows] = np.nan
+        columns, clocks = with_own_clocks({"time": TIME, "q": np.sin(TIME), "gaps": gaps})
+        assert clocks == {}
+        assert len(columns["gaps"]) == len(TIME)
+
+
+@pytest.mark.parametrize(("labels", "names"), [(("q", "tau"), (".q", ".tau")), (("", ""), ("(1)", "(2)"))])
+def test_structs_in_an_array_are_told_apart(labels, names, tmp_path):
+    from scipy.io import savemat
+
+    signals = np.zeros((1, 2), dtype=[("values", "O"), ("label", "O")])
+    for i in range(2):
+        signals[0, i] = (np.column_stack([TIME + i, -TIME]), labels[i])
+    savemat(tmp_path / "out.mat", {"out": {"time": TIME[:, None], "signals": signals}})
+    found = read_mat(tmp_path / "out.mat").columns
+    assert set(found) == {"out.time", *(f"out.signals{n}.values[{k}]" for n in names for k in (1, 2))}
+    assert found[f"out.signals{names[1]}.values[1]"] == pytest.approx(TIME + 1)
