@@ -11,6 +11,7 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
 from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
+from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
 NAME = "its name"
@@ -20,6 +21,7 @@ MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it 
 _STEADY = 0.15  # of its mean: within it a voltage is a supply
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
+_STAMPED = re.compile(r"header\W?stamp", re.IGNORECASE)
 _NO_JOINT = ("time", "other", "unknown")
 _KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
          "torque": ("effort",), "feedforward": ("effort",), "current": ("electric", "none"),
@@ -110,7 +112,9 @@ def grows_evenly(x: np.ndarray) -> bool:
 
 
 def _grows(x: np.ndarray) -> bool:
-    return len(x) > 3 and bool(np.isfinite(x).all() and (np.diff(x) > 0).all())
+    """Whether it never falls: rows may come twice, and stamps may be coarse."""
+    steps = np.diff(x)
+    return len(x) > 3 and bool(np.isfinite(x).all() and (steps >= 0).all() and (steps > 0).sum() > 2)
 
 
 def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
@@ -120,6 +124,7 @@ def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
     named = [name for name in able if said[name].signal == "time"]
     if not named and recording.header:  # a bus answers when it can
         named = [name for name, x in whole.items() if said[name].signal == "time" and _grows(x)]
+    named.sort(key=lambda name: _STAMPED.search(name) is None)  # when it was measured, not when it arrived
     if named:
         return next((name for name in named if name not in own or len(named) == 1), named[0])
     counts = [n for n in able if said[n].signal == "other"]
@@ -143,7 +148,7 @@ def _rate(recording: Recording, name: str, clock: str | None) -> float:
 
 def _time_unit(channel: Channel) -> Channel:
     """s, ms, µs or ns by its steps; steps of one may be numbers of samples."""
-    step = float(np.median(np.diff(channel.values)))
+    step = usual_step(channel.values)
     if channel.unit is not None:
         return replace(channel, sure=True)
     unit = next((unit for unit, (low, high) in _TIMES.items() if low <= step < high), None)

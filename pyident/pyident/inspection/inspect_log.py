@@ -18,6 +18,7 @@ from pyident.inspection.proposal import Proposal
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
+from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS
 
 _LARGEST = 1e100  # in whatever unit
@@ -81,11 +82,16 @@ def _joined(read: list[tuple[Path, Recording]]) -> Recording:
         columns |= {own[n]: x for n, x in recording.columns.items()}
         units |= {own[n]: unit for n, unit in recording.units.items()}
         clocks |= {own[n]: own[clock] for n, clock in recording.clocks.items()}
-    return Recording(columns, units, clocks, all(recording.header for _, recording in read))
+    notes = tuple(f"{path}: {note}" for path, recording in read for note in recording.notes)
+    texts = tuple(name for _, recording in read for name in recording.texts)
+    return Recording(columns, units, clocks, all(r.header for _, r in read), notes, texts)
 
 
 def _measured(recording: Recording) -> tuple[Recording, list[str]]:
-    """Without columns that no sensor can have measured, and a note on each."""
+    """Without columns that no sensor can have measured, and a note on each, and on what was not read."""
+    said = list(recording.notes)
+    if recording.texts:
+        said.append(f"left out, as they hold words and no numbers: {', '.join(recording.texts)}")
     notes = {}
     for name, x in recording.columns.items():
         if not np.isfinite(x).any():
@@ -94,11 +100,11 @@ def _measured(recording: Recording) -> tuple[Recording, list[str]]:
             notes[name] = f"{name} is left out: no sensor measures values beyond {_LARGEST:g}"
     kept = {name: x for name, x in recording.columns.items() if name not in notes}
     clocks = {name: clock for name, clock in recording.clocks.items() if name in kept and clock in kept}
-    return replace(recording, columns=kept, clocks=clocks), list(notes.values())
+    return replace(recording, columns=kept, clocks=clocks), [*said, *notes.values()]
 
 
 def _period(time: Channel) -> float:
-    return float(np.median(np.diff(time.values))) * FACTORS[time.unit or "s"]
+    return usual_step(time.values) * FACTORS[time.unit or "s"]
 
 
 def _one_each(channels: list[Channel], robot: Robot | None) -> list[Channel]:

@@ -1,6 +1,7 @@
 """Other people's recordings -> Log: columns found, joined, mapped, on one clock, referred to the joints."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,9 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.disk import LogFile, open_log
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import WIDEST_GAP, Log, LogError, read_log
+from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
-
-_UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
+from pyident.logs.steps import evened
 
 
 def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | None = None) -> Log:
@@ -27,7 +27,9 @@ def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | Non
     """
     source = ", ".join(str(file) for file in files)
     read = [(Path(f), read_recording(Path(f), mapping.header, mapping.episode)) for f in files]
-    return map_columns(_joined(read), mapping, source, robot)
+    log = map_columns(_joined(read), mapping, source, robot)
+    said = [f"{path}: {note}" for path, recording in read for note in recording.notes]
+    return replace(log, notes=(*said, *log.notes))
 
 
 def map_frame(frame: pd.DataFrame, mapping: Mapping, source: str, robot: Robot | None = None) -> Log:
@@ -44,7 +46,7 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     if mapping.asked:
         open_ones = f"the mapping still asks {len(mapping.asked)} questions (lines that begin with # ?)"
         notes = [f"{open_ones}: what they are about is guessed; correct it and delete them", *notes]
-    frame, resampled = _even(frame, source)
+    frame, resampled = evened(frame, source)
     notes += resampled
     delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
     frame = delayed(frame, delays)
@@ -133,34 +135,3 @@ def _joined(files: list[tuple[Path, Recording]]) -> dict[str, np.ndarray]:
             raw.setdefault(name, values)
             raw[f"{path.stem}:{name}"] = values
     return raw
-
-
-def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray) -> np.ndarray:
-    """Commands jump, where a spline would swing: they are taken as linear, switches as held."""
-    if name == "time":
-        return even
-    if name.endswith(".on"):
-        return values[np.maximum(np.searchsorted(time, even, side="right") - 1, 0)]
-    return np.interp(even, time, values) if name.endswith(".r") else CubicSpline(time, values)(even)
-
-
-def _even(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
-    """Samples at a uniform period; jittered ones are resampled by cubic splines."""
-    time = frame["time"].to_numpy(float)
-    if len(time) < 4 or not np.isfinite(frame.to_numpy(float)).all():
-        return frame, []  # the check that follows explains it
-    steps = np.diff(time)
-    if (steps <= 0).any():
-        at = int(np.argmax(steps <= 0))
-        raise LogError(f"{source}: time does not increase at row {at + 2}; cut the log there")
-    period = float(np.median(steps))
-    worst = float(np.abs(steps - period).max())
-    if worst <= _UNEVEN * period:
-        return frame, []
-    if steps.max() > WIDEST_GAP * period:
-        at = int(np.argmax(steps))
-        raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {at + 2}; cut the log there")
-    even = np.arange(time[0], time[-1] + 1e-9 * period, period)
-    out = {name: _at_times(name, time, frame[name].to_numpy(float), even) for name in frame}
-    note = f"time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
-    return pd.DataFrame(out), [note]

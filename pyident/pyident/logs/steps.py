@@ -1,0 +1,105 @@
+"""The steps of a log's time: rows that come twice, stamps that were rounded, jitter and missing samples."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+
+from pyident.logs.log import WIDEST_GAP, LogError
+
+_UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
+_WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
+_SAME = 0.02  # of the resolution of stamps: what counts as the same step
+_JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
+
+
+def repeated(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Rows (N,) that are the row before them again, in every one of some columns (N,), time among them."""
+    same = np.logical_and.reduce([np.diff(x) == 0 for x in columns])
+    return np.concatenate([[False], same])
+
+
+def unrounded(time: np.ndarray) -> np.ndarray | None:
+    """Even stamps (N,) where those given are such ones, rounded to more than their jitter; else None.
+
+    Then the steps are of two sizes, whole multiples of their difference, and nowhere do the stamps leave the
+    straight line by more than that.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * _JUMPS or not np.isfinite(time).all() or (steps < 0).any():
+        return None
+    low, high, mean = float(steps.min()), float(steps.max()), float(steps.mean())
+    resolution = high - low
+    if resolution <= _UNEVEN * mean:
+        return None
+    up = np.abs(steps - high) < _SAME * resolution
+    down = np.abs(steps - low) < _SAME * resolution
+    multiple = low / resolution
+    if not (up | down).all() or abs(multiple - round(multiple)) > _SAME or min(up.sum(), down.sum()) < _JUMPS:
+        return None
+    count = np.arange(len(time))
+    even = np.polyval(np.polyfit(count, time - time[0], 1), count) + time[0]
+    return even if np.ptp(time - even) <= (1 + _SAME) * resolution else None
+
+
+def usual_step(time: np.ndarray) -> float:
+    """The period of stamps (N,), some of which may come twice or be rounded."""
+    even = unrounded(time)
+    steps = np.diff(time if even is None else even)
+    return float(np.median(steps[steps != 0])) if (steps != 0).any() else 0.0
+
+
+def evened(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
+    """Samples at a uniform period; jittered ones are resampled by cubic splines.
+
+    frame   its index counts the rows of the file from 0. Raises LogError.
+    """
+    time = frame["time"].to_numpy(float)
+    if len(time) < 4 or not np.isfinite(frame.to_numpy(float)).all():
+        return frame, []  # the check that follows explains it
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        raise LogError(f"{source}: {_stands_still(frame, steps)}")
+    period = float(np.median(steps))
+    worst = float(np.abs(steps - period).max())
+    if worst <= _UNEVEN * period:
+        return frame.reset_index(drop=True), []
+    if steps.max() > WIDEST_GAP * period:
+        row = int(frame.index[int(np.argmax(steps)) + 1]) + 1
+        raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {row}; cut the log there")
+    even = np.arange(time[0], time[-1] + 1e-9 * period, period)
+    out = {name: _at_times(str(name), time, frame[name].to_numpy(float), even) for name in frame}
+    return pd.DataFrame(out), [_resampled(steps, period)]
+
+
+def _stands_still(frame: pd.DataFrame, steps: np.ndarray) -> str:
+    """What is wrong where time does not increase, and what to do."""
+    at = int(np.argmax(steps <= 0))
+    said = f"time does not increase at row {int(frame.index[at + 1]) + 1}"
+    if steps[at] < 0:
+        return f"{said}; cut the log there"
+    return (
+        f"{said}, which has the stamp of the row before it and other values; if the samples are evenly "
+        "spaced, give rate (Hz) in the mapping instead of time, else cut the log there"
+    )
+
+
+def _resampled(steps: np.ndarray, period: float) -> str:
+    """A note: samples were lost where the steps are whole periods, else time was uneven."""
+    periods = steps / period
+    lost = int(np.sum(np.round(periods) - 1))
+    if lost > 0 and np.abs(periods - np.round(periods)).max() < _WHOLE:
+        samples = "1 sample is" if lost == 1 else f"{lost} samples are"
+        return f"{samples} missing (at {1e3 * period:.4g} ms a sample): filled in by splines"
+    worst = float(np.abs(steps - period).max())
+    return f"time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
+
+
+def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray) -> np.ndarray:
+    """Commands jump, where a spline would swing: they are taken as linear, switches as held."""
+    if name == "time":
+        return even
+    if name.endswith(".on"):
+        return values[np.maximum(np.searchsorted(time, even, side="right") - 1, 0)]
+    return np.interp(even, time, values) if name.endswith(".r") else CubicSpline(time, values)(even)
