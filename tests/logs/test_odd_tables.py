@@ -8,6 +8,7 @@ from pyident.logs.foreign import import_log
 from pyident.logs.formats.delimited import read_delimited
 from pyident.logs.formats.hierarchical import read_mat
 from pyident.logs.formats.interleaved import with_own_clocks
+from pyident.logs.formats.read import read_recording
 from pyident.logs.log import LogError
 from pyident.logs.mapping import read_mapping
 
@@ -133,3 +134,36 @@ def test_structs_in_an_array_are_told_apart(labels, names, tmp_path):
     found = read_mat(tmp_path / "out.mat").columns
     assert set(found) == {"out.time", *(f"out.signals{n}.values[{k}]" for n in names for k in (1, 2))}
     assert found[f"out.signals{names[1]}.values[1]"] == pytest.approx(TIME + 1)
+
+
+def test_groups_of_joints_on_one_topic_have_a_clock_each(tmp_path):
+    """An arm in an order that changes and a gripper at half its rate, both on /joint_states."""
+    rosbags = pytest.importorskip("rosbags.rosbag2", reason="the extra `ros` is not installed")
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    state, header, stamp = (
+        store.types[f"{kind}"]
+        for kind in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    with rosbags.Writer(tmp_path / "bag", version=9) as writer:
+        topic = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
+
+        def write(ns, joints):
+            values = np.array(list(joints.values()))
+            said = header(stamp(ns // 10**9, ns % 10**9), "")
+            message = state(said, list(joints), values, np.zeros(0), 2 * values)
+            writer.write(topic, ns, store.serialize_cdr(message, state.__msgtype__))
+
+        for i, t in enumerate(TIME):
+            ns = 10**9 + round(1e9 * t)
+            if i % 2 == 0:
+                write(ns, {"finger": 0.02 + t})
+            write(ns + 4_000_000, {"a": t, "b": -t} if i % 3 else {"b": -t, "a": t})
+    found = read_recording(tmp_path / "bag")
+    assert found.columns["a.position"] == pytest.approx(TIME)
+    assert found.columns["b.effort"] == pytest.approx(-2 * TIME)
+    assert found.columns["time"] == pytest.approx(TIME + 0.004)
+    assert found.columns["finger.time"] == pytest.approx(TIME[::2])
+    assert found.columns["finger.position"] == pytest.approx(0.02 + TIME[::2])
+    assert found.clocks == dict.fromkeys(("finger.position", "finger.effort"), "finger.time")

@@ -1,5 +1,6 @@
 """Messages of a ROS bag (MCAP, ROS 1 or ROS 2) as columns; needs the extra `ros`."""
 
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,15 @@ from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
 
 _STATE = "JointState"
+_FEWEST = 3  # messages
 _DEEP = 5  # levels of nested messages
 
 
 def read_bag(path: Path) -> Recording:
     """The first JointState topic as `time` [s], `JOINT.position`, `.velocity`, `.effort`; other topics as
-    `/topic/field` with the clock `/topic/time`. Raises LogError.
+    `/topic/field` with the clock `/topic/time`; joints of messages of their own with a clock of their own.
+
+    Raises LogError.
     """
     try:
         from rosbags.highlevel import AnyReader
@@ -37,17 +41,34 @@ def read_bag(path: Path) -> Recording:
     clocks: dict[str, str] = {}
     for topic, of in rows.items():
         ahead = "" if states and topic == states[0] else f"{topic}/"
-        names = [name for name in of[0] if all(name in row for row in of)]
-        if len(names) < 2 or len(of) < 3:
-            continue
-        for name in names:
-            columns[ahead + name] = np.array([row[name] for row in of])
-            if ahead and name != "time":
-                clocks[ahead + name] = f"{ahead}time"
-        columns[f"{ahead}time"] -= start
+        for clock, names, own in _sources(of, kinds[topic] == _STATE):
+            columns[f"{ahead}{clock}"] = np.array([row["time"] for row in own]) - start
+            columns |= {ahead + name: np.array([row[name] for row in own]) for name in names}
+            if ahead or clock != "time":
+                clocks |= {ahead + name: f"{ahead}{clock}" for name in names}
     if not columns:
-        raise LogError(f"{path} has no topic with numbers, such as sensor_msgs/JointState")
+        raise LogError(f"{path} has no topic with three messages of numbers, such as sensor_msgs/JointState")
     return Recording(columns, {}, clocks)
+
+
+def _sources(
+    rows: list[dict[str, float]], apart: bool
+) -> Iterator[tuple[str, list[str], list[dict[str, float]]]]:
+    """Messages of a topic by what they hold: the name of the clock, the other names, and the messages.
+
+    apart   whether messages may be those of several groups of joints, such as an arm's and its gripper's:
+            that with most joints has the clock `time`, another one `JOINT.time`, of its first joint
+    """
+    if len(rows) < _FEWEST:
+        return
+    names = dict.fromkeys(name for row in (rows if apart else rows[:1]) for name in row if name != "time")
+    groups: dict[bytes, list[str]] = defaultdict(list)
+    for name in names:
+        groups[bytes(name in row for row in rows)].append(name)
+    for i, (inside, own) in enumerate(sorted(groups.items(), key=lambda group: -len(group[1]))):
+        if sum(inside) >= (_FEWEST if apart else len(rows)):
+            clock = "time" if i == 0 else f"{own[0].rpartition('.')[0]}.time"
+            yield clock, own, [row for row, here in zip(rows, inside, strict=True) if here]
 
 
 def _state(message: Any) -> dict[str, float]:
