@@ -38,6 +38,10 @@ def inspect_command(
     from pyident.inspection.inspect_log import inspect_log
 
     found = inspect_log(files, load_robot(model) if model else None, rate)
+    if output:
+        with replacing(output) as file:
+            file.write_text(found.toml(), encoding="utf-8")
+    write_json(json_file, found.json())
     width = max(len(c.column) for c in found.channels)
     for c in found.channels:
         what = "?" if c.signal == "unknown" else c.name or c.signal
@@ -52,9 +56,6 @@ def inspect_command(
     for question in found.questions:
         show(f"? {question}")
     if output:
-        with replacing(output) as file:
-            file.write_text(found.toml(), encoding="utf-8")
         show(f"wrote {output}")
-    write_json(json_file, found.json())
     if found.questions:
         sys.exit(1)

@@ -99,8 +99,12 @@ def printable(text: str) -> str:
 
 
 def show(sentence: str) -> None:
-    """Say one line."""
-    click.echo(printable(sentence))
+    """Say one line; who has closed the pipe, as `head` does, has heard enough."""
+    try:
+        click.echo(printable(sentence))
+    except BrokenPipeError:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def show_notes(notes: Iterable[str]) -> None:
