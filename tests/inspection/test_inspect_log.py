@@ -167,6 +167,11 @@ def test_the_rate_is_in_the_unit_of_the_time(tmp_path):
         ("load_1", "torque", 1, None),
         ("link_deg", "position", None, "deg"),
         ("motor_current_A", "current", None, "A"),
+        ("qfrc_actuator_2", "torque", 2, None),
+        ("actuator_force_1", "torque", 1, None),
+        ("qfrc_bias_2", "other", 2, None),
+        ("robot0_eef_pos[1]", "other", 1, None),
+        ("cartesian_position_3", "other", 3, None),
     ],
 )
 def test_names_are_understood(name, signal, joint, unit):

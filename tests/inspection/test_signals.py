@@ -58,7 +58,8 @@ def test_a_velocity_that_belongs_to_something_else_says_nothing():
         (np.round(4000 * ANGLE), None, "how many counts make a turn"),
         (10.0 * ANGLE, "deg", "is a in radians or degrees? it reaches 10"),
         (3.0 * ANGLE, "rad", ""),
-        (90.0 * ANGLE, "deg", ""),
+        (90.0 * ANGLE, "deg", "is a in degrees, or in parts of its range from -100 to 100"),
+        (170.0 * ANGLE, "deg", ""),
     ],
 )
 def test_a_range_tells_a_unit_or_is_asked(values, unit, question):
@@ -80,7 +81,7 @@ def test_a_slider_is_in_metres_or_millimetres(reach, unit, sure):
 
 def test_one_sure_position_tells_the_unit_of_the_others():
     doubtful = column("b", 10.0 * ANGLE, "position", joint=2)
-    found = with_motion_units([column("a", 90.0 * ANGLE, "position"), doubtful], None, 1 / RATE)
+    found = with_motion_units([column("a", 170.0 * ANGLE, "position"), doubtful], None, 1 / RATE)
     assert (found[1].unit, found[1].sure) == ("deg", True)
     assert found[1].why[-1] == "the unit of the other positions"
 

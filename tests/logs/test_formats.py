@@ -122,6 +122,15 @@ def test_drives_and_gears_are_facts_of_the_mapping(tmp_path):
     np.testing.assert_allclose(log.frame["joint1.tau"], -100.0)
 
 
+def test_a_counter_that_overflows_is_unwrapped_before_its_gear(tmp_path):
+    counts = np.arange(0, 9000, 500)
+    pd.DataFrame({"n": counts % 4096}).to_csv(tmp_path / "raw.csv", index=False)
+    facts = f"gain = {2 * np.pi / 4096}\nunwrap = 4096\ngear = -50"
+    m = mapping(tmp_path, f'rate = 10\n[signals."joint1.e"]\nsource = "n"\n{facts}')
+    log = import_log([tmp_path / "raw.csv"], m)
+    np.testing.assert_allclose(log.frame["joint1.e"], -2 * np.pi * counts / 4096 / 50)
+
+
 @pytest.mark.parametrize(
     ("facts", "torque"),
     [
@@ -147,6 +156,9 @@ def test_a_drive_is_per_ampere_or_column_and_a_rated_torque_at_100_percent(facts
         ),
         ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ndrive = 2', "only a torque has a drive"),
         ('rate = 1\n[signals."joint1.e"]\nsource = "a"\ngear = 0', "a gear must not be 0"),
+        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\nunwrap = true', "only an angle is unwrapped"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunwrap = 4096', "only an angle is unwrapped"),
+        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\nunwrap = 0', "unwrap = 0 must be above 0"),
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "mA"', "needs drive = .* per A"),
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "V"', "needs drive = .* per V"),
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "%"', "at 100 %, and no drive"),

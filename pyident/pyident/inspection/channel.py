@@ -11,7 +11,7 @@ from pyident.inspection.words import Side, Signal
 class Channel:
     """A column and the guess.
 
-    values   as they are in the file;  rate [Hz]
+    values   as they are in the file, but unwrapped where `turn` has the units per turn;  rate [Hz]
     signal, joint (from 1, None: not known or of no joint), side, unit (ours, None: not known)
     sign, offset (in the unit), delay [s]   what turns it into ours
     sure     whether everything that the mapping says of it is witnessed; else `doubt` asks
@@ -30,6 +30,7 @@ class Channel:
     offset: float = 0.0
     delay: float = 0.0
     clock: str | None = None
+    turn: float | None = None
     sure: bool = False
     wanted: bool = False
     why: tuple[str, ...] = ()

@@ -11,7 +11,14 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
 from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, ORDER, RANK, first_guesses
-from pyident.inspection.motion import DERIVATIVE, PLACE, nameless, with_motion_units, with_velocities_found
+from pyident.inspection.motion import (
+    DERIVATIVE,
+    PLACE,
+    nameless,
+    with_motion_units,
+    with_velocities_found,
+    with_whole_turns,
+)
 from pyident.inspection.of_one_kind import of_one_kind, whole
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
@@ -47,7 +54,8 @@ def inspect_log(
 
 def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: float | None) -> Proposal:
     recording, notes = _measured(_joined(read))
-    channels = first_guesses(recording, robot)
+    channels = [with_whole_turns(c) for c in first_guesses(recording, robot)]
+    notes += [f"{c.column} jumps by whole turns: unwrap = true joins it" for c in channels if c.turn]
     time = next((c for c in channels if c.signal == "time"), None)
     period = _period(time) if time is not None else 1 / rate if rate else None
     channels = nameless(channels, robot, period)
@@ -159,6 +167,9 @@ def _placed(c: Channel) -> Channel:
 def _asked(c: Channel) -> Channel:
     if c.signal in ("current", "voltage"):
         return replace(c, sure=False, doubt=of_its_drive(c))
+    if c.signal == "torque" and c.wanted:
+        asked = f"{c.column} was commanded, not measured: does the drive give what it is told, and at once?"
+        return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if c.doubt else asked)
     if c.doubt or c.sure:
         return c
     if c.signal == "switch":

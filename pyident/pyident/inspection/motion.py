@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
+from pyident.logs.turns import TURNS, unwrapped, whole_turn
 from pyident.logs.units import FACTORS, KINDS
 
 _AGREES = 0.9  # correlation of a velocity with the derivative of its position
@@ -17,6 +18,7 @@ PLACE = "its place among the columns"  # and nothing else, where no other witnes
 DERIVATIVE = "one block of columns is the derivative of another"
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
 _TURN = 1.0  # within a turn either way: if all angles of a recording stay in it, they may be in turns
+_PARTS = 100.5  # to which others, LeRobot among them, scale the range of a joint
 _SYMBOL = re.compile(r"(?<![a-z])(q|qpos|phi|theta)(?![a-z])", re.IGNORECASE)  # of mechanics, in radians
 RANGE = "its range up to"  # of a position whose unit nothing else tells
 
@@ -41,7 +43,16 @@ def with_motion_units(channels: list[Channel], robot: Robot | None, period: floa
                 asked = "" if c.doubt == in_degrees(c) else c.doubt
                 why = (*c.why, "the unit of the other positions")
                 out[i] = replace(c, unit=other, sure=not asked, doubt=asked, why=why)
-    return _not_in_turns(out)
+    return _not_in_parts(_not_in_turns(out))
+
+
+def with_whole_turns(c: Channel) -> Channel:
+    """An angle that was wrapped to a turn without its jumps, which tell its unit."""
+    turn = whole_turn(c.values) if c.signal in ("position", "reference") else None
+    if turn is None or c.unit not in (None, TURNS[turn]):
+        return c
+    why = (*c.why, f"jumps of a whole turn, {turn:.4g}")
+    return replace(c, values=unwrapped(c.values, turn), turn=turn, unit=TURNS[turn], why=why)
 
 
 def by_range(c: Channel) -> bool:
@@ -59,6 +70,26 @@ def _not_in_turns(channels: list[Channel]) -> list[Channel]:
     return [
         replace(c, sure=False, doubt=c.doubt or asked[c.column]) if c.column in asked else c for c in channels
     ]
+
+
+def _not_in_parts(channels: list[Channel]) -> list[Channel]:
+    """With a question where angles that only their range places in degrees might be parts of that range."""
+    ranged = [c for c in channels if by_range(c) and c.unit == "deg" and c.joint is not None]
+    told = any(c.signal == "position" and c.unit == "deg" and not by_range(c) for c in channels)
+    if told or not ranged or max(_reach(c) for c in ranged) > _PARTS:
+        return channels
+    asked = {c.column for c in ranged}
+    return [
+        replace(c, sure=False, doubt=c.doubt or in_parts(c)) if c.column in asked else c for c in channels
+    ]
+
+
+def in_parts(c: Channel) -> str:
+    """The question of an angle that stays within -100 to 100."""
+    return (
+        f"is {c.column} in degrees, or in parts of its range from -100 to 100 (then: gain, in rad per part, "
+        f"and offset)? it reaches {_reach(c):.3g}"
+    )
 
 
 def in_turns(c: Channel) -> str:

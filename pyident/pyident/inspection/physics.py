@@ -15,7 +15,7 @@ from pyident.checks.transformations import Transformation
 from pyident.estimation.lock_unlogged import locked
 from pyident.inspection.channel import Channel
 from pyident.inspection.guesses import MOTOR_SIDE, natural_unit
-from pyident.inspection.motion import by_range, in_degrees, in_turns
+from pyident.inspection.motion import by_range, in_degrees, in_parts, in_turns
 from pyident.logs.foreign import map_columns
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping, Source
@@ -29,6 +29,8 @@ _CLOSE = 2.2  # times that the masses may be off the robot file's where a unit i
 _WITNESS = 0.25  # of the torques' variance: with more left, the equations are no witness
 _ANGLES = ("rad", "deg", "rev", "mrad")
 _BETTER = 0.5  # of the variance left: what another unit of all angles must come below
+_SCALES = (0.9, 1.1)  # of all angles at once, that must explain less
+_NEARLY = 0.7  # of the variance that they leave: what the angles as they are must come below
 _ROUNDS = 6
 EXPLAINS = "the robot's masses times"  # of a channel that the equations account for
 
@@ -39,7 +41,7 @@ def mapping_of(channels: list[Channel], rate: float | None = None) -> Mapping:
     for c in channels:
         if c.name is not None:
             factor = FACTORS[c.unit or "1"]
-            signals[c.name] = Source(c.column, c.sign * factor, c.offset * factor, c.delay, c.clock)
+            signals[c.name] = Source(c.column, c.sign * factor, c.offset * factor, c.delay, c.clock, c.turn)
     return Mapping(signals, rate=None if "time" in signals else rate)
 
 
@@ -58,9 +60,9 @@ def with_physics(
         changed = _applied(channels, best.change, robot)
         if [_read_as(c) for c in changed] == [_read_as(c) for c in channels]:  # no unit is so far off
             break
-        said.append(f"{best.change.mend} (by the robot's equations: {100 * np.sqrt(best.left):.2g} % of the "
-                    "torques "
-                    f"are left instead of {100 * np.sqrt(best.now):.2g} %)")  # fmt: skip
+        said.append(f"{best.change.mend.partition(';')[0]}; the mapping has it (by the robot's equations: "
+                    f"{100 * np.sqrt(best.left):.2g} % of the torques are left instead of "
+                    f"{100 * np.sqrt(best.now):.2g} %)")  # fmt: skip
         channels = changed
     of = _balances(channels, raw, robot, rate)
     if of is None:
@@ -68,7 +70,23 @@ def with_physics(
     channels, flips = _signs(channels, of)
     of = _balances(channels, raw, robot, rate) or of
     channels, late = _delays(channels, of)
-    return _efforts(channels, of, robot), said + flips + late
+    return _degrees(_efforts(channels, of, robot), raw, robot, rate), said + flips + late
+
+
+def _degrees(
+    channels: list[Channel], raw: Named[str, np.ndarray], robot: Robot, rate: float | None
+) -> list[Channel]:
+    """Without the question whether angles are parts of a range, where any other scale explains far less."""
+    asked = {c.column for c in channels if c.doubt == in_parts(c)}
+    left = []
+    for scale in (1.0, *_SCALES) if asked else ():
+        scaled = {name: scale * x if name in asked else x for name, x in raw.items()}
+        of = _balances(channels, scaled, robot, rate)
+        left.append(misfit(of).share if of is not None else np.inf)
+    if not left or left[0] > _WITNESS or min(left[1:]) * _NEARLY < left[0]:
+        return channels
+    why = "the robot's equations, for which it is in deg"
+    return [replace(c, doubt="", sure=True, why=(*c.why, why)) if c.column in asked else c for c in channels]
 
 
 def _angles(

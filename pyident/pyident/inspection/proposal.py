@@ -70,6 +70,8 @@ class Proposal:
             lines.append(f"offset = {c.offset:.10g}")
         if c.delay:
             lines.append(f"delay = {c.delay:.6g}")
+        if c.turn:
+            lines.append("unwrap = true")
         if c.clock:
             lines.append(f"time = {_quoted(c.clock)}")
         if c.signal in ("current", "voltage"):

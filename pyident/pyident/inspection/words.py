@@ -18,7 +18,7 @@ _WORDS: dict[str, str] = {
     "dqm qvel spd geschw",
     "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot qacc",
     "torque": "tau trq torque torques tauest effort efforts moment drehmoment force kraft load mot_torque "
-    "m taum",
+    "m taum qfrc",
     "current": "i cur curr current currents iq strom amp amps",
     "voltage": "pwm duty volt voltage vir u spannung",
 }
@@ -87,6 +87,11 @@ _OTHER = frozenset(
         "tip",
         "tcp",
         "ee",
+        "eef",
+        "effector",
+        "endeffector",
+        "cartesian",
+        "cart",
         "pose",
         "wrench",
         "imu",
@@ -96,9 +101,12 @@ _OTHER = frozenset(
     ]
 )
 _MEASURED = frozenset(["act", "actual", "meas", "measured", "ist", "present"])
+_OF_THE_MODEL = frozenset(["bias", "passive", "constraint", "smooth", "inverse", "gravcomp"])  # MuJoCo's qfrc
 _SWITCH = frozenset(["enable", "enabled"])
 _SWITCHED = frozenset(["torque", "motor", "servo", "drive"])
-_PLAIN = frozenset([*_MEASURED, "est", "hat", "filtered", "raw", "dot", "ddot", "d"])  # of no joint's name
+_PLAIN = frozenset(  # of no joint's name
+    [*_MEASURED, "est", "hat", "filtered", "raw", "dot", "ddot", "d", "actuator"]
+)
 _AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
 _MOTIONS = frozenset(["angle", "length", "speed"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
@@ -162,14 +170,15 @@ def _parts(word: str) -> list[str]:
 
 def _wanted(words: list[str]) -> bool:
     """Whether it was asked for; the d of q_d says so, a bare d does not."""
-    return bool(set(words) & _WANTED) or "d" in words[1:]
+    applied = "qfrc" in words and "applied" in words  # MuJoCo: what was asked for beside the actuators
+    return bool(set(words) & _WANTED) or "d" in words[1:] or applied
 
 
 def _signal(words: list[str], kind: str | None) -> Signal:
     """kind: what its unit measures, where the name has one."""
     if set(words) & _SWITCH and set(words) & _SWITCHED:
         return "switch"
-    if set(words) & _OTHER or words[-1:] == ["id"]:
+    if set(words) & _OTHER or words[-1:] == ["id"] or ("qfrc" in words and set(words) & _OF_THE_MODEL):
         return "other"
     found, wanted = _found(words, kind), _wanted(words)
     if set(words) & _AHEAD:

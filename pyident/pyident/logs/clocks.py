@@ -9,6 +9,9 @@ from scipy.interpolate import CubicSpline
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping
 from pyident.logs.steps import repeated, unrounded
+from pyident.logs.turns import unwrapped, whole_turn
+
+_ANGLES = (".e", ".q", ".link", ".r")
 
 
 def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> tuple[pd.DataFrame, list[str]]:
@@ -17,14 +20,20 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
     Rows that a slower clock does not reach are left out, and those that repeat the row before them; the index
     counts the rows of the file from 0. Raises LogError.
     """
-    values = {name: _column(raw, s.column, source) * s.gain + s.offset for name, s in mapping.signals.items()}
+    values, notes = {}, []
+    for name, s in mapping.signals.items():
+        x = _column(raw, s.column, source)
+        if s.turn is None and name.endswith(_ANGLES) and whole_turn(x) is not None:
+            notes.append(f"{s.column} jumps by whole turns; unwrap = true in the mapping of {name} joins it")
+        values[name] = unwrapped(x, s.turn) * s.gain + s.offset
     if mapping.rate is not None:
         length = max((len(x) for name, x in values.items() if not mapping.signals[name].clock), default=0)
         values = {"time": np.arange(length) / mapping.rate} | values
     own = {name: s.clock for name, s in mapping.signals.items() if s.clock is not None}
     beside = {name: x for name, x in values.items() if name not in own}
     _as_long(beside, mapping, source)
-    rows, beside, notes = _steady(beside)
+    rows, beside, said = _steady(beside)
+    notes += said
     time = beside["time"]
     first, last = time[0], time[-1]
     for name, clock in own.items():

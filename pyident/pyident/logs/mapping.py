@@ -9,7 +9,7 @@ from flexmodels.files.toml_table import Table, number
 from flexmodels.robot import RobotError
 from pyident.logs.indices import at_joint, indexed
 from pyident.logs.log import LogError
-from pyident.logs.units import KINDS, factor, known_unit
+from pyident.logs.units import FACTORS, KINDS, factor, known_unit
 
 _PERCENT = "%"
 
@@ -21,6 +21,7 @@ class Source:
     column   name in their file (`file:name` where two files share it; `rec.x[2]` for a row of a MAT struct)
     gain, offset   to SI
     clock    column of its own time stamps, in the unit of the mapping's time; None: the mapping's time
+    turn     the column's units per turn, where it is an angle that was wrapped to one; else None
     """
 
     column: str
@@ -28,6 +29,7 @@ class Source:
     offset: float = 0.0
     delay: float = 0.0
     clock: str | None = None
+    turn: float | None = None
 
 
 @dataclass(frozen=True)
@@ -127,9 +129,25 @@ def _source(table: Table, i: int, count: int, k: int = 0, motor: bool = False) -
     side = gear if motor else 1 / gear
     clock = at_joint(str(table.get("time")), k) if "time" in table else None
     column = at_joint(str(table.get("source")), k)
-    source = Source(column, sign * gain * drive * side * unit, offset * unit, delay, clock)
+    turn = _turn(table, name, motor)
+    source = Source(column, sign * gain * drive * side * unit, offset * unit, delay, clock, turn)
     table.done()
     return source
+
+
+def _turn(table: Table, unit: str, effort: bool) -> float | None:
+    """The column's units per turn where it is to be unwrapped, by its unit or as a number; else None."""
+    given = table.get("unwrap", False)
+    if given is False:
+        return None
+    if effort or (given is True and KINDS[unit] != "angle"):
+        raise LogError(
+            f"{table.place('unwrap')}: only an angle is unwrapped; give its unit, or as unwrap the column's "
+            "units per turn"
+        )
+    if given is True:
+        return FACTORS["rev"] / FACTORS[unit]
+    return number(given, table.place("unwrap"), 0.0, True)
 
 
 def _drive(table: Table, i: int, count: int, unit: str, effort: bool) -> float:

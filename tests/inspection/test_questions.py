@@ -1,0 +1,136 @@
+"""What names, ranges and jumps leave open is asked, in the words in which the mapping is read."""
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from inspection.styles import arm, sound
+
+from pyident.inspection.inspect_log import inspect_log
+from pyident.logs.foreign import import_log
+from pyident.logs.mapping import read_mapping
+
+TIME = np.arange(400) * 0.01
+ANGLE = np.sin(TIME)
+
+
+def inspected(folder, **columns):
+    pd.DataFrame({"time_s": TIME, "q1_rad": ANGLE} | columns).to_csv(folder / "raw.csv", index=False)
+    return inspect_log([folder / "raw.csv"])
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "asked", "line"),
+    [
+        ("motor_current_1 [%]", 40 * ANGLE, "are 100 % of motor_current_1", "rated = 1.0  # ? A at 100 %"),
+        (
+            "torque_1 [%]",
+            40 * ANGLE,
+            "N m (or N) are 100 % of torque_1",
+            "rated = 1.0  # ? N m (or N) at 100 %",
+        ),
+        ("current_1 [mA]", 900 * ANGLE, "does one A of current_1 give", "drive = 1.0  # ? N m (or N) per A"),
+        (
+            "current_1",
+            np.round(90 * ANGLE),
+            "does one count of current_1",
+            "drive = 1.0  # ? N m (or N) per count",
+        ),
+        (
+            "current_1",
+            3.3 * ANGLE,
+            "does one unit of current_1",
+            "drive = 1.0  # ? N m (or N) per unit of the",
+        ),
+        ("volt_1 [mV]", 900 * ANGLE, "does one V give", "drive = 1.0  # ? N m (or N) per V"),
+    ],
+)
+def test_the_question_of_a_drive_is_in_the_unit_of_its_answer(column, values, asked, line, tmp_path):
+    """What is answered with 3 comes out as 3 N m per what was asked for."""
+    found = inspected(tmp_path, **{column: values})
+    assert asked in " ".join(found.questions)
+    assert line in found.toml()
+    (tmp_path / "m.toml").write_text(re.sub("(drive|rated) = 1.0", r"\1 = 3", found.toml()))
+    frame = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml")).frame
+    per = {"%": 0.01, "mA": 1e-3, "mV": 1e-3}.get(column.partition("[")[2].strip("]"), 1.0)
+    effort = next(name for name in frame if name.endswith((".tau", ".current")))
+    assert frame[effort].to_numpy() == pytest.approx(3 * per * values)
+
+
+def test_a_commanded_torque_is_asked_and_comes_after_every_measured_one(tmp_path):
+    found = inspected(tmp_path, target_moment_1=3 * ANGLE)
+    assert "target_moment_1 was commanded, not measured" in " ".join(found.questions)
+    found = inspected(tmp_path, target_moment_1=3 * ANGLE, actual_current_1=ANGLE)
+    names = {c.column: c.name for c in found.channels}
+    assert names["actual_current_1"] == "joint1.tau"
+    assert names["target_moment_1"] is None
+
+
+@pytest.mark.parametrize(("unit", "turn"), [("rad", 2 * np.pi), ("deg", 360.0)])
+def test_a_wrapped_angle_is_joined(unit, turn, tmp_path):
+    angle = turn * (0.4 + 0.3 * np.sin(2 * TIME))
+    wrapped = (angle + turn / 2) % turn - turn / 2
+    found = inspected(tmp_path, q1_rad=0 * TIME, q2=wrapped)
+    assert "q2 jumps by whole turns: unwrap = true joins it" in found.notes
+    channel = next(c for c in found.channels if c.column == "q2")
+    assert (channel.unit, channel.sure) == (unit, True)
+    (tmp_path / "m.toml").write_text(found.toml())
+    joined = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml"))
+    assert joined.frame["joint2.e"].to_numpy() == pytest.approx(angle * 2 * np.pi / turn)
+    (tmp_path / "m.toml").write_text(found.toml().replace("unwrap = true\n", ""))
+    left = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml"))
+    assert "q2 jumps by whole turns; unwrap = true in the mapping of joint2.e joins it" in left.notes
+
+
+def test_an_angle_that_jumps_otherwise_is_left_alone(tmp_path):
+    steps = np.where(TIME > 2, np.pi, 0.0) + 0.1 * ANGLE
+    noisy = np.pi * np.random.default_rng(0).uniform(-1, 1, len(TIME))
+    found = inspected(tmp_path, q2=steps, q3=noisy)
+    assert "unwrap" not in found.toml()
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.8])
+def test_degrees_are_told_from_parts_of_a_range_by_the_equations(scale, tmp_path):
+    recording = sound()
+    named = {f"pos_{k}": scale * np.rad2deg(recording[f"q{k}"]) for k in range(1, 7)}
+    torques = {f"tau_{k}": recording[f"tau{k}"] for k in range(1, 7)}
+    frame = pd.DataFrame({"time": recording["time"]} | named | torques)
+    frame.to_csv(tmp_path / "raw.csv", index=False)
+    alone = inspect_log([tmp_path / "raw.csv"])
+    known = inspect_log([tmp_path / "raw.csv"], arm())
+    parts = "or in parts of its range from -100 to 100"
+    assert sum(parts in question for question in alone.questions) == 6
+    assert sum(parts in question for question in known.questions) == (0 if scale == 1 else 6)
+
+
+def test_the_mapping_is_written_also_where_nobody_reads_on(tmp_path):
+    pd.DataFrame({"time": TIME} | {f"temperature_{i}": TIME * i for i in range(1500)}).to_csv(
+        tmp_path / "raw.csv", index=False
+    )
+    words = [sys.executable, "-m", "pyident", "log", "inspect", "raw.csv", "-o", "m.toml", "--json", "m.json"]
+    run = subprocess.Popen(
+        words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1
+    )
+    assert run.stdout is not None
+    assert run.stderr is not None
+    assert run.stdout.readline().startswith("time")
+    run.stdout.close()
+    assert run.stderr.read() == ""
+    run.stderr.close()
+    assert run.wait() == 1  # questions are open
+    assert "joints = 1" in (tmp_path / "m.toml").read_text()
+    assert json.loads((tmp_path / "m.json").read_text())["questions"]
+
+
+def test_a_note_on_a_turned_sign_does_not_ask_for_it_again(tmp_path):
+    recording = sound()
+    recording[["q3", "tau3"]] *= -1
+    kept = ["time", *(f"{a}{k}" for a in ("q", "tau") for k in range(1, 7))]
+    recording[kept].to_csv(tmp_path / "raw.csv", index=False)
+    found = inspect_log([tmp_path / "raw.csv"], arm())
+    assert any("joint3.tau with the other sign fits; the mapping has it" in note for note in found.notes)
+    assert found.toml().count("sign = -1") == 2
