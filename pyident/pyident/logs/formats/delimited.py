@@ -27,12 +27,13 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     joints = _joint_names(frame)
     for i, at in enumerate(frame.columns):
         name = names[at] if int(at) < len(names) else str(i + 1)
-        leaves = numbers_of(name, frame[at], joints, layout.decimal)
+        column = pd.Series(frame[at])
+        leaves = numbers_of(name, column, joints, layout.decimal)
         columns |= leaves
         if not leaves:
-            texts[name] = frame[at]
+            texts[name] = column
         if layout.units and int(at) < len(layout.units) and layout.units[at]:
-            units |= dict.fromkeys(leaves, layout.units[at])
+            units |= dict.fromkeys(leaves, str(layout.units[at]))
     columns, left = with_joint_names(with_whole_stamps(columns), texts)
     if not columns:
         raise LogError(f"{path} holds no column of numbers")
@@ -53,7 +54,7 @@ def _rows(path: Path, layout: Layout) -> tuple[pd.DataFrame, list[str]]:
         notes.append("the last row, which is incomplete, left out")
     again = _names_again(frame, layout)
     if again.any():
-        frame = frame[~again]
+        frame = frame.loc[~again]
         rows = "1 row that repeats" if again.sum() == 1 else f"{again.sum()} rows that repeat"
         notes.append(f"{rows} the line of names left out")
     return frame, notes
