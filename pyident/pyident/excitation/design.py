@@ -13,6 +13,7 @@ from pyident.excitation.drawing import SHRINK, SMALLEST, Drawing, Task, starts
 from pyident.excitation.gradients.slopes import Setting
 from pyident.excitation.gradients.smallest_condition import smallest_condition
 from pyident.excitation.jury import Jury
+from pyident.excitation.limits import where_it_begins
 from pyident.excitation.rehearsal import Rehearsal
 from pyident.excitation.search import Best, Budget, best_of
 
@@ -71,8 +72,9 @@ def measure(task: Task, drawing: Drawing, rehearsal: Rehearsal) -> Yardstick:
 def no_motion(task: Task) -> str:
     """Why there is none that keeps the limits, as far as it can be told."""
     return (
-        f"robot {task.robot.name}: no motion of {task.duration:g} s keeps its limits; does it keep them at "
-        "rest in its zero pose, with its links apart and over the floor?"
+        f"robot {task.robot.name}: no motion of {task.duration:g} s keeps its limits. It begins "
+        f"{where_it_begins(task.robot, task.limits)}; does it keep them at rest there, with its links apart "
+        "and over the floor?"
     )
 
 

@@ -74,6 +74,18 @@ def limits_of(robot: Robot, given: Mapping[str, float] | None = None) -> Limits:
     return Limits(**values, home=home, notes=notes)
 
 
+def where_it_begins(robot: Robot, limits: Limits) -> str:
+    """The pose in which every motion sets out, as a sentence goes on with it."""
+    outside = [
+        f"joint{k} at {limits.home[k - 1]:.3g} {'m' if joint.kind == 'prismatic' else 'rad'}"
+        for k, joint in robot.numbered
+        if limits.home[k - 1] != 0
+    ]
+    if not outside:
+        return "in the zero pose"
+    return f"with {', '.join(outside)}, as the zero pose is outside the limits"
+
+
 def _from_file(robot: Robot, values: dict[str, np.ndarray]) -> None:
     for k, joint in robot.numbered:
         limits = joint.limits

@@ -84,5 +84,5 @@ class Setting:
         """(N, pairs) distances of links beyond those that are kept, over their radius."""
         task = self.drawing.task
         frame = pd.DataFrame(q, columns=[motor_of(k) for k, _ in task.robot.numbered])
-        near = [of.distance for of in clearances(task.geometry, frame)]
+        near = [of.distance - of.least for of in clearances(task.geometry, frame)]
         return np.reshape(near, (len(near), len(q))).T / task.geometry.radius - _ASIDE
