@@ -14,11 +14,11 @@ from flexmodels.experiment import Experiment
 from flexmodels.joint import Limits
 from flexmodels.robot import RobotError
 from pyident.excitation.capsules import geometry_of
-from pyident.excitation.limits import limits_of
+from pyident.excitation.limits import limits_of, where_it_begins
 from pyident.excitation.rehearsal import others_like, reference_of_plan, rehearsal
 from pyident.excitation.separation.rivals import Suspect, having, suspect
 from pyident.excitation.tables import write_table
-from pyident.excitation.violations import of_reference, of_run
+from pyident.excitation.violations import of_ends, of_reference, of_run
 from pyident.logs.log import Log
 
 TIME = np.arange(501) * 0.004
@@ -51,6 +51,7 @@ def swung(size: float = 1.0, time: np.ndarray = TIME) -> Experiment:
         ({"limits": {"joint2.speed": 1.0}}, "there is no limit joint2.speed; limits are joint1.lower"),
         ({"limits": {"joint1.speed": 0.0}}, "the limit joint1.speed must be above zero"),
         ({"limits": {"joint1.lower": 2.0}}, "joint1.lower must be below joint1.upper"),
+        ({"floor": 9.0}, "begins in the zero pose, where link 1 is below the floor at 9 m over the base"),
         ({"limits": {"joint1.lower": 0.5}}, "the zero pose, where a simulation begins, is outside"),
     ],
 )
@@ -176,3 +177,41 @@ def test_other_robots_are_off_by_what_is_said():
         ratio = np.array(other.links[0].J)[[0, 3, 5]] / np.array(massless.links[0].J)[[0, 3, 5]]
         assert np.ptp(ratio) == pytest.approx(0.0, abs=1e-12)
         assert other.links[0].m == 0.0
+
+
+def test_where_a_motion_begins_is_named_by_the_joints_that_cannot_stand_at_zero():
+    free = replace(limited(), controller=None)
+    assert where_it_begins(free, limits_of(free)) == "in the zero pose"
+    outside = limits_of(free, {"joint1.lower": 0.5})
+    assert where_it_begins(free, outside) == "with joint1 at 1 rad, as the zero pose is outside the limits"
+
+
+def test_a_motion_that_does_not_begin_at_rest_is_told_with_its_speed():
+    """A ramp of 0.5 rad/s jumps at both ends; an even acceleration of 2 rad/s2 only where it ends."""
+    limits = limits_of(limited())
+
+    def told(q: np.ndarray) -> list[str]:
+        plan = Experiment(TIME, q[:, None], np.zeros((len(TIME), 1)))
+        return [v.sentence for v in of_ends(limited(), limits, reference_of_plan(plan))]
+
+    assert told(0.5 * TIME) == [
+        "joint1: the reference starts at 0.5 rad/s and not at rest, so its speed jumps",
+        "joint1: the reference ends at 0.5 rad/s and not at rest, so its speed jumps",
+    ]
+    assert told(TIME**2) == ["joint1: the reference ends at 4 rad/s and not at rest, so its speed jumps"]
+    assert told(swung().reference[:, 0]) == []
+
+
+@pytest.mark.parametrize("rate", [250.0, 31.25])
+def test_a_trajectory_ends_where_the_plan_ends_and_stands_there(tmp_path, rate):
+    """Of 31.25 points a second the last would be 8 ms early; at rest is exactly zero, a ramp is not."""
+    path = write_table(limited(), swung(), tmp_path / "plan.json", rate)
+    points = json.loads(path.read_text())["points"]
+    first, last = points[0], points[-1]
+    assert last["time_from_start"] == {"sec": 2, "nanosec": 0}
+    for point in (first, last):
+        assert point["velocities"] == point["accelerations"] == [0.0]
+    assert max(abs(point["velocities"][0]) for point in points) > 3.0
+    ramp = Experiment(TIME, TIME[:, None], np.zeros((len(TIME), 1)))
+    path = write_table(limited(), ramp, tmp_path / "ramp.json", rate)
+    assert json.loads(path.read_text())["points"][0]["velocities"] == pytest.approx([1.0])

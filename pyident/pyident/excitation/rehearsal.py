@@ -124,9 +124,9 @@ def of_others(
 
 def worst(found: Iterable[Violation]) -> list[Violation]:
     """The worst of each kind, place and run."""
-    out: dict[tuple[str, str, str], Violation] = {}
+    out: dict[tuple[str, str, str, bool | None], Violation] = {}
     for v in found:
-        key = v.what, v.where, v.of
+        key = v.what, v.where, v.of, v.time == 0 if v.what == "rest" else None
         if key not in out or _beyond(v) > _beyond(out[key]):
             out[key] = v
     return list(out.values())

@@ -12,6 +12,7 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.fourier import Reference
 from pyident.excitation.rehearsal import reference_of_plan
+from pyident.excitation.violations import at_rest
 
 ENDINGS = (".csv", ".json", ".yaml")
 
@@ -78,7 +79,11 @@ def _thinned(plan: Experiment, rate: float) -> Reference:
         raise RobotError(
             f"a plan of {own:g} points per second cannot be written at {rate:g}; divide it evenly"
         )
-    kept = slice(None, None, every)
+    rest = at_rest(motion, np.abs(motion.dq).max(axis=0))
+    for end, still in zip((0, -1), rest, strict=True):  # differences leave a little, which ROS 2 refuses
+        motion.dq[end, still] = motion.ddq[end, still] = 0.0
+    last = len(motion.time) - 1
+    kept = np.append(np.arange(0, last, every), last)  # a motion that is cut off does not end at rest
     return Reference(motion.time[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept])
 
 

@@ -13,6 +13,7 @@ from pyident.excitation.fourier import Reference
 from pyident.excitation.limits import Limits
 
 _ROUNDING = 1e-9
+_AT_REST = 0.01  # of a speed: below, a motion begins and ends at rest
 _UNITS = {
     "position": ("rad", "m"),
     "speed": ("rad/s", "m/s"),
@@ -23,7 +24,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Violation:
-    """what: `position`, `speed`, `acceleration`, `torque` or `distance`; where: the joint or the links.
+    """what: `position`, `speed`, `acceleration`, `torque`, `distance` or `rest`; where: joint or links.
 
     value, limit   at the worst sample, at `time` [s]
     of             whose: the reference's, or the simulated robot's
@@ -40,9 +41,15 @@ class Violation:
     @property
     def sentence(self) -> str:
         if self.what == "distance":
+            kept = f", their limit is {self.limit:.3g} m" if self.limit else ""
             return (
-                f"{self.where} come within {self.value:.3g} m of each other at {self.time:.3g} s ({self.of})"
+                f"{self.where} come within {self.value:.3g} m of each other at {self.time:.3g} s "
+                f"({self.of}){kept}"
             )
+        if self.what == "rest":
+            does = "starts" if self.time == 0 else "ends"
+            jump = f"{self.value:.3g} {self.unit}"
+            return f"{self.where}: {self.of} {does} at {jump} and not at rest, so its speed jumps"
         return (
             f"{self.where}: the {self.what} of {self.of} reaches {self.value:.4g} {self.unit} at "
             f"{self.time:.3g} s, its limit is {self.limit:.4g} {self.unit}"
@@ -58,6 +65,36 @@ def of_reference(robot: Robot, limits: Limits, geometry: Geometry, motion: Refer
         *_sizes(robot, "speed", limits.speed, motion.time, motion.dq, own),
         *_sizes(robot, "acceleration", limits.acceleration, motion.time, motion.ddq, own),
         *_near(geometry, motion.time, frame, own),
+    ]
+
+
+def ends(motion: Reference) -> np.ndarray:
+    """(2, joints) speeds at the first and the last sample, exact where the acceleration there is even."""
+    step = motion.time[1] - motion.time[0]
+    return np.array([-3 * q[0] + 4 * q[1] - q[2] for q in (motion.q, -motion.q[::-1])]) / (2 * step)
+
+
+def at_rest(motion: Reference, speed: np.ndarray) -> np.ndarray:
+    """(2, joints) whether a motion begins and ends at rest, as far as a part of `speed` (joints,) goes."""
+    return np.abs(ends(motion)) <= _AT_REST * speed
+
+
+def of_ends(robot: Robot, limits: Limits, motion: Reference) -> list[Violation]:
+    """Joints whose speed jumps where a motion begins or ends."""
+    rest, speeds = at_rest(motion, limits.speed), ends(motion)
+    return [
+        Violation(
+            "rest",
+            f"joint{k}",
+            float(speeds[i, k - 1]),
+            0.0,
+            _UNITS["speed"][joint.kind == "prismatic"],
+            float(motion.time[-1] - motion.time[0]) if i else 0.0,
+            "the reference",
+        )
+        for i in (0, 1)
+        for k, joint in robot.numbered
+        if not rest[i, k - 1]
     ]
 
 
@@ -89,7 +126,7 @@ def slack(robot: Robot, limits: Limits, geometry: Geometry, frame: pd.DataFrame)
         "torque": 1 - np.abs(tau).max(axis=0) / limits.torque,
     }
     left = {f"the {of} of joint{k}": share[k - 1] for of, share in shares.items() for k, _ in robot.numbered}
-    near = {f"the distance of {c.what}": c.distance.min() for c in clearances(geometry, frame)}
+    near = {f"the distance of {c.what}": c.distance.min() - c.least for c in clearances(geometry, frame)}
     return pd.Series(left | near, dtype=float)
 
 
@@ -120,6 +157,6 @@ def _sizes(
 def _near(geometry: Geometry, time: np.ndarray, frame: pd.DataFrame, of: str) -> Iterator[Violation]:
     for clearance in clearances(geometry, frame):
         at = int(np.argmin(clearance.distance))
-        if clearance.distance[at] < 0:
-            value = float(clearance.distance[at])
-            yield Violation("distance", clearance.what, value, 0.0, "m", float(time[at]), of)
+        value, least = float(clearance.distance[at]), clearance.least
+        if value < least:
+            yield Violation("distance", clearance.what, value, least, "m", float(time[at]), of)

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from flexmodels.inputs import Experiment
@@ -13,13 +14,14 @@ from pyident.conditioning.weak_form import recipe
 from pyident.excitation.capsules import Geometry, geometry_of
 from pyident.excitation.design import Design, best_conditioned, designed, measure, most_informative
 from pyident.excitation.drawing import Drawing, Task, starts
-from pyident.excitation.limits import Limits, limits_of
+from pyident.excitation.limits import Limits, limits_of, where_it_begins
 from pyident.excitation.prediction import predicted
 from pyident.excitation.rehearsal import (
     SPREAD,
     Rehearsal,
     of_others,
     others_like,
+    reference_of_plan,
     rehearsal,
     violations,
     worst,
@@ -29,6 +31,7 @@ from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
+from pyident.excitation.violations import of_ends
 from pyident.logs.log import Log, LogError
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
@@ -96,6 +99,7 @@ def excite(
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
+    _over_the_floor(task)
     _long_enough(task)
     with rehearsal(robot) as own:
         if pair is not None:
@@ -119,7 +123,7 @@ def check_plan(
     allow_effects: bool = False,
     progress: Progress | None = None,
 ) -> Checked:
-    """Whether a robot may run a plan: limits, torques in simulation, its own links and the floor.
+    """Whether a robot may run a plan: limits, rest at its ends, torques in simulation, its links, the floor.
 
     plan     an Experiment, or what `simulate` takes as one
     others   robots that rehearse it too, with parameters off by 0.4 to 1 of `spread`, 24 side by side
@@ -128,10 +132,11 @@ def check_plan(
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
     rate = 1 / float(read.time[1] - read.time[0])
-    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread)
+    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread, read.reference[0])
     with rehearsal(robot) as own:
         like = others_like(robot, others, seed=2, spread=spread)
-        found = violations(own, task.limits, task.geometry, read)
+        found = of_ends(robot, task.limits, reference_of_plan(read))
+        found += violations(own, task.limits, task.geometry, read)
         runs = of_others(own, task.limits, task.geometry, read, like, progress or (lambda _: None))
         prediction = predicted(robot, own.log(read), task.noise)
     broken = sum(bool(run) for run in runs)
@@ -193,7 +198,9 @@ def _task(
     radius: float | None,
     floor: float | None,
     spread: float,
+    begin: np.ndarray | None = None,
 ) -> Task:
+    """begin: the pose (joints,) in which a plan begins, None: where the limits let motions set out."""
     driven = robot.controller or robot.servo
     own = 1 / driven.period if driven else _RATE
     if rate is not None and driven and abs(rate - own) > 1e-6 * own:
@@ -211,7 +218,7 @@ def _task(
         raise RobotError(
             f"robot {robot.name} has no sensor {min(unknown)}; they are {robot.coordinates[0]} and so on"
         )
-    shape: Geometry = geometry_of(robot, radius, floor)
+    shape: Geometry = geometry_of(robot, radius, floor, allowed.home if begin is None else begin)
     return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own, spread)
 
 
@@ -235,6 +242,16 @@ def _require(
         raise RobotError(
             f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; "
             f"a plan has from {_FEWEST} to {_MOST:g}"
+        )
+
+
+def _over_the_floor(task: Task) -> None:
+    """Raises RobotError where a motion would begin with links that lie wholly below the floor."""
+    if task.geometry.sunk:
+        begin = where_it_begins(task.robot, task.limits)
+        raise RobotError(
+            f"robot {task.robot.name}: a motion begins {begin}, where {task.geometry.sunk[0]} is below the "
+            f"floor at {task.geometry.floor:g} m over the base; give another --floor, or --no-floor"
         )
 
 

@@ -163,7 +163,9 @@ class Checked(Result):
             others = f", and so do {self.others} robots like it" if self.others else ""
             return f"{self.robot.name} keeps every limit{others}"
         which = f", by {self.broken} of {self.others} robots like it" if self.broken else ""
-        return f"{self.robot.name} must not run this: {len(self.violations)} limits are broken{which}"
+        count = len(self.violations)
+        are = "1 limit is" if count == 1 else f"{count} limits are"
+        return f"{self.robot.name} must not run this: {are} broken{which}"
 
     def summary(self) -> Text:
         lines = [self.headline(), *(wrapped(f"  {v.sentence}", "    ") for v in self.violations)]
