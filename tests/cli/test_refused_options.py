@@ -35,6 +35,25 @@ def test_they_are_refused(words, sentence, tmp_path, monkeypatch):
     assert sentence in " ".join(done.output.split())
 
 
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("identify", "model.fmu", "log.csv"), "name the parameters of model.fmu to identify, such as"),
+        (("export", "emps", "-o", "emps.fmu"), "export the plant alone (--part plant)"),
+        (
+            ("compare", "four_link", "R=1.3"),
+            "there is no log R=1.3; if it is a value, give an option for each: --set A=1",
+        ),
+    ],
+)
+def test_what_was_meant_is_named(words, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(main, list(words))
+    assert done.exit_code == 2, done.output
+    assert sentence in " ".join(done.output.split())
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_judges_or_settles_an_identification_is_looked_at_before_it(tmp_path, monkeypatch):
     """Minutes of work are not lost by a path with a slip in it."""
     monkeypatch.setattr("pyident.verbs.fit._identified", None)

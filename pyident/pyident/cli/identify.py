@@ -99,6 +99,8 @@ def identify_command(
             holdout=holdout,
             page=page,
         )
+        if not names:
+            raise click.UsageError(f"name the parameters of {model} to identify, such as --parameters k")
         with progress_bar("identifying") as progress:
             fit = pi.identify_fmu(
                 model, logs, names, values=parameters, interface=interface, progress=progress

@@ -91,11 +91,18 @@ class Log:
         return self.frame[list(names)].to_numpy(dtype=float, copy=True)
 
 
+def no_log(path: Path) -> str:
+    """That a file is missing, and what a NAME=VALUE among the logs was meant as."""
+    if "=" in path.name:
+        return f"there is no log {path}; if it is a value, give an option for each: --set A=1 --set B=2"
+    return f"there is no log {path}; check the path"
+
+
 def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> Log:
     """Read CSV, Parquet or MAT by its ending; `columns` maps foreign names and units. Raises LogError."""
     path = Path(path)
     if not path.is_file():
-        raise LogError(f"there is no log {path}; check the path")
+        raise LogError(no_log(path))
     readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
     if path.suffix not in readers:
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")

@@ -78,11 +78,11 @@ def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_ef
     return with_settings(robot, parameters) if parameters else robot
 
 
-def simulable(robot: Robot) -> Robot:
-    """The robot itself. Raises RobotError where nothing drives its joints."""
+def simulable(robot: Robot, remedy: str = "add one") -> Robot:
+    """The robot itself. Raises RobotError, with what to do, where nothing drives its joints."""
     if not driven(robot):
         raise RobotError(
-            f"robot {robot.name} has no [controller] and no [servo], so it cannot be simulated; add one"
+            f"robot {robot.name} has no [controller] and no [servo], so it cannot be simulated; {remedy}"
         )
     return robot
 

@@ -96,7 +96,10 @@ def export_fmu(
     if Path(path).suffix == ".mo":
         return export_modelica(robot, path)
     if Path(path).suffix != ".ssp":
-        plant = without_controller(equations(robot)) if part == "plant" else equations(simulable(robot))
+        alone = "add one, or export the plant alone (--part plant)"
+        plant = (
+            without_controller(equations(robot)) if part == "plant" else equations(simulable(robot, alone))
+        )
         text = robot_text(robot).encode()
         return Path(build(plant, path, fmi=fmi, platforms=platforms, model=text))
     robot = simulable(robot)

@@ -6,20 +6,26 @@ from collections.abc import Callable
 import click
 
 SECONDS = 10.0
+_FIRST = 0.05  # of the work: less tells nothing about the rest
 
 
 def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Callable[[float], None]:
-    """Says on stderr what is being done, how much of it is done and about how long the rest takes."""
+    """Says on stderr what is being done, how much of it is done and about how long the rest takes.
+
+    What came before the first share was told, such as compiling, tells nothing about the rest.
+    """
     begin = said = clock()
+    first: tuple[float, float] | None = None
 
     def progress(fraction: float) -> None:
-        nonlocal said
+        nonlocal said, first
         now = clock()
+        first = first or (now, fraction)
         if now - said < SECONDS:
             return
         said = now
-        left = (now - begin) * (1 - fraction) / fraction if fraction > 0 else float("nan")
-        rest = f", about {left:.0f} s left" if left == left else ""
+        took, done = now - first[0], fraction - first[1]
+        rest = f", about {took * (1 - fraction) / done:.0f} s left" if done >= _FIRST else ""
         click.echo(f"{text}: {100 * fraction:.0f} % after {now - begin:.0f} s{rest}", err=True)
 
     return progress

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pyident.logs.formats.recording import Recording
-from pyident.logs.log import LogError
+from pyident.logs.log import LogError, no_log
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 BAGS = (".mcap", ".bag", ".db3")
@@ -18,7 +18,7 @@ def read_recording(path: Path, header: bool = True, episode: int | None = None) 
     """
     path = Path(path)
     if not path.exists():
-        raise LogError(f"there is no log {path}; check the path")
+        raise LogError(no_log(path))
     try:
         return _read(path, header, episode)
     except LogError:
