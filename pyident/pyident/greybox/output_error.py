@@ -133,11 +133,8 @@ def _start(search: Search) -> tuple[np.ndarray, tuple[str, ...]]:
     tried = [p, *(low + u * (high - low) for u in spread)]
     cost = [float(np.sum(search.residual(q) ** 2)) for q in tried]
     best = int(np.argmin(cost))
-    origin = "model" if best == 0 else "best of them"
-    note = f"{GREYBOX.starts} starts within the bounds were tried; the {origin}"
-    return tried[best], (
-        note + (" own start was nearest" if best == 0 else " was nearer than the model's own"),
-    )
+    nearest = "the best of them was nearer than the model's own" if best else "the model's own was nearest"
+    return tried[best], (f"{GREYBOX.starts} starts within the bounds were tried; {nearest}",)
 
 
 def _judged(
