@@ -44,14 +44,15 @@ def linear_feed(
 ) -> Callable[[float], None]:
     """What sets the continuous ones of the inputs (N, variables), linear between samples, at an instant."""
     moving = [i for i, v in enumerate(variables) if v.variability in (None, "continuous")]
-    write, values = Access(fmu, "set", [variables[i] for i in moving]), inputs[:, moving]
-    period, last = float(time[1] - time[0]), len(time) - 2
+    write = Access(fmu, "set", [variables[i] for i in moving])
+    begin, period, last = float(time[0]), float(time[1] - time[0]), len(time) - 2
+    times, rows = time.tolist(), inputs[:, moving].tolist()  # of few numbers a list is faster than an array
 
     def feed(t: float) -> None:
         if moving:
-            k = min(max(int((t - time[0]) / period), 0), last)
-            part = (t - time[k]) / (time[k + 1] - time[k])
-            write.put((1 - part) * values[k] + part * values[k + 1])
+            k = min(max(int((t - begin) / period), 0), last)
+            part = (t - times[k]) / (times[k + 1] - times[k])
+            write.put([(1 - part) * a + part * b for a, b in zip(rows[k], rows[k + 1], strict=True)])
 
     return feed
 
