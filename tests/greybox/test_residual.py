@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.greybox.residual import shown
+from pyident.greybox.residual import shown, standing_out
 
 TIME = 0.004 * np.arange(1500)
 
@@ -91,3 +91,23 @@ def test_a_wave_that_follows_nothing_stays_unexplained():
     result = examined(wave, angle, {"angle": angle, "speed": speed}, ["angle"])
     assert not result.findings
     assert result.white_p < 1e-6
+
+
+def test_a_constant_is_told_with_its_size():
+    """2 with noise of 0.3: 4 / 4.09 of the energy; a mean within chance, or in slow noise, is none."""
+    angle, speed = course()
+    signals = {"angle": angle, "speed": speed}
+    (found,) = examined(2.0 + 0.3 * noise(7), angle, signals, ["angle"]).findings
+    assert (found.kind, found.of) == ("constant", ())
+    assert found.at == pytest.approx(2.0, abs=4 * 0.3 / np.sqrt(len(TIME)))
+    assert found.share_percent == pytest.approx(100 * 4 / 4.09, abs=0.5)
+    slow = np.sin(2 * np.pi * 0.27 * TIME) + 0.1 * noise(8)  # 1.6 waves: their mean is no constant
+    for residual in (0.3 * noise(7), slow):
+        assert not any(f.kind == "constant" for f in examined(residual, angle, signals).findings)
+
+
+def test_a_mean_that_stands_out_is_a_sentence():
+    residual = np.column_stack([noise(9), 2.0 + 0.3 * noise(10)])
+    (said,) = standing_out([("i", "A"), ("w", "rad/s")], [residual])
+    size = residual[:, 1].mean()
+    assert said == f"what is left of w has a mean of {size:.3g} rad/s: a constant that the model has not"

@@ -16,8 +16,8 @@ BINS = 16  # of a signal's quantiles
 _DELAYS = (0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # [samples], either way
 _ORDERS = 120  # highest order per turn
 
-Kind = Literal["delay", "order", "signal"]
-PARSIMONY: tuple[Kind, ...] = ("delay", "order", "signal")
+Kind = Literal["constant", "delay", "order", "signal"]
+PARSIMONY: tuple[Kind, ...] = ("constant", "delay", "order", "signal")
 
 
 @dataclass(frozen=True)

@@ -183,7 +183,7 @@ def _variances(
         rows = (slopes[first : first + m.size] / scale).reshape(*m.shape, -1)
         first += m.size
         noise = m / search.noise
-        run = LongRun(rows.shape[2], _lags(m))
+        run = LongRun(rows.shape[2], lags(m))
         run.add((rows * noise[:, :, None]).sum(axis=1))
         uneven += run.sum
         even += _even_scatter(rows, noise)
@@ -199,7 +199,7 @@ def _even_scatter(rows: np.ndarray, noise: np.ndarray) -> np.ndarray:
     return spectral(lambda: log, np.ones(outputs))(np.eye(P), np.zeros(P))
 
 
-def _lags(residual: np.ndarray) -> int:
+def lags(residual: np.ndarray) -> int:
     """Twice as far as the residual is correlated, at least the rule of Newey and West (1994)."""
     n = len(residual)
     least = int(4 * (n / 100) ** (2 / 9)) + 1

@@ -1,4 +1,4 @@
-"""What the residual of a simulated output shows: white noise, or what it depends on.
+"""What the residual of a simulated output shows: white noise, a constant, or what it depends on.
 
 A candidate counts by the share of the residual that it foretells on data it was not fitted to (four
 contiguous parts, each foretold by the other three). Residuals are correlated in time, so chance is measured
@@ -12,7 +12,9 @@ from math import ceil
 
 import numpy as np
 
+from pyident.estimation.newey_west import LongRun
 from pyident.greybox.candidates import PARSIMONY, Candidate, Kind, candidates, delayed
+from pyident.greybox.output_error import lags
 from pyident.rules.greybox import GREYBOX
 
 _RIDGE = 1e-9
@@ -22,8 +24,8 @@ _RIDGE = 1e-9
 class Finding:
     """A dependence of one output's residual.
 
-    of       signals that explain it alike, the best first; empty for a delay
-    at       delay [s], order [1/turn]; 0 for a signal
+    of       signals that explain it alike, the best first; empty for a delay or a constant
+    at       constant [unit of the output], delay [s], order [1/turn]; 0 for a signal
     size     rms of the part [unit of the output]
     share    of the residual's energy that it foretells, percent
     p_value  of so large a share for any candidate by chance
@@ -58,16 +60,17 @@ def shown(
     signals: Mapping[str, Sequence[np.ndarray]],
     angles: Sequence[str],
     outputs: int,
+    late: bool = True,
 ) -> Shown:
-    """Examine one output of `outputs`; all sequences are per recording, (n,)."""
+    """Examine one output of `outputs`; all sequences are per recording, (n,). late: a delay may be told."""
     mean = float(np.mean(np.concatenate(residuals)))
     left = [r - mean for r in residuals]
     rms = float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
     white = whiteness(left)
     found: list[Finding] = []
     if rms > 0:
-        listed = list(candidates(times, simulated, signals, angles))
-        whole = sum(float(r @ r) for r in left)
+        listed = [c for c in candidates(times, simulated, signals, angles) if late or c.kind != "delay"]
+        whole = sum(float(r @ r) for r in residuals)
         for _ in range(GREYBOX.terms):
             finding, part = _best(output, listed, left, outputs)
             if finding is None:
@@ -78,7 +81,46 @@ def shown(
             left = [r - p for r, p in zip(left, part, strict=True)]
             scaled = finding.share_percent * energy / whole
             found.append(Finding(**{**finding.__dict__, "share_percent": scaled}))
+        found += _constant(output, mean, left, rms)  # last: a function of a signal has a constant, too
     return Shown(output, unit, rms, white, tuple(found))
+
+
+def deviations(left: Sequence[np.ndarray]) -> float:
+    """Standard deviation of the mean of what is left (n,) per recording, whose noise may be coloured.
+
+    The larger of two: by its correlation (Newey and West), and by how far the means of its quarters scatter.
+    """
+    count = sum(len(r) for r in left)
+    total = 0.0
+    for r in left:
+        run = LongRun(1, lags(r[:, None]))
+        run.add((r - r.mean())[:, None])
+        total += max(float(run.sum[0, 0]), float(np.sum((r - r.mean()) ** 2)))
+    parts = [part.mean() for r in left for part in np.array_split(r, GREYBOX.folds)]
+    return max(np.sqrt(total) / count, float(np.std(parts, ddof=1)) / np.sqrt(len(parts)))
+
+
+def _constant(output: str, mean: float, left: Sequence[np.ndarray], rms: float) -> list[Finding]:
+    """The mean, where it stands out of what is left without it and takes enough of the residual."""
+    from scipy.stats import norm
+
+    sigmas = abs(mean) / max(deviations(left), np.finfo(float).tiny)
+    share = (mean / rms) ** 2
+    if sigmas < GREYBOX.constant or share < GREYBOX.material:
+        return []
+    return [Finding(output, "constant", (), mean, abs(mean), 100 * share, 2 * float(norm.sf(sigmas)))]
+
+
+def standing_out(outputs: Sequence[tuple[str, str]], residuals: Sequence[np.ndarray]) -> tuple[str, ...]:
+    """A sentence per output (name, unit) whose residual (N, S) per recording has a mean that stands out."""
+    found = []
+    for s, (name, unit) in enumerate(outputs):
+        own = [r[:, s] for r in residuals]
+        mean, rms = float(np.mean(np.concatenate(own))), float(np.sqrt(np.mean(np.concatenate(own) ** 2)))
+        if rms > 0 and _constant(name, mean, [r - mean for r in own], rms):
+            size = f"{mean:.3g} {unit}".rstrip()
+            found.append(f"what is left of {name} has a mean of {size}: a constant that the model has not")
+    return tuple(found)
 
 
 def whiteness(residuals: Sequence[np.ndarray]) -> float:

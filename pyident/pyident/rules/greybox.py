@@ -57,12 +57,24 @@ class GreyboxRules:
         "signals are alike",
         f"{_DRAWN}friction is named in 14 of 20 (half: 0, an order instead)",
     )
+    late: float = rule(
+        0.5,
+        "a residual that a delay takes, the parameters fitted with it",
+        "a force that is missing looks late in part",
+        "by hand: a true delay of three samples took 99 %, a ripple and a backlash that looked early 20 %",
+    )
+    constant: float = rule(
+        4.0,
+        "standard deviations of a mean: a constant beyond is told",
+        "chance is below 1e-4 for each output",
+        "arithmetic: twice the tail of a normal distribution beyond four deviations is 6e-5",
+    )
     shown: int = rule(4, "names of a tie", "more are read by nobody", _READING)
     terms: int = rule(3, "terms of one output", "more are read by nobody", _READING)
     lags: int = rule(20, "lags of the test for white noise", "convention", "convention")
 
     def __post_init__(self) -> None:
-        in_range(self, "greybox", 0, 1, "smooth", "level", "material", "tie")
+        in_range(self, "greybox", 0, 1, "smooth", "level", "material", "tie", "late")
 
 
 GREYBOX = GreyboxRules()

@@ -15,9 +15,10 @@ import pandas as pd
 from flexfmu.foreign.model import FmuModel, Quantity
 from flexfmu.foreign.parent import SILENCE
 from flexmodels.robot import RobotError
+from pyident.greybox.late import confirmed, later, with_delay
 from pyident.greybox.output_error import OutputError, fixed, output_error
 from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording
-from pyident.greybox.residual import Shown, shown
+from pyident.greybox.residual import Shown, shown, standing_out
 from pyident.greybox.search import Derivatives, Free
 from pyident.logs.log import Log, LogError, check
 from pyident.logs.log import read_log as read_plain
@@ -68,7 +69,9 @@ def identify_fmu(
         fit = output_error(o.recordings, o.simulate, free, progress, _derivatives(o, free))
     if progress:
         progress(1.0)
-    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes))
+    first = o.recordings[0]
+    means = standing_out([*zip(first.outputs, first.units, strict=True)], fit.residuals)
+    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes, *means))
 
 
 def compare_fmu(
@@ -109,14 +112,40 @@ def diagnose_fmu(
         if parameters:
             free = [_free(o.fmu, name, parameters) for name in parameters]
             fit = output_error(o.recordings, o.simulate, free, _half(progress), _derivatives(o, free))
-        outputs = _examined(o, fit, progress)
-    notes = (*o.notes, *(fit.notes if fit else ()))
+        outputs, late = _told(o, fit, progress)
+    notes = (*o.notes, *(fit.notes if fit else ()), *late)
     return FmuDiagnosed(o.fmu.title, outputs, fit, notes)
 
 
-def _examined(o: _Opened, fit: OutputError | None, progress: Progress | None) -> tuple[Shown, ...]:
+def _told(
+    o: _Opened, fit: OutputError | None, progress: Progress | None
+) -> tuple[tuple[Shown, ...], tuple[str, ...]]:
+    """What the outputs show, and notes; a delay is told where a fit together with it confirms it."""
+    values = fit.values if fit else {}
+    outputs = _examined(o, o.simulate, values, progress)
+    suspected = {f.output: f for out in outputs for f in out.findings if f.kind == "delay"}
+    if not suspected:
+        return outputs, ()
+    free = [replace(e.free, start=e.value) for e in fit.estimates] if fit else []
+    before = misses(o.recordings, o.simulate, values)
+    late = confirmed(o.recordings, o.simulate, free, before, {n: f.at for n, f in suspected.items()})
+    if late is None:
+        return _examined(o, o.simulate, values, progress, late=False), ()
+    moved = later(o.simulate, late.outputs, late.delay)
+    rest = _examined(o, moved, late.values, progress, late=False)
+    outputs = tuple(
+        with_delay(old, new, suspected.get(old.output), late) for old, new in zip(outputs, rest, strict=True)
+    )
+    fitted = ", ".join(f"{name} = {value:.6g}" for name, value in late.values.items())
+    return outputs, (f"fitted together with the delay: {fitted}",) if fitted else ()
+
+
+def _examined(
+    o: _Opened, simulate: Simulate, values: Values, progress: Progress | None, late: bool = True
+) -> tuple[Shown, ...]:
+    """late: a delay may be told."""
     names = _courses(o)
-    runs = [o.simulate(r, [fit.values if fit else {}], names)[0] for r in o.recordings]
+    runs = [simulate(r, [values], names)[0] for r in o.recordings]
     first = o.recordings[0]
     signals = {name: [run[:, i] for run in runs] for i, name in enumerate(names)}
     for name in first.inputs:
@@ -131,7 +160,7 @@ def _examined(o: _Opened, fit: OutputError | None, progress: Progress | None) ->
     for s, (name, unit) in enumerate(zip(first.outputs, first.units, strict=True)):
         simulated = signals[name]
         left = [r.measured[:, s] - y for r, y in zip(o.recordings, simulated, strict=True)]
-        outputs.append(shown(name, unit, times, left, simulated, signals, angles, len(first.outputs)))
+        outputs.append(shown(name, unit, times, left, simulated, signals, angles, len(first.outputs), late))
         if progress:
             progress(0.5 + 0.5 * (s + 1) / len(first.outputs))
     return tuple(outputs)

@@ -176,9 +176,11 @@ class FmuDiagnosed(Result):
 def _sentence(finding: "Finding", output: "Shown") -> str:
     share = f"{finding.share_percent:.0f} % of what is left of {finding.output}"
     names = " or ".join(finding.of)
+    if finding.kind == "constant":
+        return f"{share} is a constant of {finding.at:.3g} {output.unit}".rstrip()
     if finding.kind == "delay":
         late = "later" if finding.at > 0 else "earlier"
-        return f"{share}: the log is {abs(finding.at):.4g} s {late} than the model"
+        return f"{share}: the log is {abs(finding.at):.3g} s {late} than the model"
     if finding.kind == "order":
         turn = f"{finding.at:g} times per turn"
         return f"{share} is periodic in {names}, {turn}, rms {finding.size:.3g} {output.unit}"
