@@ -56,13 +56,16 @@ class Identified:
 
     @property
     def at_bound(self) -> list[str]:
-        """Parameters of the written model at their least value: beyond it lies what the data ask for."""
+        """Parameters of the written model at their least value; the data ask for less beyond chance."""
         values, bounds = self.robot.parameters, lower_bounds(self.robot)
-        solution = dict(zip(self.reduced.columns, self.solution.p, strict=True))
+        chance = np.where(np.isfinite(self.solution.std), CONFIDENCE * self.solution.std, 0.0)
+        most = dict(zip(self.reduced.columns, self.solution.p + chance, strict=True))
         return [
             name
             for name, bound in bounds.items()
-            if name in solution and values[name] - bound <= _NOTHING * abs(solution[name] - bound)
+            if self.support.get(name) == "alone"
+            and values[name] - bound <= _NOTHING * abs(most[name] - bound)
+            and most[name] < bound
         ]
 
     def json(self) -> dict[str, Any]:

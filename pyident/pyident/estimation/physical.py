@@ -19,7 +19,7 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import LogError
-from pyident.regression.reduced import Reduced
+from pyident.regression.reduced import Reduced, unit_of
 
 if TYPE_CHECKING:
     import cvxpy as cp
@@ -28,6 +28,7 @@ _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per l
 _TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
 _EXTENT = 0.01  # m: least radius of gyration of a prior's body
 _EXACT = 1e-9  # of the parameters' length: the least standard deviation
+_NONE = "no physically consistent parameters were found"
 _CURE = "`pyident log inspect` shows what the log's channels hold: look for a wrong unit or sign"
 _warnings_held = threading.Lock()  # filters of warnings are those of all threads
 _SMALLEST = 1e-6  # eigenvalue of a link's pseudo-inertia [kg, m]
@@ -51,63 +52,73 @@ def consistent(
     import cvxpy as cp
 
     bounds, masses = lower_bounds(robot), {} if within is None or prior is None else _masses(prior, within)
-    why = ""
-    for scale in (solution.scale, _balanced(solution)):
-        try:
-            found = _nearest(robot, reduced, solution, prior, bounds, masses, scale)
-        except cp.SolverError:  # numbers too far apart for the solver
-            why = why or "the solver gave up"
-        except LogError as error:
-            why = str(error)
-        else:
-            return np.maximum(found, [bounds.get(name, -np.inf) for name in reduced.columns])
-    raise LogError(f"no physically consistent parameters were found: {why}; {_CURE}")
-
-
-def _balanced(solution: Solution) -> np.ndarray:
-    """(P,) scales of the parameters; those that act nowhere get that of the others."""
-    absent = ~solution.seen.any(axis=1) & (solution.scale == 1.0)
-    acting = solution.scale[~absent]
-    return np.where(absent, np.exp(np.mean(np.log(acting))) if len(acting) else 1.0, solution.scale)
-
-
-def _nearest(
-    robot: Robot,
-    reduced: Reduced,
-    solution: Solution,
-    prior: Robot | None,
-    bounds: Mapping[str, float],
-    masses: Mapping[str, tuple[float, float]],
-    scale: np.ndarray,
-) -> np.ndarray:
-    """(P,) Raises LogError where there are none, and cvxpy's SolverError; scale: (P,) of the parameters."""
-    import cvxpy as cp
-
-    length = max(float(np.linalg.norm(solution.p * scale)), 1e-300)
-    scale = scale / length  # so that values and what data leave open are of one size to the solver
-    names, near = list(reduced.columns), solution.p * scale
-    u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
-    z = near + solution.seen @ (_deviations(reduced, solution, prior) / length) @ u + solution.null @ t
-    p = cp.multiply(z, 1 / scale)
+    names, units = list(reduced.columns), _units(robot, reduced, solution)
+    x = cp.Variable(len(names))
+    p = cp.multiply(x, units)
     limits: list[cp.Constraint] = [
-        _body(p, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
+        _body(x, names, k + 1) >> _SMALLEST * np.eye(4) for k in range(len(robot.links))
     ]
-    at = [names.index(name) for name in bounds]
-    limits += [z[at] >= np.array(list(bounds.values())) * scale[at]] if at else []
+    for name, least in bounds.items():
+        limits.append(x[names.index(name)] >= least / units[names.index(name)])
     for name, (least, most) in masses.items():
-        i = names.index(name)
-        limits += [z[i] >= least * scale[i], z[i] <= most * scale[i]]
+        limits += [p[names.index(name)] >= least, p[names.index(name)] <= most]
+    u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])
+    limits += _away(reduced, solution, prior, x, units, u, t)
     if prior is None:
         cost = cp.norm(u) + _OPEN * cp.norm(t)
     else:
         cost = cp.sum_squares(u) / 2 + _distance(p, names, prior) / _TRUSTED**2
     problem = cp.Problem(cp.Minimize(cost), limits)
-    with _warnings_held, warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a standard deviation
-        problem.solve(solver=cp.CLARABEL)
-    if z.value is None:
-        raise LogError(f"the problem is {problem.status}")
-    return np.asarray(z.value) / scale
+    try:
+        with _warnings_held, warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": to 1e-5 of a deviation
+            problem.solve(solver=cp.CLARABEL)
+    except cp.SolverError:
+        raise LogError(f"{_NONE}: the solver gave up; {_CURE}") from None
+    if p.value is None:
+        raise LogError(f"{_NONE}: the problem is {problem.status}; {_CURE}")
+    return np.maximum(np.asarray(p.value), [bounds.get(name, -np.inf) for name in names])
+
+
+def _units(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray:
+    """(P,) in which values are of one size to the solver: bodies in kilograms and the robot's lengths.
+
+    What belongs to a joint is measured by its column, as bodies are on average.
+    """
+    lengths = [np.linalg.norm(joint.origin) for joint in robot.joints] + [np.linalg.norm(robot.tip)]
+    length = float(max(lengths)) or 1.0
+    own = {"m": 1.0, "ms": length, "J": length**2}
+    acting = np.where(solution.seen.any(axis=1), solution.scale, np.nan)
+    units = np.array([own[unit_of(name)] if name.startswith("link") else np.nan for name in reduced.columns])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # nothing acts
+        usual = np.exp(np.nanmean(np.log(units * acting)))
+    of_joints = np.where(np.isfinite(usual / acting), usual / acting, 1.0)
+    return np.where(np.isfinite(units), units, of_joints)
+
+
+def _away(
+    reduced: Reduced,
+    solution: Solution,
+    prior: Robot | None,
+    x: "cp.Variable",
+    units: np.ndarray,
+    u: "cp.Variable",
+    t: "cp.Variable",
+) -> list["cp.Constraint"]:
+    """u, in standard deviations from the solution where the data determine it, and t, the rest of its length.
+
+    Variables of their own, tied to x: of exact data a deviation is so short that the solver cannot count with
+    an expression of x, or of them, alone.
+    """
+    length = max(float(np.linalg.norm(solution.p * solution.scale)), 1e-300)
+    scale = solution.scale / length
+    told = solution.seen.T @ (scale * solution.p)
+    deviations = _deviations(reduced, solution, prior) / length
+    return [
+        (solution.seen.T * scale * units) @ x - told == deviations @ u,
+        (solution.null.T * scale * units) @ x - solution.null.T @ (scale * solution.p) == t,
+    ]
 
 
 def _masses(prior: Robot, within: float) -> dict[str, tuple[float, float]]:

@@ -84,7 +84,7 @@ def identify_by_instruments(
     best = start.starts[0]
     followed, again = repeats(best.robot, logs)
     notes = tuple(r.note for r in again[:1] if r.note)
-    again = _quiet(robot, again)
+    again = _quiet(best.robot, again)
     try:
         with open_pool(followed) as workers:
             best = nearest(start.starts, again, workers)
@@ -119,7 +119,8 @@ def robot_by_instruments(
     noise.
     Raises LogError, SimulationError, NotFollowedError.
     """
-    start, again = begun(robot, logs), _quiet(robot, again)
+    start = begun(robot, logs)
+    again = _quiet(start.starts[0].robot, again)
     best = nearest(start.starts, again, workers)
     try:
         return identified(robot, start.plain.reduced, _rounds(start, again, best, workers).solution).robot
@@ -130,8 +131,8 @@ def robot_by_instruments(
 
 
 def _quiet(robot: Robot, again: Sequence[Repeat]) -> Sequence[Repeat]:
-    """What makes logs again, without the noise of measured motions that are references."""
-    return again if driven(robot) else tuple(smoothed(r) for r in again)
+    """What makes logs again, without noise where measured motions are references; `robot` is fitted."""
+    return again if driven(robot) else tuple(smoothed(robot, r) for r in again)
 
 
 def _why(error: SimulationError | NotFollowedError) -> str:
@@ -182,7 +183,7 @@ def _rounds(
         found = last.solution if last else best.solution
         try:
             made = followers.towards(wanted, found, before)
-        except SimulationError:
+        except (SimulationError, NotFollowedError):
             if last is None or driven(robot):
                 raise
             break  # nothing of a simulation but its instruments is in the estimate: the last ones do

@@ -11,7 +11,7 @@ import numpy as np
 from pyident.regression.machine.threads import each
 from pyident.regression.triangle import Triangle
 
-_ROUNDING = 1e-12  # of the longest column of the same unit
+_NEXT_TO_NOTHING = 1e-8  # of the longest column of the same unit
 
 
 @dataclass(frozen=True)
@@ -68,10 +68,10 @@ def absent(lengths: np.ndarray, columns: Sequence[str]) -> np.ndarray:
     """
     largest: dict[str, float] = {}
     for name, length in zip(columns, lengths.tolist(), strict=True):
-        largest[_unit(name)] = max(largest.get(_unit(name), 0.0), length)
-    return lengths <= _ROUNDING * np.array([largest[_unit(name)] for name in columns])
+        largest[unit_of(name)] = max(largest.get(unit_of(name), 0.0), length)
+    return lengths <= _NEXT_TO_NOTHING * np.array([largest[unit_of(name)] for name in columns])
 
 
-def _unit(name: str) -> str:
+def unit_of(name: str) -> str:
     """Of a link's parameter `m`, `ms` or `J`, which all links share; any other is alone with its unit."""
     return name.partition(".")[2].partition("[")[0] if name.startswith("link") else name
