@@ -44,3 +44,12 @@ def test_a_constant_is_told_with_its_value_and_is_not_unrelated():
     assert "unrelated" not in found
     told = float(found["offset"].sentence.split("constant of ")[1].split()[0])
     assert told == pytest.approx(7 * frame["joint1.tau"].std(), rel=0.05)
+
+
+def test_a_spring_that_outweighs_the_arm_is_not_unrelated():
+    frame = recorded_under(ARM.gravity)
+    angle = frame["joint1.e"] - frame["joint1.e"].mean()
+    frame["joint1.tau"] += 10 * frame["joint1.tau"].std() * angle / angle.std()
+    assert "unrelated" not in defects(frame)
+    frame["joint1.tau"] = frame["joint1.tau"].sample(frac=1, random_state=1).to_numpy()
+    assert "unrelated" in defects(frame)

@@ -103,18 +103,17 @@ def test_noise_has_no_order():
     assert found.steady == found.friction == []
 
 
-def test_a_torque_is_a_ripple_where_the_joint_passes_a_whole_period_of_it():
+def test_a_torque_is_a_ripple_where_the_joint_passes_three_periods_of_it():
     found = _peaks(lambda q, _: 0 * q)
-    turns = replace(found, whole=7.3)
+    turns = replace(found, least=7.3)
     ripple, friction = CATALOGUE["torque_ripple"], CATALOGUE["position_dependent_friction"]
     tried = {law.name: [v["order"] for v in turns.beside(_grid(law), law)] for law in (ripple, friction)}
     assert min(tried["torque_ripple"]) == 7.3
     assert max(tried["torque_ripple"]) == 30
     assert min(tried["position_dependent_friction"]) == 1
-    assert found.whole == pytest.approx(
-        2 * np.pi / np.ptp(analytic_log(seconds=24.0).frame["joint1.e"]), rel=0.02
-    )
-    assert replace(found, whole=np.inf).beside(_grid(ripple), ripple) == []
+    span = np.ptp(analytic_log(seconds=24.0).frame["joint1.e"])
+    assert found.least == pytest.approx(3 * 2 * np.pi / span, rel=0.02)
+    assert replace(found, least=np.inf).beside(_grid(ripple), ripple) == []
 
 
 def _grid(law) -> list[dict[str, float]]:

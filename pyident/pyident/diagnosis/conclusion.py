@@ -26,7 +26,7 @@ from pyident.diagnosis.notes import (
 )
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.found import Found, Step, candidates_of
-from pyident.diagnosis.search.gate import Refusal, region_of, share_in
+from pyident.diagnosis.search.gate import Refusal, nothing_left, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
@@ -113,7 +113,7 @@ def _alike(view: Search, step: Step) -> bool:
 
 def _share_of_excess(view: Search, candidates: Sequence[Candidate], region: Region) -> float:
     """What a finding takes of what exceeds the floor; of so little that none would be named for it: 0."""
-    if view.remaining_in(region) < view.rules.material * view.floor_energy_on(region.rows):
+    if nothing_left(view, region):
         return 0.0
     return max(share_in(view, candidates, region), 0.0)
 

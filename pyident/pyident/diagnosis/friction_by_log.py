@@ -5,7 +5,8 @@ both, at every joint at once, and no law of the catalogue is it. So where someth
 whose friction differs from log to log gets its own in each of them (levels, slopes and offsets), and the
 laws are put to what that leaves. Within a log friction must be friction: differences whose coefficients
 change with the speed, the torque, the position or the direction stand in for something else, as in
-`constancy`.
+`constancy`. And where a joint is fast in one log and slow in another, friction that is not quite the model's
+is another in each, though nothing but the speed has changed: there only the torque's zero is asked about.
 """
 
 from collections.abc import Sequence
@@ -19,9 +20,10 @@ from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns, units_of
 from pyident.diagnosis.base.projection import Columns, extended, gain, gains, gains_over, joined, others_of
 from pyident.diagnosis.imitators.constancy import QUANTITIES, above_median
-from pyident.diagnosis.imitators.own_friction import friction_of_each_log
+from pyident.diagnosis.imitators.own_friction import friction_of_each_log, zeros_of_each_log
 from pyident.diagnosis.search.search import Search, search_of
 
+_FASTER = 2.0  # times: rms speeds of a joint that are further apart have no friction in common
 _SURE = 3.0  # standard deviations
 _ZERO = (".offset", ".offset_drift.rate")  # of a torque, not friction
 _WITHIN = ("speed", "torque", "position", "direction")  # friction that warms up changes with time
@@ -103,7 +105,7 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
     joints = [k for k, _ in search.robot.numbered if _differs(search, k)]
     if not joints:
         return None
-    listed = [c for k in joints for c in friction_of_each_log(search.robot, k, len(ex.logs))]
+    listed = [c for k in joints for c in _of_each_log(search, k)]
     wider = search.with_further(listed).base
     limits = [bounds(search.robot, c) for c in ex.candidates]
     own = replace(ex, base=wider, gains=gains(wider, ex.columns, limits))
@@ -113,7 +115,7 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
 def _differs(search: Search, joint: int) -> bool:
     """Whether a joint's own friction in each log takes most of what exceeds the floor there."""
     rules, ex = search.rules, search.examination
-    listed = friction_of_each_log(search.robot, joint, len(ex.logs))
+    listed = _of_each_log(search, joint)
     row = joint - 1
     left = search.remaining_on([row])
     if not listed or left <= 0:
@@ -128,6 +130,14 @@ def _differs(search: Search, joint: int) -> bool:
     return share >= rules.explained[0] and all(
         gain(beside, _split(search, listed, name)).energy <= rules.changes * left for name in _WITHIN
     )
+
+
+def _of_each_log(search: Search, joint: int) -> list[Candidate]:
+    """What a joint may have of its own in each log, as far as its speeds let it be told."""
+    logs = search.examination.logs
+    speeds = [float(np.sqrt(np.mean(log.part.motion.dq[:, joint - 1] ** 2))) for log in logs]
+    alike = max(speeds) <= _FASTER * min(speeds)
+    return (friction_of_each_log if alike else zeros_of_each_log)(search.robot, joint, len(logs))
 
 
 def _split(search: Search, listed: Sequence[Candidate], quantity: str) -> Columns:

@@ -91,6 +91,7 @@ class Limit:
     smallest         linear parameter -> amplitude, in the parameter's unit
     share_percent    rms of that force, of the rms torque or moment on its row
     reason           why it cannot be seen at all, empty when it can
+    at               nonlinear parameters, such as an order, for which it holds: those that show best
     """
 
     effect: str
@@ -100,6 +101,7 @@ class Limit:
     share_percent: float
     reason: str = ""
     experiment: str = ""
+    at: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from six_axis_logs import VISCOUS, arm, made, plain, three_laws
+from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.friction_by_log import friction_by_log
@@ -47,6 +47,19 @@ def test_laws_go_first():
     named = {(n.effect, n.joint) for f in found.findings for n in f.tie}
     assert ("nonlinear_viscous", "joint1") in named
     assert "differs from log to log" not in found.sentence
+
+
+def test_rounded_friction_at_another_speed_is_no_warm_robot():
+    """All logs have one friction, which is viscous where a joint creeps and dry where it runs."""
+
+    def rounded(q, v, load, time):
+        return 2 * COULOMB * np.tanh(v / 0.2) + VISCOUS * v
+
+    robot = arm()
+    logs = [made(robot, seed, rounded, pace=pace) for seed, pace in ((1, 0.5), (2, 4.0), (3, 4.0))]
+    found = concluded(searched(robot, logs[:2], runs_here), runs_here, logs[2:])
+    assert found.verdict != "nothing_detectable"
+    assert "friction" not in found.sentence.partition(" from log to log")[0]
 
 
 def test_one_log_has_nothing_to_differ_from():

@@ -50,6 +50,13 @@ def test_a_periodic_torque_that_grows_with_a_signal_is_no_ripple(torque):
     assert not ripples(found)
 
 
+def test_a_hose_that_bends_is_a_spring_and_no_ripple():
+    """Beside a straight line it makes a wave or two."""
+    found = diagnosed(lambda q, v, load: 2.0 * np.tanh(1.5 * (q - 0.2)))
+    assert {n.effect for f in found.findings for n in f.tie} & {"joint_spring", "gravity_spring"}
+    assert not ripples(found)
+
+
 @pytest.mark.parametrize("orders", [(9.0,), (9.0, 12.5), (16.0, 20.0)])
 def test_a_ripple_has_the_orders_that_were_put_in(orders):
     amplitudes = (0.5, 0.35)[: len(orders)]

@@ -1,8 +1,8 @@
 """Periods of a joint's turn that stand out of a residual: where a search for periodic laws should begin.
 
 Gears, bearings and motors repeat hundreds of times a turn, too finely for a grid that knows nothing; and a
-torque of which the joint does not pass a whole period is a spring or a hose as well as a ripple. Waves of
-friction turn round with the motion.
+torque of which the joint passes fewer than three periods is a spring or a hose as well as a ripple: beside a
+line a hose bends twice. Waves of friction turn round with the motion.
 
 What a gear does n times a turn comes at n times the speed: a loop answers it, and an arm shakes with it, as
 they do at that frequency. A resonance makes it large at one speed and turns its phase round; and a phase that
@@ -21,6 +21,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.order_waves import highest_of, orders_within, peaks_at_speeds, peaks_of, span_of
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _CLOSEST = 0.02  # of the fastest speed: knots
@@ -33,28 +34,28 @@ class Orders:
     steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
     answered    of a torque whose size and phase are those of the speed, too
     speeds      from fast backward to fast forward, between which such a wave changes [rad/s]
-    whole       the order of one period within the angles that the joint passes; inf: no period shows
+    least       the order of which the joint passes enough periods to be called so; inf: none shows
     """
 
     steady: list[float]
     friction: list[float]
     answered: list[float]
     speeds: tuple[float, ...]
-    whole: float
+    least: float
 
     def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
         """The grid of a law's nonlinear values, and if it is periodic these orders, too.
 
-        Friction is friction however slowly it changes along the range; of a torque a whole period must show.
+        Friction is friction however slowly it changes along the range; a torque must repeat.
         """
         if law.order is None:
             return list(grid)
         name = law.order.name
         if law.order_of_torque is None:
             return [*grid, *({**grid[0], name: order} for order in self.friction)]
-        if not np.isfinite(self.whole):
+        if not np.isfinite(self.least):
             return []
-        least = max(law.order.lower, self.whole)
+        least = max(law.order.lower, self.least)
         above = [values for values in grid if values[name] > least]
         return [*above, *({**grid[0], name: order} for order in (least, *self.steady))]
 
@@ -72,13 +73,13 @@ def order_peaks(
         orders = orders_within(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, highest, rules)
         steady = [r[:, k - 1] for r in left]
         turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
-        shows = span_of(angles) >= 2 * np.pi / highest
+        least = PERIODS * 2 * np.pi / max(span_of(angles), 1e-9)
         found[k] = Orders(
             steady=peaks_of(steady, angles, orders, rules),
             friction=peaks_of(turning, angles, orders, rules),
             answered=peaks_at_speeds(steady, angles, speeds, orders[orders >= rules.teeth], rules),
             speeds=_knots(np.concatenate(speeds), rules.speeds),
-            whole=2 * np.pi / span_of(angles) if shows else np.inf,
+            least=least if least <= highest else np.inf,
         )
     return found
 

@@ -4,6 +4,8 @@ Torque sensors and currents are zeroed anew before a log, and friction is anothe
 mass that hangs on the arm in one log alone shifts the torques of this log, too, and may be named for these.
 """
 
+from collections.abc import Sequence
+
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import extended, joined
@@ -13,11 +15,20 @@ from pyident.diagnosis.search.search import Search
 def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
     """How the friction of a joint (from 1), its torque's zero and the drift of this differ in every one of so
     many logs from the first; and the zero and its drift in all, where the model has none."""
+    return _of_each_log(robot, joint, count, ("coulomb", "viscous", "offset", "offset_drift"))
+
+
+def zeros_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
+    """The same of the torque's zero and its drift alone."""
+    return _of_each_log(robot, joint, count, ("offset", "offset_drift"))
+
+
+def _of_each_log(robot: Robot, joint: int, count: int, names: Sequence[str]) -> list[Candidate]:
     present = robot.joints[joint - 1].values
-    names = [name for name in ("coulomb", "viscous", "offset") if name in present]
-    lacking = [name for name in ("offset", "offset_drift") if name not in present]
-    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in (*names, *lacking)]
-    return [*found, *(Candidate(name, joint) for name in lacking)] if found else []
+    zeros = [name for name in ("offset", "offset_drift") if name not in present]
+    asked = [name for name in names if name in zeros or (name in present and name != "offset_drift")]
+    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in asked]
+    return [*found, *(Candidate(name, joint) for name in zeros)] if found else []
 
 
 def told_by_friction(whole: Search, candidate: Candidate) -> bool:

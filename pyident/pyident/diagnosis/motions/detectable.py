@@ -78,10 +78,9 @@ def limit_of(
     elif share > _WHOLE:
         reason = "it would have to be larger than all else on its equation to be seen"
     units = units_of(robot, c)
-    names = {name: units[name] for name in smallest}
-    return Limit(
-        c.effect, joint_name(c.joint), smallest, names, share, reason, law.experiment if reason else ""
-    )
+    names = {name: units[name] for name in (*smallest, *dict(c.values))}
+    experiment = law.experiment if reason else ""
+    return Limit(c.effect, joint_name(c.joint), smallest, names, share, reason, experiment, dict(c.values))
 
 
 def rows_over_floor(ex: Examination) -> list[Row]:

@@ -109,6 +109,11 @@ def counts(search: Search, found: Found) -> bool:
     )
 
 
+def nothing_left(search: Search, region: Region) -> bool:
+    """Whether a region hardly exceeds its floor: what takes it takes noise."""
+    return search.remaining_in(region) < search.rules.material * search.floor_energy_on(region.rows)
+
+
 def owns(search: Search, found: Found, region: Region) -> bool:
     """Whether it takes away most of what still exceeds the floor where it acts, and a part of what did.
 

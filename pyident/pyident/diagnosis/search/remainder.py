@@ -6,18 +6,25 @@ be spread as the law's own force, the most of a further law's force that it can 
 
     share = Σ min(s², λ a²) / Σ s²,      λ = what is left / Σ a²,
 
-where s and a are what the further law and the one before take at each frequency.
+where s and a are what the further law and the one before take at each frequency. A spring or a hose of
+another form is the exception: what it leaves has multiples of the motion's frequencies, and is a function of
+the angle as a ripple of few periods is.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from flexmodels.effects import signals
+from pyident.conditioning.order_waves import span_of
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.projection import Base, extended
 from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.search import Search
+
+_ANGLES = frozenset({signals.e, *signals.eps.values()})
+_FEW = 10.0  # periods: no hose bends as often
 
 
 def may_be_remainder(search: Search, law: Candidate, before: Step, region: Region) -> bool:
@@ -25,7 +32,7 @@ def may_be_remainder(search: Search, law: Candidate, before: Step, region: Regio
 
     Of laws that are no waves the remainder has another spectrum than the law, so it may be anything.
     """
-    if not (_waves(search, law) or _waves(search, before.best.candidate)):
+    if not (_waves(search, law) or _waves(search, before.best.candidate)) or _bent(search, law, before):
         return True
     within = region.within(search.examination.bands)
     s = _taken(search.base, extended(search.base, search.columns(law)), within)
@@ -33,6 +40,17 @@ def may_be_remainder(search: Search, law: Candidate, before: Step, region: Regio
     a = _taken(without.base, search.base, within)
     remainder = min(search.remaining_in(region) / max(a.sum(), 1e-300), 1.0) * a
     return bool(np.minimum(s, remainder).sum() > (1 - search.rules.own) * s.sum())
+
+
+def _bent(search: Search, wave: Candidate, spring: Step) -> bool:
+    """Whether one is a wave of few periods, the other a force of the same joint's angle alone."""
+    order, there = law_of(search.robot, wave).order_of_torque, spring.best.candidate
+    forces = law_of(search.robot, there).forces.values()
+    known = frozenset().union(*(force.free_symbols for force in forces)) & signals.ALL
+    if order is None or _waves(search, there) or there.joint != wave.joint or known - _ANGLES or not known:
+        return False
+    angles = [log.part.motion.q[:, wave.joint - 1] for log in search.examination.logs]
+    return dict(wave.values)[order.name] * span_of(angles) < _FEW * 2 * np.pi
 
 
 def _waves(search: Search, candidate: Candidate) -> bool:

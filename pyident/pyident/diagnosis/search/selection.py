@@ -17,14 +17,19 @@ import numpy as np
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.base.standing_out import bands_in_doubt
-from pyident.diagnosis.imitators.breadth import rests_on
-from pyident.diagnosis.imitators.constancy import changes_with
-from pyident.diagnosis.imitators.imitation import stands_in_for
-from pyident.diagnosis.imitators.modulation import grows_with
-from pyident.diagnosis.imitators.own_friction import told_by_friction
+from pyident.diagnosis.imitators.fault import fault_of
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.further_orders import as_orders, with_orders
-from pyident.diagnosis.search.gate import Refusal, admission, counts, owns, region_of, sets_for, share_in
+from pyident.diagnosis.search.gate import (
+    Refusal,
+    admission,
+    counts,
+    nothing_left,
+    owns,
+    region_of,
+    sets_for,
+    share_in,
+)
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.remainder import may_be_remainder
 from pyident.diagnosis.search.search import Search
@@ -213,7 +218,7 @@ def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
 def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, str]]:
     """The group without imitators, where the rest explains enough; and the faults of those."""
     whole = view.with_further(candidates_of(group))
-    faults = {id(s): _fault(whole, s.best.candidate) for s in group}
+    faults = {id(s): fault_of(whole, s.best.candidate) for s in group}
     kept = [s for s in group if not faults[id(s)]]
     named = {f"{s.best.candidate.effect} at joint{s.best.candidate.joint}": faults[id(s)] for s in group}
     if 0 < len(kept) < len(group):
@@ -221,23 +226,6 @@ def _faultless(view: Search, group: list[Step]) -> tuple[list[Step], dict[str, s
         if share_in(view, candidates_of(kept), region) < view.rules.needed(len(kept)):
             kept = []
     return kept, {name: why for name, why in named.items() if why}
-
-
-def _fault(whole: Search, candidate: Candidate) -> str:
-    """Why a candidate only imitates, empty when it does not."""
-    quantity = changes_with(whole, candidate)
-    if quantity:
-        return f"its coefficients change with {quantity}"
-    signal = grows_with(whole, candidate)
-    if signal:
-        return f"its amplitude grows with {signal}"
-    samples = rests_on(whole, candidate)
-    if samples:
-        return f"most of its gain rests on {samples}, where little of its force is"
-    if told_by_friction(whole, candidate):
-        return "each log's own friction and zeros do the same"
-    words = stands_in_for(whole, candidate)
-    return f"what it leaves depends on {words}, beside which it explains little" if words else ""
 
 
 def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
@@ -263,11 +251,11 @@ def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> li
 
 
 def _beside(search: Search, old: Step, others: Sequence[Step], held: HeldOut) -> Step | None:
-    """An effect ranked again beside others; None where they have made it needless."""
+    """An effect ranked again beside others; None where they have made it needless, or nothing is left."""
     view = search.resting_on([*candidates_of(others), *old.orders])
     step, family = view.step(), old.best.candidate.family
     again = next((f for f in step.ranked if f.candidate.family == family), None)
-    if again is None or not counts(view, again):
+    if again is None or not counts(view, again) or nothing_left(view, region_of(view, again.candidate)):
         return None
     new = replace(_best_there(view, step, again, others, held), orders=())
     if _left_by(view, new, others):
