@@ -42,7 +42,7 @@ def test_inputs_keep_what_is_slow_without_delay_and_lose_what_is_fast():
     motion = np.zeros((3, len(TIME), len(names)))
     motion[:, :, 0] = slow, 0.1 * omega * np.cos(omega * TIME), -(omega**2) * slow
     p = np.array(list(robot.linear_parameters.values()))
-    needed = generalised_forces(robot, Motion(*motion, logged, TIME), p)[:, 0]
+    needed = generalised_forces(robot, Motion(motion[0], motion[1], motion[2], logged, TIME), p)[:, 0]
     away = np.abs(motion[1, inside, 0]) > 1.0  # from the steps of friction, which lose their corners
     error = (again.plan.feedforward[:, 0] + weight - needed)[inside][away]
     assert np.sqrt(np.mean(error**2)) < 0.05 * needed.std()

@@ -55,6 +55,9 @@ def test_a_hose_that_bends_is_a_spring_and_no_ripple():
     found = diagnosed(lambda q, v, load: 2.0 * np.tanh(1.5 * (q - 0.2)))
     assert {n.effect for f in found.findings for n in f.tie} & {"joint_spring", "gravity_spring"}
     assert not ripples(found)
+    (limit,) = (x for x in found.limits if x.effect == "torque_ripple")
+    assert limit.at.keys() == {"order"}  # for which it holds
+    assert limit.units["order"] == "1"
 
 
 @pytest.mark.parametrize("orders", [(9.0,), (9.0, 12.5), (16.0, 20.0)])
