@@ -28,3 +28,11 @@ def test_what_came_before_the_first_share_is_not_extrapolated(capsys):
         "search: 11 % after 30 s, about 89 s left",
         "search: 21 % after 40 s, about 79 s left",
     ]
+
+
+def test_a_first_share_that_is_large_tells_the_rest(capsys):
+    now = [0.0]
+    progress = lines("fit", lambda: now[0])
+    now[0] = 20.0
+    progress(0.25)
+    assert capsys.readouterr().err.splitlines() == ["fit: 25 % after 20 s, about 60 s left"]

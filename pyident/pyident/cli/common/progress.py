@@ -12,7 +12,7 @@ _FIRST = 0.05  # of the work: less tells nothing about the rest
 def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Callable[[float], None]:
     """Says on stderr what is being done, how much of it is done and about how long the rest takes.
 
-    What came before the first share was told, such as compiling, tells nothing about the rest.
+    What came before a first share of next to nothing, such as compiling, tells nothing about the rest.
     """
     begin = said = clock()
     first: tuple[float, float] | None = None
@@ -20,7 +20,7 @@ def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Callable[[f
     def progress(fraction: float) -> None:
         nonlocal said, first
         now = clock()
-        first = first or (now, fraction)
+        first = first or ((now, fraction) if fraction < _FIRST else (begin, 0.0))
         if now - said < SECONDS:
             return
         said = now
