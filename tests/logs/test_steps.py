@@ -55,8 +55,8 @@ def test_stamps_that_were_rounded_are_even_again(period, digits, start, down):
     given_ = np.floor(true * 10**digits) / 10**digits if down else np.round(true, digits)
     found = unrounded(given_)
     assert usual_step(given_) == pytest.approx(period, rel=0.02) or found is None
-    if found is not None:
-        assert np.ptp(found - true) < 0.3 * 10**-digits
+    if found is not None:  # 5 and 5.009 ms leave the same stamps of 10 ms: half of one is untold
+        assert np.ptp(found - true) < 0.52 * 10**-digits
         assert np.diff(found) == pytest.approx(period, rel=0.01)
 
 

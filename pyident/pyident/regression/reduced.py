@@ -11,7 +11,7 @@ import numpy as np
 from pyident.regression.machine.threads import each
 from pyident.regression.triangle import Triangle
 
-_NEXT_TO_NOTHING = 1e-8  # of the longest column of the same unit
+_ROUNDING = 1e-12  # of the longest column of the same unit
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def absent(lengths: np.ndarray, columns: Sequence[str]) -> np.ndarray:
     largest: dict[str, float] = {}
     for name, length in zip(columns, lengths.tolist(), strict=True):
         largest[unit_of(name)] = max(largest.get(unit_of(name), 0.0), length)
-    return lengths <= _NEXT_TO_NOTHING * np.array([largest[unit_of(name)] for name in columns])
+    return lengths <= _ROUNDING * np.array([largest[unit_of(name)] for name in columns])
 
 
 def unit_of(name: str) -> str:
