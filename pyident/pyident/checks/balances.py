@@ -114,6 +114,12 @@ class Balances:
         y = (self.torque[:, k] if torque is None else torque)[self.samples.use[:, k] > 0]
         return float(np.square(y - y.mean()).sum()) if len(y) else 0.0
 
+    def beside_spring(self, k: int) -> np.ndarray:
+        """(M, P + 1) the balance of joint k (from 0) where it is used, and its own angle about the mean."""
+        used = self.samples.use[:, k] > 0
+        angle = self.samples.q[used, k]
+        return np.column_stack([self.Phi[used, k], angle - angle.mean()])
+
     def left(self, k: int, torques: np.ndarray, without: str = "") -> np.ndarray:
         """(C,) energies of candidates (M, C) that the balance of joint k alone does not explain.
 

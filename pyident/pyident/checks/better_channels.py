@@ -127,9 +127,7 @@ def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
 
 def _left_beside_spring(of: Balances, k: int) -> float:
     """Energy of the torque of joint k (from 0) that neither its balance nor its own angle explains."""
-    used = of.samples.use[:, k] > 0
-    angle, y = of.samples.q[used, k], of.torque[used, k]
-    A = np.column_stack([of.Phi[used, k], angle - angle.mean()])
+    A, y = of.beside_spring(k), of.torque[of.samples.use[:, k] > 0, k]
     b = A.T @ y
     p, _ = solved(A.T @ A, b[:, None])
     return max(float(y @ y - b @ p[:, 0]), 0.0)

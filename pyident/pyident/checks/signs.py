@@ -46,8 +46,7 @@ def against(of: Balances, k: int) -> str | None:
     row = inertia(of, k)
     if not own.negative(row, least):
         return None
-    angle = of.samples.q[used, k]
-    beside_spring = _solution(np.column_stack([of.Phi[used, k], angle - angle.mean(), np.ones(len(y))]), y)
+    beside_spring = _solution(np.column_stack([of.beside_spring(k), np.ones(len(y))]), y)
     negative = beside_spring.negative(np.append(row, [0.0, 0.0]), least)
     return "its inertia would be negative" if negative else None
 

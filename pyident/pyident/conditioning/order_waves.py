@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import gamma
 
 from flexmodels.joint import Joint
+from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _PER_PEAK = 3.0  # orders tried per resolved one
@@ -41,6 +42,11 @@ def orders_within(
 def span_of(angles: Sequence[np.ndarray]) -> float:
     """Of the angles of several logs, the widest range of one [rad]."""
     return max(float(np.ptp(q)) for q in angles)
+
+
+def lowest_order(angles: Sequence[np.ndarray]) -> float:
+    """Per turn, that of which the angles (N,) of a log pass just enough periods to be called periodic."""
+    return PERIODS * 2 * np.pi / max(span_of(angles), 1e-9)
 
 
 def peaks_of(

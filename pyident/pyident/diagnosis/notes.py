@@ -17,7 +17,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
-from pyident.regression.descriptions import DESCRIPTIONS, stated
+from pyident.regression.descriptions import of_log
 
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
@@ -152,9 +152,10 @@ def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
 
 def of_mapping(findings: Sequence[Finding]) -> Iterator[str]:
     """What the mapping of the logs has to say where a logged torque is wrong."""
-    for n in (n for f in findings for n in f.tie if n.describes and not stated(n.effect)):
-        mend = DESCRIPTIONS[n.effect].mend.format(k=joint_number(n.joint))
-        yield f"{n.effect} at {n.joint}: {mend}, in the mapping of the logs"
+    for n in (n for f in findings for n in f.tie):
+        if (logged := of_log(n.effect)) is not None:
+            mend = logged.mend.format(k=joint_number(n.joint))
+            yield f"{n.effect} at {n.joint}: {mend}, in the mapping of the logs"
 
 
 def orders_of(step: Step) -> str:

@@ -7,7 +7,7 @@ from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Named, Place, VerdictName
-from pyident.regression.descriptions import place_name, stated
+from pyident.regression.descriptions import of_log, place_name
 
 _UNTOLD = ", these logs cannot tell which"
 _ALIKE = ", which describe the same robot: correct one of them"
@@ -98,11 +98,9 @@ def _said(named: Named) -> str:
         alone = f" in {Path(named.log).name} only" if named.log else ""
         return f"{named.effect} at {named.joint}{alone}"
     ((name, value),) = named.values.items()
-    if named.effect == "torque_lag":
-        way = "late" if value > 0 else "early"
-        return f"the logged torque of {named.joint}, about {1e3 * abs(value):.2g} ms {way}"
-    if not stated(named.effect):
-        return f"the logged torque of {named.joint} by about {value:.2g} of itself"
+    logged = of_log(named.effect)
+    if logged is not None:
+        return f"the logged torque of {named.joint}{logged.said(value)}"
     place = place_name(joint_number(named.joint), named.effect)
     return f"{place} of the robot file by about {value:.2g} {named.units[name]}"
 

@@ -20,6 +20,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
 from pyident.regression.loads.bodies import bodies
+from pyident.regression.logged_torques import GAIN, LAG, Logged
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 
@@ -30,7 +31,6 @@ _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
 
 Correct = Callable[[Robot, int, float], Robot]
-Slope = Callable[[np.ndarray, Motion, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,7 @@ class Description:
     words     what is wrong when it is
     unit      of the correction;  largest: beyond it the linear column means nothing;  least: a smaller one is
               worth no name, as no data sheet tells it better
-    correct   the robot whose quantity is larger by an amount;  None: of a logged torque, which no file states
-    slope     (N,) of a joint's torque (N,), a motion and the joint (from 0): what the correction changes in a
-              logged torque, per unit;  mend: how it is corrected in the mapping of the log
+    correct   the robot whose quantity is larger by an amount; or what is said of the joint's logged torque
     turning   of revolute joints only
     whole     of the robot, not of a joint: it is listed at joint 1
     measured  of torques that are measured: a known controller logs the one that it commands, in time
@@ -52,13 +50,11 @@ class Description:
     words: str
     unit: str
     largest: float
-    correct: Correct | None
+    correct: Correct | Logged
     turning: bool = False
     whole: bool = False
     measured: bool = False
     least: float = 0.0
-    slope: Slope | None = None
-    mend: str = ""
 
 
 def _origin(axis: int) -> Correct:
@@ -102,23 +98,6 @@ def _zero(robot: Robot, k: int, amount: float) -> Robot:
     return replace(robot, joints=tuple(joints), tip=tip)
 
 
-def _scaled(torque: np.ndarray, _: Motion, __: int) -> np.ndarray:
-    return -torque
-
-
-def _later(torque: np.ndarray, motion: Motion, k: int) -> np.ndarray:
-    """Minus the torque's rate; across a reversal, where friction makes it a step, that of one side."""
-    if motion.time is None:
-        return np.zeros_like(torque)
-    forward = np.diff(torque) / np.diff(motion.time)
-    one_way = motion.dq[1:, k] * motion.dq[:-1, k] > 0
-    counted = np.zeros((2, len(torque)))
-    counted[0, :-1], counted[1, 1:] = one_way, one_way
-    rates = np.zeros((2, len(torque)))
-    rates[0, :-1], rates[1, 1:] = forward, forward
-    return -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)
-
-
 DESCRIPTIONS: Mapping[str, Description] = {
     d.name: d
     for d in (
@@ -135,26 +114,9 @@ DESCRIPTIONS: Mapping[str, Description] = {
             for i, a in enumerate("xyz")
         ),
         Description("encoder_zero", "where the encoder reads zero", "rad", 0.1, _zero, turning=True),
+        Description("torque_gain", "the gain of the logged torque", "1", 0.2, GAIN, least=0.01),
         Description(
-            "torque_gain",
-            "the gain of the logged torque",
-            "1",
-            0.2,
-            None,
-            least=0.01,
-            slope=_scaled,
-            mend="multiply joint{k}.tau by 1 + the correction that `diagnose` finds",
-        ),
-        Description(
-            "torque_lag",
-            "how late the logged torque comes",
-            "s",
-            0.02,
-            None,
-            measured=True,
-            least=5e-4,
-            slope=_later,
-            mend="give joint{k}.tau the delay that `diagnose` finds",
+            "torque_lag", "how late the logged torque comes", "s", 0.02, LAG, measured=True, least=5e-4
         ),
     )
 }
@@ -167,7 +129,13 @@ def describes(name: str) -> bool:
 
 def stated(name: str) -> bool:
     """Whether a robot file states it: every law, and every description but of a logged torque."""
-    return not describes(name) or DESCRIPTIONS[name].correct is not None
+    return of_log(name) is None
+
+
+def of_log(name: str) -> Logged | None:
+    """What is said of a logged torque where that is wrong; None of all that a robot file states."""
+    correct = DESCRIPTIONS[name].correct if describes(name) else None
+    return correct if isinstance(correct, Logged) else None
 
 
 def description_names(robot: Robot, joint: int) -> list[str]:
@@ -187,13 +155,13 @@ def description_names(robot: Robot, joint: int) -> list[str]:
 
 def corrected(robot: Robot, joint: int, name: str, amount: float) -> Robot:
     """The robot with another description. Raises RobotError for a quantity that no robot file states."""
-    d = _described(robot, joint, name)
-    if d.correct is None:
+    correct = _described(robot, joint, name).correct
+    if isinstance(correct, Logged):
+        mend = correct.mend.format(k=joint)
         raise RobotError(
-            f"{name} at joint {joint} stands in no robot file: {d.mend.format(k=joint)}, "
-            "in the mapping of the log"
+            f"{name} at joint {joint} stands in no robot file: {mend}, in the mapping of the log"
         )
-    return d.correct(robot, joint, amount)
+    return correct(robot, joint, amount)
 
 
 def value_of(robot: Robot, joint: int, name: str) -> str:
@@ -224,10 +192,11 @@ def place_name(joint: int, name: str) -> str:
 
 def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
-    slope = DESCRIPTIONS[name].slope
-    if slope is not None:
+    logged = of_log(name)
+    if logged is not None:
         p = np.array(list(robot.linear_parameters.values()))
-        return {joint - 1: slope(generalised_forces(robot, motion, p)[:, joint - 1], motion, joint - 1)}
+        torque = generalised_forces(robot, motion, p)[:, joint - 1]
+        return {joint - 1: logged.slope(torque, motion, joint - 1)}
     as_it_is = _as_they_are.of((robot, motion), lambda: _link_forces(robot, motion))
     other = _link_forces(corrected(robot, joint, name, _STEP), motion)
     return dict(enumerate((other - as_it_is) / _STEP))

@@ -2,6 +2,4 @@
 
 CONFIDENCE = 1.96  # standard deviations on both sides hold 95 % of a normal distribution
 LEVEL = 0.05  # chance of a finding where there is none
-PERIODS = (
-    3.0  # that an angle must have passed for what depends on it to be called periodic: two bends are a hose's
-)
+PERIODS = 3.0  # that an angle must have passed for what depends on it to be periodic: a hose bends twice

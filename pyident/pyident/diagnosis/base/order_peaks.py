@@ -18,10 +18,15 @@ import numpy as np
 
 from flexmodels.effects.effect import Effect
 from flexmodels.robot import Robot
-from pyident.conditioning.order_waves import highest_of, orders_within, peaks_at_speeds, peaks_of, span_of
+from pyident.conditioning.order_waves import (
+    highest_of,
+    lowest_order,
+    orders_within,
+    peaks_at_speeds,
+    peaks_of,
+)
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
-from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _CLOSEST = 0.02  # of the fastest speed: knots
@@ -73,7 +78,7 @@ def order_peaks(
         orders = orders_within(angles, np.abs(np.concatenate(speeds)), logs[0].band.period, highest, rules)
         steady = [r[:, k - 1] for r in left]
         turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
-        least = PERIODS * 2 * np.pi / max(span_of(angles), 1e-9)
+        least = lowest_order(angles)
         found[k] = Orders(
             steady=peaks_of(steady, angles, orders, rules),
             friction=peaks_of(turning, angles, orders, rules),

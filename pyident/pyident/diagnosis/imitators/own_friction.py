@@ -15,20 +15,20 @@ from pyident.diagnosis.search.search import Search
 def friction_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
     """How the friction of a joint (from 1), its torque's zero and the drift of this differ in every one of so
     many logs from the first; and the zero and its drift in all, where the model has none."""
-    return _of_each_log(robot, joint, count, ("coulomb", "viscous", "offset", "offset_drift"))
+    return _of_each_log(robot, joint, count, ("coulomb", "viscous"))
 
 
 def zeros_of_each_log(robot: Robot, joint: int, count: int) -> list[Candidate]:
     """The same of the torque's zero and its drift alone."""
-    return _of_each_log(robot, joint, count, ("offset", "offset_drift"))
+    return _of_each_log(robot, joint, count, ())
 
 
-def _of_each_log(robot: Robot, joint: int, count: int, names: Sequence[str]) -> list[Candidate]:
+def _of_each_log(robot: Robot, joint: int, count: int, friction: Sequence[str]) -> list[Candidate]:
     present = robot.joints[joint - 1].values
-    zeros = [name for name in ("offset", "offset_drift") if name not in present]
-    asked = [name for name in names if name in zeros or (name in present and name != "offset_drift")]
-    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in asked]
-    return [*found, *(Candidate(name, joint) for name in zeros)] if found else []
+    names = [name for name in (*friction, "offset") if name in present]
+    lacking = [name for name in ("offset", "offset_drift") if name not in present]
+    found = [Candidate(name, joint, log=log) for log in range(1, count) for name in (*names, *lacking)]
+    return [*found, *(Candidate(name, joint) for name in lacking)] if found else []
 
 
 def told_by_friction(whole: Search, candidate: Candidate) -> bool:

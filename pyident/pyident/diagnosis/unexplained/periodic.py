@@ -18,11 +18,11 @@ from scipy.special import chdtrc, chdtri
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.order_waves import lowest_order
 from pyident.diagnosis.base.projection import Base, Columns, gains
 from pyident.diagnosis.unexplained.smooth import whitened_columns
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Equations
-from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _STEP = 1e-6  # rad, of the differences
@@ -212,6 +212,5 @@ def _grid(logs: Sequence[Equations], over: Over, rules: PeriodicRules) -> np.nda
         longest = max(len(log.part.target) * log.band.period for log in logs)
         top = min(float(log.band.frequencies[-1]) for log in logs)
         return np.arange(2 * _PER_BIN, int(top * longest * _PER_BIN)) / longest / _PER_BIN
-    span = max(float(np.ptp(log.part.motion.q[:, over.column])) for log in logs)
-    lowest = PERIODS * 2 * np.pi / max(span, 1e-9)
+    lowest = lowest_order([log.part.motion.q[:, over.column] for log in logs])
     return np.arange(np.ceil(lowest), rules.highest_unexplained + 1)

@@ -69,8 +69,8 @@ def with_joint_names(
             "the rows of one group of joints"
         )
     out = {name: x for name, x in columns.items() if not any(name in names for names in fields.values())}
+    place = {joint: i for i, joint in enumerate(np.sort(joints))}
     for word, names in fields.items():
         values = np.take_along_axis(np.array([columns[name] for name in names]), order, 0)
-        sorted_names = list(np.sort(joints))
-        out |= {f"{joint}.{word}": values[sorted_names.index(joint)] for joint in joints}
+        out |= {f"{joint}.{word}": values[place[joint]] for joint in joints}
     return out, [name for name in texts if name not in places]
