@@ -17,7 +17,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
-from pyident.regression.descriptions import of_log
+from pyident.regression.descriptions import outside_file
 
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
@@ -150,12 +150,11 @@ def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
             )
 
 
-def of_mapping(findings: Sequence[Finding]) -> Iterator[str]:
-    """What the mapping of the logs has to say where a logged torque is wrong."""
+def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
+    """Where an error is put right that no robot file states."""
     for n in (n for f in findings for n in f.tie):
-        if (logged := of_log(n.effect)) is not None:
-            mend = logged.mend.format(k=joint_number(n.joint))
-            yield f"{n.effect} at {n.joint}: {mend}, in the mapping of the logs"
+        if (outside := outside_file(n.effect)) is not None:
+            yield f"{n.effect} at {n.joint}: {outside.mend.format(k=joint_number(n.joint))}"
 
 
 def orders_of(step: Step) -> str:

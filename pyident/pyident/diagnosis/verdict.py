@@ -7,7 +7,7 @@ from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Named, Place, VerdictName
-from pyident.regression.descriptions import of_log, place_name
+from pyident.regression.descriptions import outside_file, place_name
 
 _UNTOLD = ", these logs cannot tell which"
 _ALIKE = ", which describe the same robot: correct one of them"
@@ -98,9 +98,9 @@ def _said(named: Named) -> str:
         alone = f" in {Path(named.log).name} only" if named.log else ""
         return f"{named.effect} at {named.joint}{alone}"
     ((name, value),) = named.values.items()
-    logged = of_log(named.effect)
-    if logged is not None:
-        return f"the logged torque of {named.joint}{logged.said(value)}"
+    outside = outside_file(named.effect)
+    if outside is not None:
+        return outside.said(named.joint, value)
     place = place_name(joint_number(named.joint), named.effect)
     return f"{place} of the robot file by about {value:.2g} {named.units[name]}"
 

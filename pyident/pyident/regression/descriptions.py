@@ -20,9 +20,8 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.kinematics import link_forces, robot_structure, transfer
 from pyident.regression.loads.bodies import bodies
-from pyident.regression.logged_torques import GAIN, LAG, Logged
+from pyident.regression.outside_file import BEND, GAIN, LAG, Outside
 from pyident.regression.recent import Recent
-from pyident.regression.regressor import generalised_forces
 
 _STEP = 1e-6  # m, rad
 _as_they_are: Recent[np.ndarray] = Recent(8)
@@ -40,8 +39,9 @@ class Description:
     words     what is wrong when it is
     unit      of the correction;  largest: beyond it the linear column means nothing;  least: a smaller one is
               worth no name, as no data sheet tells it better
-    correct   the robot whose quantity is larger by an amount; or what is said of the joint's logged torque
-    turning   of revolute joints only
+    correct   the robot whose quantity is larger by an amount; or what is said where no file states it
+    turning   of revolute joints only;  rigid: of joints without hinges that bend
+    positive  no correction is below 0
     whole     of the robot, not of a joint: it is listed at joint 1
     measured  of torques that are measured: a known controller logs the one that it commands, in time
     """
@@ -50,8 +50,10 @@ class Description:
     words: str
     unit: str
     largest: float
-    correct: Correct | Logged
+    correct: Correct | Outside
     turning: bool = False
+    rigid: bool = False
+    positive: bool = False
     whole: bool = False
     measured: bool = False
     least: float = 0.0
@@ -118,6 +120,16 @@ DESCRIPTIONS: Mapping[str, Description] = {
         Description(
             "torque_lag", "how late the logged torque comes", "s", 0.02, LAG, measured=True, least=5e-4
         ),
+        Description(
+            "drive_compliance",
+            "how far the drive bends under its load",
+            "rad/(N m)",
+            1.0,
+            BEND,
+            turning=True,
+            rigid=True,
+            positive=True,
+        ),
     )
 }
 
@@ -128,26 +140,27 @@ def describes(name: str) -> bool:
 
 
 def stated(name: str) -> bool:
-    """Whether a robot file states it: every law, and every description but of a logged torque."""
-    return of_log(name) is None
+    """Whether a robot file states it: every law, and every description of the machine's geometry."""
+    return outside_file(name) is None
 
 
-def of_log(name: str) -> Logged | None:
-    """What is said of a logged torque where that is wrong; None of all that a robot file states."""
+def outside_file(name: str) -> Outside | None:
+    """What is said of an error that no robot file states; None of all that one states."""
     correct = DESCRIPTIONS[name].correct if describes(name) else None
-    return correct if isinstance(correct, Logged) else None
+    return correct if isinstance(correct, Outside) else None
 
 
 def description_names(robot: Robot, joint: int) -> list[str]:
     """What may be wrong at a joint (from 1) of a robot without loops and passive joints."""
     if robot.closures or robot.passive:
         return []
-    kind = robot.joints[joint - 1].kind
+    own = robot.joints[joint - 1]
     tilts = [a for a, e in zip(_AXES, np.eye(3), strict=True) if np.cross(e, robot.gravity).any()]
     return [
         d.name
         for d in DESCRIPTIONS.values()
-        if not (d.turning and kind != "revolute")
+        if not (d.turning and own.kind != "revolute")
+        and not (d.rigid and own.flexible)
         and not (d.measured and robot.controller is not None)
         and not (d.whole and (joint != 1 or d.name.removesuffix("]")[-1] not in tilts))
     ]
@@ -156,11 +169,8 @@ def description_names(robot: Robot, joint: int) -> list[str]:
 def corrected(robot: Robot, joint: int, name: str, amount: float) -> Robot:
     """The robot with another description. Raises RobotError for a quantity that no robot file states."""
     correct = _described(robot, joint, name).correct
-    if isinstance(correct, Logged):
-        mend = correct.mend.format(k=joint)
-        raise RobotError(
-            f"{name} at joint {joint} stands in no robot file: {mend}, in the mapping of the log"
-        )
+    if isinstance(correct, Outside):
+        raise RobotError(f"{name} at joint {joint} stands in no robot file: {correct.mend.format(k=joint)}")
     return correct(robot, joint, amount)
 
 
@@ -192,11 +202,9 @@ def place_name(joint: int, name: str) -> str:
 
 def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
-    logged = of_log(name)
-    if logged is not None:
-        p = np.array(list(robot.linear_parameters.values()))
-        torque = generalised_forces(robot, motion, p)[:, joint - 1]
-        return {joint - 1: logged.slope(torque, motion, joint - 1)}
+    outside = outside_file(name)
+    if outside is not None:
+        return outside.column(robot, motion, joint)
     as_it_is = _as_they_are.of((robot, motion), lambda: _link_forces(robot, motion))
     other = _link_forces(corrected(robot, joint, name, _STEP), motion)
     return dict(enumerate((other - as_it_is) / _STEP))

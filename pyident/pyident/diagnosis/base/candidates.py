@@ -122,7 +122,7 @@ def law_of(robot: Robot, candidate: Candidate) -> Effect:
     """The law as it would act at its joint; of a description one without forces that corrects it."""
     if candidate.describes:
         d = DESCRIPTIONS[candidate.effect]
-        parameter = Parameter("correction", d.unit, lower=-d.largest, upper=d.largest)
+        parameter = Parameter("correction", d.unit, lower=0.0 if d.positive else -d.largest, upper=d.largest)
         measure = f"a measurement of {d.words}, or slow motion through poses far apart"
         return Effect(d.name, d.words, {}, (parameter,), citation="", experiment=measure)
     return robot.joints[candidate.joint - 1].law(candidate.effect)

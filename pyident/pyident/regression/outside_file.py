@@ -1,0 +1,95 @@
+"""What may be wrong that no robot file states: a logged torque's gain and time, a drive that bends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression.loads.bodies import carried_loads, link_torques
+from pyident.regression.regressor import generalised_forces
+
+_STEP = 1e-6  # rad, the largest bend
+
+
+@dataclass(frozen=True)
+class Outside:
+    """What may be wrong and stands in no robot file.
+
+    column    row -> (N,), what the correction changes in the torques, per unit; of a robot, a motion, a joint
+              (from 1)
+    mend      where it is put right instead;  said: of a joint's name and a correction
+    """
+
+    column: Callable[[Robot, Motion, int], dict[int, np.ndarray]]
+    mend: str
+    said: Callable[[str, float], str]
+
+
+def _gain_said(joint: str, value: float) -> str:
+    return f"the logged torque of {joint} by about {value:.2g} of itself"
+
+
+def _lag_said(joint: str, value: float) -> str:
+    return f"the logged torque of {joint}, about {1e3 * abs(value):.2g} ms {'late' if value > 0 else 'early'}"
+
+
+def _bend_said(joint: str, value: float) -> str:
+    return f"that {joint} is rigid: its drive bends, by about {value:.2g} rad/(N m)"
+
+
+def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
+    """(N,) of joint k, by the robot's own parameters."""
+    p = np.array(list(robot.linear_parameters.values()))
+    return generalised_forces(robot, motion, p)[:, k - 1]
+
+
+def _scaled(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+    return {k - 1: -_torque(robot, motion, k)}
+
+
+def _later(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+    """Minus the torque's rate; across a reversal, where friction makes it a step, that of one side."""
+    torque = _torque(robot, motion, k)
+    if motion.time is None:
+        return {k - 1: np.zeros_like(torque)}
+    forward = np.diff(torque) / np.diff(motion.time)
+    one_way = motion.dq[1:, k - 1] * motion.dq[:-1, k - 1] > 0
+    counted = np.zeros((2, len(torque)))
+    counted[0, :-1], counted[1, 1:] = one_way, one_way
+    rates = np.zeros((2, len(torque)))
+    rates[0, :-1], rates[1, 1:] = forward, forward
+    return {k - 1: -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)}
+
+
+def _bent(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+    """The links' torques where link k lags its motor by the load it carries, per compliance of the drive.
+
+    The log has the motor's angle q; the link is at q - c F, with its load F and a compliance c (Spong 1987).
+    Rotors and their friction turn with the motor, so that nothing else changes.
+    """
+    load = carried_loads(robot, motion)[:, k - 1]
+    if motion.time is None or not load.any():
+        return {k - 1: np.zeros(len(load))}
+    rate = np.gradient(load, motion.time)
+    step = _STEP / np.abs(load).max()
+    moved = {}
+    for name, bend in (("q", load), ("dq", rate), ("ddq", np.gradient(rate, motion.time))):
+        moved[name] = getattr(motion, name).copy()
+        moved[name][:, k - 1] -= step * bend
+    change = link_torques(robot, replace(motion, **moved)) - link_torques(robot, motion)
+    return dict(enumerate(change.T / step))
+
+
+GAIN = Outside(
+    _scaled,
+    "multiply joint{k}.tau by 1 + the correction that `diagnose` finds, in the mapping of the log",
+    _gain_said,
+)
+LAG = Outside(
+    _later, "give joint{k}.tau the delay that `diagnose` finds, in the mapping of the log", _lag_said
+)
+BEND = Outside(
+    _bent, "log where the link is, by an encoder behind the gear, or make joint{k} flexible", _bend_said
+)

@@ -1,0 +1,58 @@
+"""A drive that bends, seen by its motor alone: Pinocchio's torques, a spring as Spong (1987) models it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
+from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
+
+from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.result import Diagnosis
+from pyident.logs.log import Log
+
+PACE = 4.0
+
+
+def at_motors(link: Motion, compliance: np.ndarray) -> Motion:
+    """The motors' motion that moves the links so: each leads its link by compliance (6,) times the load."""
+    load = CubicSpline(link.time, link.load)
+    q, v, a = (own + compliance * load(link.time, i) for i, own in enumerate((link.q, link.v, link.a)))
+    return replace(link, q=q, v=v, a=a)
+
+
+def logged(seed: int, compliance: dict[int, float]) -> Log:
+    rng = np.random.default_rng(seed)
+    springs = np.array([compliance.get(k, 0.0) for k in range(1, 7)])
+    motion = at_motors(moved(arm(), rng, 20.0, PACE), springs)
+    tau = motion.load + ROTOR * motion.a + COULOMB * np.sign(motion.v) + VISCOUS * motion.v
+    return recorded(motion, tau, torque_noise(tau), rng, f"log {seed}")
+
+
+def never(_):
+    raise AssertionError("without a known controller nothing is simulated")
+
+
+def diagnosed(compliance: dict[int, float]) -> Diagnosis:
+    logs = [logged(seed, compliance) for seed in range(3)]
+    return concluded(searched(arm(), logs[:2], never), never, logs[2:])
+
+
+@pytest.mark.parametrize("springs", [{2: 2e-4}, {3: 1e-3}, {2: 3e-4, 3: 6e-4}])
+def test_the_drive_and_its_compliance_are_named(springs):
+    found = diagnosed(springs)
+    named = {int(f.tie[0].joint[-1]): f.tie[0] for f in found.findings}
+    assert {n.effect for n in named.values()} == {"drive_compliance"}
+    assert set(named) == set(springs)
+    for k, n in named.items():
+        assert n.values["correction"] == pytest.approx(springs[k], rel=0.2)
+        assert n.units["correction"] == "rad/(N m)"
+        assert f"that joint{k} is rigid: its drive bends" in found.sentence
+        assert any(
+            note.startswith(f"drive_compliance at joint{k}: log where the link is") for note in found.notes
+        )
+
+
+def test_rigid_drives_are_not_said_to_bend():
+    assert diagnosed({}).verdict == "nothing_detectable"
