@@ -76,7 +76,7 @@ def identify_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Identify the dynamic parameters of MODEL from LOGS.
+    """Identify the dynamic parameters of MODEL from logs.
 
     MODEL may also be an FMU of any tool: --parameters then names what to find, and the logs' columns have
     the names of its inputs and outputs.
