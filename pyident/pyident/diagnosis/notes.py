@@ -154,7 +154,7 @@ def of_mapping(findings: Sequence[Finding]) -> Iterator[str]:
     """What the mapping of the logs has to say where a logged torque is wrong."""
     for n in (n for f in findings for n in f.tie):
         if (logged := of_log(n.effect)) is not None:
-            mend = logged.mend.format(k=joint_number(n.joint))
+            mend = logged.by(joint_number(n.joint), n.values["correction"])
             yield f"{n.effect} at {n.joint}: {mend}, in the mapping of the logs"
 
 

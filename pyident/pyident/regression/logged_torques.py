@@ -14,11 +14,13 @@ class Logged:
 
     slope     (N,) of a joint's torque (N,), a motion and the joint (from 0): what the correction changes in a
               logged torque, per unit
-    mend      how it is corrected in the mapping of the log;  said: of a correction, after the torque's name
+    mend      how it is corrected in the mapping of the log;  by: the same of a correction that was found
+    said      of a correction, after the torque's name
     """
 
     slope: Callable[[np.ndarray, Motion, int], np.ndarray]
     mend: str
+    by: Callable[[int, float], str]
     said: Callable[[float], str]
 
 
@@ -47,5 +49,15 @@ def _later(torque: np.ndarray, motion: Motion, k: int) -> np.ndarray:
     return -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)
 
 
-GAIN = Logged(_scaled, "multiply joint{k}.tau by 1 + the correction that `diagnose` finds", _by_a_share)
-LAG = Logged(_later, "give joint{k}.tau the delay that `diagnose` finds", _in_time)
+GAIN = Logged(
+    _scaled,
+    "multiply joint{k}.tau by 1 + the correction that `diagnose` finds",
+    lambda k, value: f"multiply joint{k}.tau by about {1 + value:.3g}",
+    _by_a_share,
+)
+LAG = Logged(
+    _later,
+    "give joint{k}.tau the delay that `diagnose` finds",
+    lambda k, value: f"give joint{k}.tau a delay of about {value:.2g} s",
+    _in_time,
+)
