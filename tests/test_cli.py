@@ -99,6 +99,14 @@ def test_bad_robots_end_in_one_sentence_and_exit_code_2(log_file, tmp_path):
         assert len(done.output.strip().splitlines()) == 1
 
 
+def test_a_robot_that_ships_is_copied_with_its_comments(tmp_path):
+    copy = tmp_path / "my_arm.toml"
+    assert run("robots", "copy", "four_link", "-o", copy).exit_code == 0
+    assert copy.read_bytes() == shipped()["four_link"].read_bytes()
+    done = run("robots", "copy", "nobody", "-o", tmp_path / "no.toml")
+    assert (done.exit_code, "no robot nobody ships; there are emps, four_link" in done.output) == (2, True)
+
+
 def test_a_folder_that_is_not_there(log_file, tmp_path):
     done = run("identify", "four_link", log_file, "-o", tmp_path / "nowhere" / "new.toml")
     assert done.exit_code == 2

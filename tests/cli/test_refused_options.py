@@ -16,6 +16,11 @@ from pyident.simulation.fmu_runs import simulate_robot
     [
         (("identify", "--parameters", "k"), "--parameters and --interface belong to an FMU"),
         (("identify", "--set", "joint1.coulomb=1"), "--set belongs to an FMU as the model, or to a robot"),
+        (
+            ("identify", "--estimator", "oe", "--robust"),
+            "--robust is the estimator irls; leave --estimator out",
+        ),
+        (("identify", "--estimator", "wls", "--refine"), "--refine is the estimator oe"),
         (("identify", "--robust", "--refine"), "--refine does without them"),
         (("identify", "--prior", "--refine"), "--refine does not use it"),
         (("identify", "--holdout", "x.csv", "--refine"), "--holdout judges the regression's torques"),

@@ -46,6 +46,8 @@ def load_robot(model: str | Path, allow_effects: bool = False) -> Robot:
     path = shipped().get(str(model), Path(model))
     if not path.is_file():
         names = ", ".join(shipped())
+        if path.suffix == ".toml":
+            raise RobotError(f"there is no robot file {path}; check the path (robots that ship: {names})")
         raise RobotError(f"unknown robot {str(model)!r}: give a TOML file, or one of {names}")
     if _is_xml(path):
         own = path.with_suffix(".toml").name

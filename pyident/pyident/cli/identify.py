@@ -32,7 +32,7 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @click.argument("logs", nargs=-1, required=True, metavar="LOG...")
 @output_option(ROBOT, required=False)
 @effects_option
-@click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber).")
+@click.option("--robust", is_flag=True, help="Give outlying equations less weight (Huber): irls.")
 @click.option(
     "--estimator",
     type=click.Choice(["iv", "oe", "wls", "irls", "ols", "pe", "tls"]),
@@ -76,7 +76,7 @@ def identify_command(
     force: bool,
     json_file: str | None,
 ) -> None:
-    """Identify the dynamic parameters of MODEL from LOGS.
+    """Identify the dynamic parameters of MODEL from logs.
 
     MODEL may also be an FMU of any tool: --parameters then names what to find, and the logs' columns have
     the names of its inputs and outputs.
@@ -127,6 +127,9 @@ def identify_command(
         return
     if parameters:
         raise click.UsageError("--set belongs to an FMU as the model, or to a robot with a [servo]")
+    if estimator != "iv" and (robust or refine):
+        option = "--robust is the estimator irls" if robust else "--refine is the estimator oe"
+        raise click.UsageError(f"{option}; leave --estimator out, or give it alone")
     if robust and refine:
         raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
     if holdout and refine:

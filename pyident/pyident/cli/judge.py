@@ -31,7 +31,10 @@ from pyident.cli.common.shared import (
 from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 
 _holdout = click.option(
-    "--holdout", multiple=True, metavar="LOG", help="Log to judge on.  [default: the last, or its last third]"
+    "--holdout",
+    multiple=True,
+    metavar="LOG",
+    help="Log to judge on; repeatable.  [default: the last, or its last third]",
 )
 
 

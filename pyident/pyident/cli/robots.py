@@ -20,7 +20,7 @@ from pyident.cli.common.shared import (
 @json_option
 @reported
 def robots(context: click.Context, json_file: str | None) -> None:
-    """List the robots that ship; import and export others.
+    """List the robots that ship, or copy one; import and export others.
 
     Example: pyident robots
     """
@@ -71,6 +71,26 @@ def import_command(
         show(f"note: {note}")
     content = {"robot": output, "joints": [joint.name for joint in robot.joints], "notes": list(notes)}
     write_json(json_file, content)
+
+
+@robots.command(name="copy")
+@click.argument("name")
+@output_option(ROBOT)
+@reported
+def copy_command(name: str, output: str) -> None:
+    """Write the file of the robot NAME that ships, to start from.
+
+    Example: pyident robots copy four_link -o my_arm.toml
+    """
+    from flexmodels.atomic import replacing
+    from flexmodels.files.robot_file import shipped
+
+    files = shipped()
+    if name not in files:
+        raise pi.RobotError(f"no robot {name} ships; there are {', '.join(files)}")
+    with replacing(output) as file:
+        file.write_bytes(files[name].read_bytes())
+    show(f"wrote {output}")
 
 
 @robots.command(name="schema")

@@ -33,7 +33,10 @@ from pyident.cli.common.shared import (
 def study(
     names: tuple[str, ...], output: str, seed: int | None, cases: int | None, json_file: str | None
 ) -> None:
-    """Run studies and print one table. Example: pyident study paper -o out"""
+    """Run studies and print one table; the error about a NAME that is no study lists them all.
+
+    Example: pyident study paper -o out
+    """
     from pyident.sweep.studies import find_study, study_names
     from pyident.verbs.terminal.table import table
     from pyident.workbench.project import is_worth_opening

@@ -71,7 +71,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *of_one_order(search, selection, held),
             *of_speeds(search, selection),
             *warnings(search, verdict, in_motion(search, places)),
-            *in_doubt(beside, places),
+            *in_doubt(beside, places, selection.refusals),
             *of_gears(findings),
             *of_mends(findings),
             *selection.notes,

@@ -12,7 +12,7 @@ from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
 from pyident.diagnosis.result import Finding, Place
 from pyident.diagnosis.search.found import Step, candidates_of
-from pyident.diagnosis.search.gate import region_of, share_in
+from pyident.diagnosis.search.gate import Refusal, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
@@ -60,8 +60,11 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
         )
 
 
-def in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
-    """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured."""
+def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal]) -> Iterator[str]:
+    """Where slow noise may be all that exceeds the floor, or not: no more than may rise unmeasured.
+
+    refusals   what comes nearest by place
+    """
     ex, ratio = beside.examination, in_bands(beside.examination, beside.base).ratio
     doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
     ends = (*EDGES, float(ex.floor.frequencies[-1]))
@@ -76,10 +79,16 @@ def in_doubt(beside: Search, places: Sequence[Place]) -> Iterator[str]:
         )
     if said:
         lowest = ex.setting.continued[:, rows].min()
+        nearest = [
+            f"; {r.candidate.effect} at joint{r.candidate.joint} would explain {r.share_percent:.0f} %, but "
+            f"{r.reason}"
+            for r in refusals
+            if not set(r.region.rows).isdisjoint(rows.tolist())
+        ]
         yield (
             f"the residual exceeds its floor at {', '.join(said)}: slow noise of a torque may do that, which "
-            f"these logs do not show below {lowest:.2g} Hz, or something small that is missing; a log of a "
-            "motion that repeats would tell"
+            f"these logs do not show below {lowest:.2g} Hz, or something small that is missing"
+            f"{''.join(nearest)}; a log of a motion that repeats would tell"
         )
 
 
@@ -154,7 +163,7 @@ def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
     """Where an error is put right that no robot file states."""
     for n in (n for f in findings for n in f.tie):
         if (outside := outside_file(n.effect)) is not None:
-            yield f"{n.effect} at {n.joint}: {outside.mend.format(k=joint_number(n.joint))}"
+            yield f"{n.effect} at {n.joint}: {outside.by(joint_number(n.joint), n.values['correction'])}"
 
 
 def orders_of(step: Step) -> str:

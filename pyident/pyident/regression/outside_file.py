@@ -19,11 +19,13 @@ class Outside:
 
     column    row -> (N,), what the correction changes in the torques, per unit; of a robot, a motion, a joint
               (from 1)
-    mend      where it is put right instead;  said: of a joint's name and a correction
+    mend      where it is put right instead;  by: the same of a joint and a correction that was found
+    said      of a joint's name and a correction
     """
 
     column: Callable[[Robot, Motion, int], dict[int, np.ndarray]]
     mend: str
+    by: Callable[[int, float], str]
     said: Callable[[str, float], str]
 
 
@@ -85,11 +87,21 @@ def _bent(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
 GAIN = Outside(
     _scaled,
     "multiply joint{k}.tau by 1 + the correction that `diagnose` finds, in the mapping of the log",
+    lambda k, value: f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs",
     _gain_said,
 )
 LAG = Outside(
-    _later, "give joint{k}.tau the delay that `diagnose` finds, in the mapping of the log", _lag_said
+    _later,
+    "give joint{k}.tau the delay that `diagnose` finds, in the mapping of the log",
+    lambda k, value: f"give joint{k}.tau a delay of about {value:.2g} s, in the mapping of the logs",
+    _lag_said,
 )
 BEND = Outside(
-    _bent, "log where the link is, by an encoder behind the gear, or make joint{k} flexible", _bend_said
+    _bent,
+    "log where the link is, by an encoder behind the gear, or make joint{k} flexible",
+    lambda k, value: (
+        f"log where the link is, by an encoder behind the gear, and make joint{k} flexible, with about "
+        f"{1 / value:.2g} N m/rad"
+    ),
+    _bend_said,
 )

@@ -67,7 +67,7 @@ def test_one_torque_that_comes_late_is_named_with_its_time(samples):
     assert {n.joint for n in finding.tie} == {f"joint{k}"}
     assert names["torque_lag"]["correction"] == pytest.approx(samples * logs[0].period, rel=0.15)
     assert set(names) - {"torque_lag"} == ({"torque_delay"} if samples < 0 else set())
-    assert any(note.startswith("torque_lag at joint3: give joint3.tau the delay") for note in found.notes)
+    assert any(note.startswith("torque_lag at joint3: give joint3.tau a delay of") for note in found.notes)
 
 
 def test_positions_in_time_stay_there():

@@ -100,6 +100,8 @@ def test_a_urdf_is_no_robot_file_yet(tmp_path):
 def test_unknown_names_are_refused(four_link):
     with pytest.raises(RobotError, match="unknown robot 'nobody'"):
         load_robot("nobody")
+    with pytest.raises(RobotError, match=r"there is no robot file nowhere.toml; check the path"):
+        load_robot("nowhere.toml")
     with pytest.raises(RobotError, match=r"no parameter joint9\.coulomb"):
         four_link.with_parameters({"joint9.coulomb": 1.0})
     with pytest.raises(RobotError, match="unknown effect 'magic'"):

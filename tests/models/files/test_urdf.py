@@ -207,6 +207,11 @@ def test_fixed_joints_are_merged_and_hinges_added(arm):
         (('"shoulder" type="revolute"', '"shoulder" type="fixed"'), "no joint that moves"),
         (("</robot>", ""), "cannot be read as URDF"),
         (('child link="hand"', 'child link="nothing"'), "cannot be read as URDF"),
+        (
+            ('<link name="base"/>', '<link name="b"/><link name="base"/>'),
+            r"2 links have no parent \(b, base\)",
+        ),
+        (('parent link="base"', 'parent link="hand"'), "link hand hangs on itself"),
     ],
 )
 def test_what_cannot_be_read_is_explained(arm, change, words):
@@ -214,6 +219,12 @@ def test_what_cannot_be_read_is_explained(arm, change, words):
     with pytest.raises(RobotError, match=words) as caught:
         import_urdf(arm)
     assert "\n" not in str(caught.value)
+
+
+def test_an_empty_file_of_xacro_is_explained(arm):
+    arm.write_text('<robot xmlns:xacro="http://wiki.ros.org/xacro"><!-- macros --></robot>')
+    with pytest.raises(RobotError, match="it has no links; where xacro made it"):
+        import_urdf(arm)
 
 
 def test_an_impossible_link_is_not_exported(arm, tmp_path):

@@ -9,6 +9,7 @@ from flexmodels.files.toml_table import LARGEST_NUMBER, line_of_text
 from flexmodels.robot import RobotError
 
 MOST_JOINTS = 100  # that move; the equations of more take hours to derive
+_NAMED = 4  # links in a sentence
 _NOT_NEGATIVE = ("ixx", "iyy", "izz", "value", "velocity", "effort", "damping", "friction")
 _NUMBERS = (*_NOT_NEGATIVE, "xyz", "rpy", "ixy", "ixz", "iyz", "lower", "upper")
 
@@ -46,7 +47,7 @@ def _check_names(root: Any) -> None:
 
 
 def _check_tree(root: Any) -> None:
-    links = {link.get("name") for link in root.iterfind("link")}
+    links = {str(link.get("name")) for link in root.iterfind("link")}
     parents: dict[str, str] = {}
     for joint in root.iterfind("joint"):
         name = joint.get("name")
@@ -58,13 +59,22 @@ def _check_tree(root: Any) -> None:
         if child in parents:
             raise RobotError(f"link {child} has two parents; a robot is a tree, so leave one joint out")
         parents[child] = parent  # pyright: ignore[reportArgumentType]
-    roots = links - parents.keys()
-    if len(roots) != 1:
-        raise RobotError(f"{len(roots)} links have no parent; a tree has one root")
-    for link in links:
+    if not links:
+        raise RobotError(
+            "it has no links; where xacro made it, that file only defined macros: run xacro on the one that "
+            "uses them"
+        )
+    for link in sorted(links):
         for ancestor in _ancestors(link, parents):
             if ancestor == link:
                 raise RobotError(f"link {link} hangs on itself through its joints; break the cycle")
+    roots = sorted(links - parents.keys())
+    if len(roots) > 1:
+        names = ", ".join(roots[:_NAMED]) + (", ..." if len(roots) > _NAMED else "")
+        raise RobotError(
+            f"{len(roots)} links have no parent ({names}); only the base may have none: join the others to "
+            "it, or leave them out"
+        )
 
 
 def _ancestors(link: str, parents: dict[str, str]) -> Iterator[str]:
