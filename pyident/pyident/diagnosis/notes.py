@@ -79,16 +79,14 @@ def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal
         )
     if said:
         lowest = ex.setting.continued[:, rows].min()
-        nearest = [
-            f"; {r.candidate.effect} at joint{r.candidate.joint} would explain {r.share_percent:.0f} %, but "
-            f"{r.reason}"
-            for r in refusals
-            if not set(r.region.rows).isdisjoint(rows.tolist())
-        ]
+        there = [r for r in refusals if not set(r.region.rows).isdisjoint(rows.tolist())]
+        nearest = max(there, key=lambda r: r.share_percent, default=None)
+        name = nearest and f"{nearest.candidate.effect} at joint{nearest.candidate.joint}"
+        why = f"; {name} comes nearest, but {nearest.reason}" if nearest else ""
         yield (
             f"the residual exceeds its floor at {', '.join(said)}: slow noise of a torque may do that, which "
             f"these logs do not show below {lowest:.2g} Hz, or something small that is missing"
-            f"{''.join(nearest)}; a log of a motion that repeats would tell"
+            f"{why}; a log of a motion that repeats would tell"
         )
 
 

@@ -8,6 +8,8 @@ law is named, an error is that both measure (see `measured`), in a tie with a la
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
+But several of one kind, as drives that bend, are named together; and so is what leaves hardly anything of all
+that is missing, as a slope does not describe a large error to the last.
 
 What else the model lacks, and noise in closed loop, bend the value of an error by more than its standard
 deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is given.
@@ -90,23 +92,33 @@ def _beside(
     law   that explains most with none named
     """
     named: list[Step] = []
-    while len(steps) + len(named) < among.rules.most:
-        view = among.resting_on(candidates_of([*steps, *named]))
+    pending: list[Step] = []
+    told: tuple[str, ...] = ()
+    lacking = among.resting_on(candidates_of(steps)).lacking.sum()
+    while len(steps) + len(named) + len(pending) < among.rules.most:
+        view = among.resting_on(candidates_of([*steps, *named, *pending]))
         step = view.step()
         entry = admission(view, step.best, [step.best.candidate], held)
-        if entry.reason or not entry.region.rows or not _sized(view, step.best):
+        if entry.reason or not entry.region.rows or not _sized(view, step.best) or not _alike(step, pending):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
-        if entry.measured and not steps:
+        if entry.measured and not steps and not pending:
             named.append(_with_law(view, step, law, held) if _instead(beside, law, step.best) else step)
             continue
         doubt = changes_with(beside, step.best.candidate)
-        if doubt or entry.share < view.rules.explained[0] or beside.stands_out:
-            return named, (_told(view, step, entry, doubt),) if exceeds else ()
-        if not exceeds and not _no_chance(view, entry):
+        if exceeds and not told:
+            told = (_told(view, step, entry, doubt),)
+        if doubt or entry.share < view.rules.explained[0] or not (exceeds or _no_chance(view, entry)):
             break
-        named.append(step)
-    return named, ()
+        pending.append(step)
+        if not beside.stands_out or beside.lacking.sum() <= (1 - view.rules.whole) * lacking:
+            named, pending, told, lacking = [*named, *pending], [], (), beside.lacking.sum()
+    return named, told
+
+
+def _alike(step: Step, pending: Sequence[Step]) -> bool:
+    """Whether an error is of the kind of those that leave something together."""
+    return all(step.best.candidate.effect == s.best.candidate.effect for s in pending)
 
 
 def _instead(beside: Search, law: Found, error: Found) -> bool:
