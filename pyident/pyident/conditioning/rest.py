@@ -12,6 +12,8 @@ import numpy as np
 AROUND = 2  # samples on either side of a reversal that are left out
 REACH = AROUND + 3  # samples on either side on which the answer for one depends
 STANDSTILL = 0.02  # of a joint's rms speed: slower is standstill
+_ROUNDED = 2.65  # widths of a rounded sign: from there on it is ± 1 to a hundredth
+_MOST_ROUNDED = 0.1  # of the rms speed: what is lost to that at most
 _FAST = 0.2  # of a joint's highest speed: faster is moving
 _CREEP = 0.05  # of its usual speed when moving
 _LINGERS = 1.5  # times what passing through zero takes at the acceleration before and after it
@@ -27,12 +29,14 @@ def at_samples(mean_speed: np.ndarray) -> np.ndarray:
     return v
 
 
-def away_from_rest(speed: np.ndarray, mean_square: float) -> np.ndarray:
+def away_from_rest(speed: np.ndarray, mean_square: float, width: float = 0.0) -> np.ndarray:
     """(N,): whether a joint with this speed (N,) keeps its direction around each sample.
 
     mean_square   of its speed over the whole log
+    width         speed over which its law rounds the sign, which no machine does; 0: the law does not, either
     """
-    slow = STANDSTILL * np.sqrt(mean_square)
+    usual = np.sqrt(mean_square)
+    slow = max(STANDSTILL * usual, min(_ROUNDED * width, _MOST_ROUNDED * usual))
     turning = _rests_between(speed, slow)
     near = (np.abs(speed) < slow) | turning | np.roll(turning, 1)
     for _ in range(AROUND - 1):

@@ -35,6 +35,11 @@ def standing_joints(way: np.ndarray) -> list[int]:
     return (np.flatnonzero(way <= EQUATIONS.stands * way.max()) + 1).tolist()
 
 
+def stands(way: np.ndarray, positions: np.ndarray) -> bool:
+    """Whether a joint, or a sum of several, (N,) goes nowhere beside the busiest of positions (N, joints)."""
+    return bool(np.ptp(way) <= EQUATIONS.stands * np.ptp(positions, axis=0).max())
+
+
 def standing_in(motions: Sequence[Motion], joints: int) -> list[int]:
     """Joints, from 1, that stand still in each motion, wherever in it."""
     return standing_joints(np.max([np.ptp(motion.q[:, :joints], axis=0) for motion in motions], axis=0))

@@ -26,9 +26,10 @@ from flexmodels.settings.processing import Processing
 from pyident.conditioning.filters import settling, without_phase
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.rest import REACH as REST_REACH
-from pyident.conditioning.rest import at_samples, away_from_rest
+from pyident.conditioning.rest import at_samples
+from pyident.conditioning.rubbing import known_where, rubs, signs_known, speed_products
 from pyident.conditioning.samples import Conditioned
-from pyident.conditioning.standing import standing_in
+from pyident.conditioning.standing import stands
 from pyident.logs.log import Log, LogError, Sampled, require
 
 REACH = 4  # samples that the widest difference needs on either side
@@ -87,12 +88,10 @@ class Recipe:
         motion = Motion(q, dq, ddq, torque, time, before if held else None)
         return Conditioned(motion, target, np.ones_like(target), robot.settings.processing.decimate)
 
-    def masked(self, part: Conditioned, mean_square: np.ndarray) -> Conditioned:
-        """Without the equations in which friction is not known; mean square speeds of the log (joints,)."""
+    def masked(self, part: Conditioned, products: np.ndarray) -> Conditioned:
+        """Without the equations in which friction is not known; products: as of `speed_products`."""
         moving = _off_rest if part.thinning > 1 else _moving
-        use = part.use.copy()
-        use[:, : len(self.robot.joints)] = moving(self.robot, part.motion.dq, mean_square)
-        return replace(part, use=use)
+        return replace(part, use=part.use * moving(self.robot, part.motion.dq, products))
 
 
 def recipe(log: Sampled, robot: Robot) -> Recipe:
@@ -110,10 +109,11 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     plan = recipe(log, robot)
     whole = plan.aligned(log.signals(plan.names))
     part = whole.cut(slice(plan.border, len(whole.target) - plan.border))
-    masked = plan.masked(part, np.mean(part.motion.dq[:, : len(robot.joints)] ** 2, axis=0))
-    for k in standing_in([part.motion], len(robot.joints)):  # noise keeps its sign for a few samples, too
-        if any(effect.holds_still for effect in robot.joints[k - 1].effects):
-            masked.use[:, k - 1] = 0.0
+    masked = plan.masked(part, speed_products(part.motion.dq, len(robot.joints)))
+    positions = part.motion.q[:, : len(robot.joints)]
+    for rub in rubs(robot):  # noise keeps its sign for a few samples, too
+        if stands(rub.of(positions), positions):
+            masked.use[:, rub.rows] = 0.0
     free = tuple(k for k, name in enumerate(robot.torques) if name in log.up_to_constant)
     return replace(masked, free=free)
 
@@ -128,10 +128,9 @@ def condition_every_sample(log: Log, robot: Robot) -> Conditioned:
     part = condition(log, robot)
     if part.thinning == 1:
         return part
-    use, joints = part.use.copy(), len(robot.joints)
-    speed = part.motion.dq[:, :joints]
-    use[:, :joints] *= _moving(robot, speed, np.mean(speed**2, axis=0))
-    return replace(part, use=use, thinning=1)
+    dq = part.motion.dq
+    moving = _moving(robot, dq, speed_products(dq, len(robot.joints)))
+    return replace(part, use=part.use * moving, thinning=1)
 
 
 def central_differences(q: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -170,24 +169,16 @@ def _odd(q: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return out
 
 
-def _moving(robot: Robot, dq: np.ndarray, mean_square: np.ndarray) -> np.ndarray:
-    """(N, joints): 0 where the sign of a joint's dry friction is not known, 1 elsewhere."""
-    moving = np.ones((len(dq), len(robot.joints)))
-    speed = at_samples(dq) if derivatives_of(robot) is hat_means else dq
-    for k, joint in enumerate(robot.joints):
-        if any(effect.holds_still for effect in joint.effects):
-            moving[:, k] = away_from_rest(speed[:, k], mean_square[k])
-    return moving
+def _moving(robot: Robot, dq: np.ndarray, products: np.ndarray) -> np.ndarray:
+    """(N, n): 0 where the sign of an equation's dry friction is not known, 1 elsewhere."""
+    return signs_known(robot, at_samples(dq) if derivatives_of(robot) is hat_means else dq, products)
 
 
 def _off_rest(robot: Robot, dq: np.ndarray, _: np.ndarray) -> np.ndarray:
-    """(N, joints): 0 below the dead zone of a joint with dry friction; a reversal is a small part of what
-    is thinned out and stays, with the mean sign of its speeds."""
-    moving = np.ones((len(dq), len(robot.joints)))
-    for k, joint in enumerate(robot.joints):
-        if any(effect.holds_still for effect in joint.effects):
-            moving[:, k] = np.abs(dq[:, k]) >= robot.settings.processing.dead_zone
-    return moving
+    """(N, n): 0 below the dead zone of an equation's dry friction; a reversal is a small part of what is
+    thinned out and stays, with the mean sign of its speeds."""
+    zone = robot.settings.processing.dead_zone
+    return known_where(robot, lambda rub: np.abs(rub.of(dq)) >= zone, dq.shape)
 
 
 def _low_pass(plan: Processing, log: Sampled) -> np.ndarray:

@@ -1,7 +1,7 @@
 """A long log conditioned window by window, to the same numbers as in one go.
 
 Differences and means reach a few samples, filters until their start is forgotten: every window is read with
-such a margin. What looks at the whole log, the rms speeds, comes from a first pass.
+such a margin. What looks at the whole log, how fast parts slide on each other, comes from a first pass.
 """
 
 from collections.abc import Iterator
@@ -11,6 +11,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import settling, thinning_filter
+from pyident.conditioning.rubbing import speed_products
 from pyident.conditioning.samples import Conditioned, Piece
 from pyident.conditioning.weak_form import REACH, Recipe, condition, recipe
 from pyident.logs.disk import ROWS, LogFile
@@ -19,11 +20,11 @@ from pyident.logs.log import Log, read_log
 
 @dataclass(frozen=True)
 class ConditionedFile:
-    """A log on disk and what becomes of it. mean_square: of the joints' speeds, (joints,)."""
+    """A log on disk and what becomes of it. products: of the joints' speeds, as of `speed_products`."""
 
     log: LogFile
     recipe: Recipe
-    mean_square: np.ndarray
+    products: np.ndarray
 
     @property
     def thinning(self) -> int:
@@ -32,7 +33,7 @@ class ConditionedFile:
     def pieces(self) -> Iterator[Piece]:
         """All samples in order, window by window; the first own sample is one that thinning keeps."""
         for part, own in _windows(self.log, self.recipe, self.thinning):
-            yield Piece(self.recipe.masked(part, self.mean_square), own)
+            yield Piece(self.recipe.masked(part, self.products), own)
 
 
 def prepared(log: Log | LogFile, robot: Robot) -> Conditioned | ConditionedFile:
@@ -42,11 +43,11 @@ def prepared(log: Log | LogFile, robot: Robot) -> Conditioned | ConditionedFile:
     if isinstance(log, Log):
         return condition(log, robot)
     plan, joints = recipe(log, robot), len(robot.joints)
-    squares, samples = np.zeros(joints), 0
+    total, samples = np.zeros((joints, joints)), 0
     for part, own in _windows(log, plan, 1):
-        speed = part.motion.dq[own, :joints]
-        squares, samples = squares + (speed**2).sum(axis=0), samples + len(speed)
-    return ConditionedFile(log, plan, squares / samples)
+        dq = part.motion.dq[own]
+        total, samples = total + len(dq) * speed_products(dq, joints), samples + len(dq)
+    return ConditionedFile(log, plan, total / samples)
 
 
 def _remembers(robot: Robot) -> bool:

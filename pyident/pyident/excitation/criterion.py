@@ -13,6 +13,7 @@ from scipy.linalg import qr
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.rubbing import rubs
 from pyident.conditioning.weak_form import condition
 from pyident.excitation.followed import followed
 from pyident.excitation.fourier import Reference
@@ -93,10 +94,9 @@ def along(robot: Robot, measure: Yardstick, reference: Reference) -> Along:
     level = measure.floor.at(band)
     gain = float(np.sqrt(period / measure.period))  # finer sampling says as much more
     use = np.ones((N, len(robot.coordinates)))
-    for k, joint in robot.numbered:
-        if any(effect.holds_still for effect in joint.effects):
-            v = np.abs(reference.dq[:, k - 1])
-            use[:, k - 1] = v >= max(_SLOW * np.sqrt(np.mean(v**2)), 1e-9)
+    for rub in rubs(robot):
+        v = np.abs(rub.of(reference.dq))
+        use[:, rub.rows] *= (v >= max(_SLOW * np.sqrt(np.mean(v**2)), 1e-9))[:, None]
     Phi = regressor(robot, motion).matrix
     A = np.zeros((Phi.shape[1], 2 * band.bins, Phi.shape[2]))
     for c in range(Phi.shape[1]):

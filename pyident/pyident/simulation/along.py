@@ -15,6 +15,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
 from pyident.conditioning.rest import away_from_rest
+from pyident.conditioning.rubbing import signs_known, speed_products
 from pyident.conditioning.smooth_motion import (
     WHITE_FROM,
     all_smooth,
@@ -131,10 +132,11 @@ def _torque_noise(
     joints = len(robot.joints)
     tau = log.signals(robot.torques)
     left = tau - generalised_forces(robot, motion, p)[:, :joints]
+    signs = signs_known(robot, motion.dq, speed_products(motion.dq, joints)) > 0
     out, ends = {}, ends_of(len(left), [blurred(corner) for corner in corners])
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
-        known = away_from_rest(speed, float(np.mean(speed**2)))
+        known = away_from_rest(speed, float(np.mean(speed**2))) & signs[:, k]
         moving = telling(known, tau[:, k], motion, k, corners[k], log.period)
         moving[:ends], moving[-ends:] = False, False
         rest = left[:, k]
