@@ -8,8 +8,8 @@ law is named, an error is that both measure (see `measured`), in a tie with a la
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
-But several of one kind, as drives that bend, are named together; and so is what leaves hardly anything of all
-that is missing, as a slope does not describe a large error to the last.
+But one that leaves hardly anything of all that is missing is named, and so are several of one kind, as drives
+that bend, where they explain what a set of laws must: a slope does not describe a large error to the last.
 
 What else the model lacks, and noise in closed loop, bend the value of an error by more than its standard
 deviation says (2 mm of a link were read as 1.6 and 2.6 mm), so that none is given.
@@ -111,7 +111,8 @@ def _beside(
         if doubt or entry.share < view.rules.explained[0] or not (exceeds or _no_chance(view, entry)):
             break
         pending.append(step)
-        if not beside.stands_out or beside.lacking.sum() <= (1 - view.rules.whole) * lacking:
+        enough = view.rules.whole if len(pending) == 1 else view.rules.explained[-1]
+        if not beside.stands_out or beside.lacking.sum() <= (1 - enough) * lacking:
             named, pending, told, lacking = [*named, *pending], [], (), beside.lacking.sum()
     return named, told
 

@@ -18,6 +18,7 @@ from pyident.regression.recent import Recent
 
 _BLOCK = 1000  # samples at a time
 _loads: Recent[np.ndarray] = Recent(4)
+_quiet: Recent[Motion] = Recent(8)
 
 
 def link_torques(robot: Robot, motion: Motion) -> np.ndarray:
@@ -37,7 +38,11 @@ def carried_loads(robot: Robot, motion: Motion) -> np.ndarray:
 
     Friction turns the sign of a load: noise in it would not cancel, but be friction.
     """
-    return _loads.of((robot, motion), lambda: link_torques(robot, without_noise(motion)))
+
+    def carried() -> np.ndarray:
+        return link_torques(robot, _quiet.of((motion,), lambda: without_noise(motion)))
+
+    return _loads.of((robot, motion), carried)
 
 
 def link_columns(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
