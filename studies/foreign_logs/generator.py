@@ -100,11 +100,10 @@ def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
 
 
 def _besides(sensors: Sensors, errors: Sequence[Error], joints: int) -> tuple[tuple[str, int], ...]:
-    effects = [
-        name
-        for name, is_there in (("torque_delay", sensors.delay), ("torque_gain", sensors.gain != 1))
-        if is_there
-    ]
+    late = (
+        ["torque_delay", "torque_lag"] if sensors.delay else []
+    )  # each torque is early against its position
+    effects = [*late, "torque_gain"] if sensors.gain != 1 else late
     everywhere = [(name, k + 1) for name in effects for k in range(joints)]
     return (*everywhere, *((e.quantity, e.joint) for e in errors))
 

@@ -114,7 +114,14 @@ def _beside(
         enough = view.rules.whole if len(pending) == 1 else view.rules.explained[-1]
         if not beside.stands_out or beside.lacking.sum() <= (1 - enough) * lacking:
             named, pending, told, lacking = [*named, *pending], [], (), beside.lacking.sum()
-    return named, told
+    return _told_apart(named), told
+
+
+def _told_apart(named: Sequence[Step]) -> list[Step]:
+    """Without rivals that are named by themselves beside what they tied with."""
+    firsts = {s.best.candidate for s in named}
+    kept = [tuple(f for f in s.tie if f is s.best or f.candidate not in firsts) for s in named]
+    return [replace(s, tie=tie) for s, tie in zip(named, kept, strict=True)]
 
 
 def _alike(step: Step, pending: Sequence[Step]) -> bool:
