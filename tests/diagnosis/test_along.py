@@ -117,21 +117,3 @@ def test_three_laws_at_three_joints_are_named_each(nothing):
     at_first = {e for tie in ties for e, joint in tie if joint == "joint1"}
     assert at_first & {"nonlinear_viscous", "stribeck"}, found.sentence
     assert not {joint for tie in ties for _, joint in tie} - {"joint1", "joint2", "joint3"}
-
-
-def test_the_rests_of_a_shaft_that_two_motors_turn_are_nothing_missing():
-    """The robot knows nothing of the sum of speeds; what its law leaves where that rests is not known."""
-
-    def shaft(q, v, load, time):
-        out, together = plain(q, v, load, time), v[:, 4] + v[:, 5]
-        out[:, 4:] += (3.0 * np.sign(together) + 2.0 * together)[:, None]
-        return out
-
-    logs = [made(arm(), seed, shaft, 20.0) for seed in range(3)]
-    found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
-    law = found.findings[0].tie[0]
-    assert (law.effect, law.joint) == ("joint_coupling", "joint5")
-    assert law.values["coulomb"] == pytest.approx(3.0, rel=0.02)
-    assert law.values["viscous"] == pytest.approx(2.0, rel=0.02)
-    assert len(found.findings) == 1
-    assert {p.state for p in found.places} == {"in_order", "explained"}, found.sentence
