@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from flexmodels.settings.motions import Identification, Line
 from flexmodels.settings.processing import Column, Processing
 
-Resting = tuple[int, str, tuple[tuple[str, float], ...]]  # joint from 1, effect, nonlinear parameters
-
 
 @dataclass(frozen=True)
 class Settings:
@@ -17,11 +15,9 @@ class Settings:
     processing       how logs are prepared for identification
     identification   its experiment, None where nothing is planned
     line             a straight motion of its tip, likewise
-    rests            laws that the robot has not got, at whose rests equations are left out as at its own's
     """
 
     columns: Mapping[str, Column] = field(default_factory=dict)
     processing: Processing = field(default_factory=Processing)
     identification: Identification | None = None
     line: Line | None = None
-    rests: tuple[Resting, ...] = ()

@@ -4,7 +4,7 @@ A joint's own friction turns its sign with the joint. A shaft that two motors tu
 their speeds, and its friction stands in the equations of both.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from sympy import Expr
 
 from flexmodels.coordinate import signal_of
 from flexmodels.effects import signals
-from flexmodels.effects.effect import SLOW, Effect
+from flexmodels.effects.effect import SLOW
 from flexmodels.effects.rubbing import Sum, rubbing
 from flexmodels.robot import Robot
 from pyident.conditioning.rest import away_from_rest
@@ -68,21 +68,14 @@ def rubs(robot: Robot) -> list[Rub]:
     """Everything that rubs, each pair of parts once."""
     rows = {coordinate.signal: row for row, coordinate in enumerate(robot.q)}
     found: dict[tuple[tuple[float, ...], float], set[int]] = {}
-    for k, effect, values in _laws(robot):
-        for coordinate, sums in rubbing(effect).items():
-            for factors in sums:
-                slides = _sliding(robot, k, factors, values)
-                found.setdefault(slides, set()).add(rows[signal_of(k, coordinate.name)])
+    for k, joint in robot.numbered:
+        for effect in joint.effects:
+            for coordinate, sums in rubbing(effect).items():
+                for factors in sums:
+                    slides = _sliding(robot, k, factors, joint.values[effect.name])
+                    found.setdefault(slides, set()).add(rows[signal_of(k, coordinate.name)])
     slide = [(shares, width, at) for (shares, width), at in found.items() if any(shares)]
     return [Rub(tuple(sorted(at)), np.array(shares), width) for shares, width, at in slide]
-
-
-def _laws(robot: Robot) -> Iterator[tuple[int, Effect, Mapping[str, float]]]:
-    """Joint, law and its parameters: of the robot, and of what its settings leave out besides."""
-    for k, joint in robot.numbered:
-        yield from ((k, effect, joint.values[effect.name]) for effect in joint.effects)
-    for k, name, values in robot.settings.rests:
-        yield k, robot.joints[k - 1].law(name), dict(values)
 
 
 def _sliding(

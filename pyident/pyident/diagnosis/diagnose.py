@@ -30,7 +30,6 @@ from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
-from pyident.diagnosis.shared_rests import without_shared_rests
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.refinement.instruments.stand_in import driven
@@ -114,7 +113,6 @@ def searched(
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
     whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
     Positions that all come late are moved back first, and torques are taken as before a common low pass.
-    Last the equations near the rests of a shaft that two motors share are left out, if it explains the logs.
     """
     plain = unfiltered(robot, logs)
     try:
@@ -130,17 +128,12 @@ def _aligned(
 ) -> Search:
     setting = set_up(robot, logs, rules)
     once = setting.simulates or len(robot.joints) == 1
-    first = 0.8 if once else 0.6
-    search = _searched(setting, open_pool, lambda done: progress(first * done))
+    search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
     found = alignment_of(search.examination)
     if found.needed:
-        robot, logs = within(robot, found.band), found.of_all(robot, logs)
-        moved = replace(set_up(robot, logs, rules), alignment=found)
-        search = _searched(moved, open_pool, _part(progress, 0.6, 0.2))
-    apart = without_shared_rests(robot, search)
-    if apart is not robot:
-        again = replace(set_up(apart, logs, rules), alignment=search.examination.setting.alignment)
-        search = _searched(again, open_pool, _part(progress, 0.8, 0.2))
+        heard = within(robot, found.band)
+        moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
+        search = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
     progress(1.0)
     return search
 
