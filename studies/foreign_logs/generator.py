@@ -100,9 +100,7 @@ def _made(case: Case, rng: np.random.Generator, most: int) -> Made:
 
 
 def _besides(sensors: Sensors, errors: Sequence[Error], joints: int) -> tuple[tuple[str, int], ...]:
-    late = (
-        ["torque_delay", "torque_lag"] if sensors.delay else []
-    )  # each torque is early against its position
+    late = ["torque_delay", "torque_lag"] if sensors.delay else []  # of torques, against positions
     effects = [*late, "torque_gain"] if sensors.gain != 1 else late
     everywhere = [(name, k + 1) for name in effects for k in range(joints)]
     return (*everywhere, *((e.quantity, e.joint) for e in errors))

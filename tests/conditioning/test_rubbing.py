@@ -99,7 +99,7 @@ def test_a_sum_that_rests_while_its_joints_move_tells_nothing(arm, slow):
 
 
 def test_slow_motion_finds_the_friction_of_a_shaft(arm, slow):
-    """The law rounds its sign over 0.01 rad/s: with what lies near rest, 8 % of the viscous one was missing."""
+    """The law rounds its sign over 0.01 rad/s: what lies near rest had hidden 8 % of the viscous one."""
     log, _ = slow
     found = weighted(Problem(arm, (condition(log, arm),)))
     p = dict(zip(found.reduced.columns, found.solution.p.tolist(), strict=True))
