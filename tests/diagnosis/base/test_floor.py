@@ -15,9 +15,10 @@ from flexmodels.settings.processing import Processing
 from pyident.conditioning.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
-from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, examine
+from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, Region, examine
 from pyident.diagnosis.base.setting import set_up, workers_of
 from pyident.diagnosis.notes import in_doubt
+from pyident.diagnosis.search.gate import Refusal
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Floor
@@ -149,10 +150,13 @@ def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
     search = search_of(residual, bands, np.ones((20, 2)), 4.0)
     assert bool(search.standing_out[0]) == stands_out
     place: Any = SimpleNamespace(state="in_order")
-    doubts = list(in_doubt(search, [place]))
+    near: Any = SimpleNamespace(effect="stribeck", joint=1)
+    refused = [Refusal(near, Region((0,), (0,)), share, None, f"{share:g} %") for share in (30.0, 60.0)]
+    doubts = list(in_doubt(search, [place], refused))
     assert bool(doubts) == (not stands_out)
     unexplained: Any = SimpleNamespace(state="unexplained")
-    assert not list(in_doubt(search, [unexplained]))
+    assert not list(in_doubt(search, [unexplained], refused))
     if doubts:
         assert f"joint1, motor side ({np.sqrt(energy):.2g} times from 0 to 0.5 Hz)" in doubts[0]
+        assert "; stribeck at joint1 comes nearest, but 60 %;" in doubts[0]
     assert standing_out(residual, bands, np.ones((20, 2)))
