@@ -8,8 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..foreign_logs.cases import RATES, SIZES, Case
-from ..foreign_logs.closed_loop import Hidden
-from ..foreign_logs.generator import Made, NotDrawn, Truth, hidden_in
+from ..foreign_logs.generator import Made, NotDrawn, Truth, first_drawn, hidden_in
 from ..foreign_logs.laws import SINGLE, State
 from ..foreign_logs.machines import drawn_machine, owners_file
 from ..foreign_logs.motions import Course, drawn_plan
@@ -23,7 +22,6 @@ DRIVE = "drive_compliance"
 MOST_SAMPLES = 4000
 _DRIVES = {"strong": 1, "medium": 1, "pair": 2, "law": 1}
 _SIZES = {"medium": SIZES["medium"], EVERY: (SIZES["medium"][0], SIZES["strong"][1])}
-_MACHINES = 50
 _FINER = 8  # steps to a sample, along which loads are differentiated
 _BENDS = 0.03  # rad, at most: no drive gives way further
 _SWINGS = 4.0  # Hz, at least, at which a link swings on its drive: plans end at 1 Hz
@@ -46,12 +44,7 @@ def _case(seed: int, number: int) -> Case:
 def made(case: Case) -> Made:
     """Draws until a machine has drives that can bend as far as the kind of the case asks for."""
     rng = case.rng
-    for _ in range(_MACHINES):
-        try:
-            return _made(case, rng)
-        except NotDrawn:
-            continue
-    raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")
+    return first_drawn(case, lambda: _made(case, rng))
 
 
 def _made(case: Case, rng: np.random.Generator) -> Made:
@@ -65,12 +58,11 @@ def _made(case: Case, rng: np.random.Generator) -> Made:
     compliance = np.zeros(len(machine.rotor))
     for t in drives:
         compliance[t.names[0][1] - 1] = t.amount
-    truth, hidden = list(drives), list[Hidden]()
+    truth, hidden = drives, []
     if case.kind == "law":
         bent = [t.names[0][1] - 1 for t in drives]
-        law, found = hidden_in(
-            rng, SINGLE[str(rng.choice(list(SINGLE)))], "strong", oracle, *rigid, noise, bent
-        )
+        draw = SINGLE[str(rng.choice(list(SINGLE)))]
+        law, found = hidden_in(rng, draw, "strong", oracle, *rigid, noise, bent)
         truth, hidden = [*truth, found], [law]
     frames = []
     for plan, duration in zip(plans, (case.duration, max(case.duration / 2, 8.0)), strict=True):
@@ -138,8 +130,7 @@ def _size(oracle: Oracle, state: State, a: np.ndarray, k: int, noise: np.ndarray
 def _softest(oracle: Oracle, state: State, k: int) -> float:
     """The largest compliance [rad/(N m)] at which a drive hardly gives way and its link does not swing."""
     pin, data = pinocchio(), oracle.model.createData()
-    inertia = max(
-        float(pin.crba(oracle.model, data, q)[k, k]) for q in state.q[:: max(1, len(state.q) // 50)]
-    )
+    poses = state.q[:: max(1, len(state.q) // _POSES)]
+    inertia = max(float(pin.crba(oracle.model, data, q)[k, k]) for q in poses)
     bends = _BENDS / max(float(np.abs(state.load[:, k]).max()), 1e-9)
     return min(bends, 1 / (inertia * (2 * np.pi * _SWINGS) ** 2))

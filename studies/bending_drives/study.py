@@ -5,23 +5,26 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
-from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
-from pyident.simulation.fmu_runs import runs_here
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row
 
 from ..foreign_logs.cases import Case
 from ..foreign_logs.kept_cases import solved, written
-from ..foreign_logs.methods import Answer, answer_of
-from ..foreign_logs.scoring import Scored, counted, findings_right, is_alarm, is_found, is_wrong, reopened
-from ..foreign_logs.sensors import as_log
+from ..foreign_logs.methods import Answer, said_of
+from ..foreign_logs.scoring import (
+    OURS,
+    Scored,
+    counted,
+    findings_right,
+    is_alarm,
+    is_found,
+    is_wrong,
+    of_diagnosis,
+)
 from .logs import DRIVE, EVERY, case_list, made
 
 SEED, CASES = 2501, 48
-_OURS = "diagnosis"
 _TOLD = 0.2  # of a compliance
 
 
@@ -30,16 +33,13 @@ def run(folder: Path, progress: Callable[[float], None], seed: int = SEED, cases
     listed, where = case_list(seed, cases), folder.absolute() / f"seed_{seed}"
     opened = solved(_solve, listed, where, progress)
     lines = [_line(case, content) for case, content in zip(listed, opened, strict=True)]
-    scored = [
-        reopened(case, {_OURS: content["said"]}, content["failure"], content)
-        for case, content in zip(listed, opened, strict=True)
-    ]
+    scored = of_diagnosis(listed, opened)
     return StudyResult(table(scored, opened), written(where, lines))
 
 
 def table(cases: Sequence[Scored], opened: Sequence[dict[str, Any]]) -> list[dict[str, str]]:
     """opened: the cases' files, with the compliances that were told."""
-    said = [(c, c.said(_OURS)) for c in cases]
+    said = [(c, c.said(OURS)) for c in cases]
 
     def of(*kinds: str) -> list[tuple[Scored, Answer]]:
         return [(c, a) for c, a in said if c.kind in kinds]
@@ -68,19 +68,11 @@ def _ratios(content: dict[str, Any]) -> list[float]:
 
 
 def _solve(_: None, case: Case, folder: Path) -> None:
-    machine, failure, told = made(case), "", []
-    with threadpool_limits(1):
-        frames = {"the log to fit": machine.fit, "the log held out": machine.heldout}
-        fit, heldout = (as_log(machine.robot, frame, source) for source, frame in frames.items())
-        try:
-            found = concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout])
-            answer, told = answer_of(found), _told(found)
-        except Exception as error:  # a wrong answer, whatever it is
-            answer, failure = Answer("failed", []), f"{type(error).__name__}: {error}"
+    machine = made(case)
+    found, said, failure = said_of(machine)
     folder.mkdir(parents=True, exist_ok=True)
-    content = {"said": asdict(answer), "told": told, "failure": failure}
-    content |= {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides}
-    write_json(folder / f"{case.id}.json", content)
+    content = {"said": asdict(said), "told": _told(found) if found else [], "failure": failure}
+    write_json(folder / f"{case.id}.json", content | machine.sealed)
 
 
 def _told(found: Diagnosis) -> list[tuple[int, float]]:

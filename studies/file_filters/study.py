@@ -84,8 +84,7 @@ def _solve(_: None, case: Case, folder: Path) -> None:
             said[name] = asdict(answer)
     folder.mkdir(parents=True, exist_ok=True)
     content = {"said": said, "failure": failure}
-    content |= {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides}
-    write_json(folder / f"{case.id}.json", content)
+    write_json(folder / f"{case.id}.json", content | machine.sealed)
 
 
 def _line(case: Case, content: dict[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """The logs of a case, its owner's robot file, and what is hidden."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ from .sensors import Sensors, drawn_sensors, noise_of, noise_power, recorded, ro
 
 _HIDDEN = {"strong": 1, "medium": 1, "weak": 1, "outside": 1, "pair": 2, "triple": 3}
 _DRAWS = 30  # of an error of the geometry, until the logs can show it; then of another machine
-_MACHINES = 30
+_MACHINES = 50
 _LOCKS = 2.0  # times its load: friction of that size
 _READABLE = 10.0  # standard deviations: from there on the logs tell an error's value within 20 %
 
@@ -50,13 +51,23 @@ class Made:
     truth: tuple[Truth, ...]
     besides: tuple[tuple[str, int], ...] = ()
 
+    @property
+    def sealed(self) -> dict[str, Any]:
+        """What nobody may see before an answer is on the disk, as JSON has it."""
+        return {"truth": [asdict(t) for t in self.truth], "besides": self.besides}
+
 
 def made(case: Case, most: int = 7) -> Made:
     """Draws until a loop holds its machine, and its logs can show an error of its geometry. most: joints."""
     rng = case.rng
+    return first_drawn(case, lambda: _made(case, rng, most))
+
+
+def first_drawn(case: Case, draw: Callable[[], Made]) -> Made:
+    """The first of many draws that no loop refuses and in which all can be hidden."""
     for _ in range(_MACHINES):
         try:
-            return _made(case, rng, most)
+            return draw()
         except (FloatingPointError, NotDrawn):
             continue
     raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")

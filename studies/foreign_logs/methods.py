@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from statsmodels.regression.linear_model import OLS
+from threadpoolctl import threadpool_limits
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.diagnose import concluded, searched
@@ -14,6 +15,8 @@ from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 
 from ..rigid_arm.baselines import METHODS, Name
+from .generator import Made
+from .sensors import as_log
 
 _SCREENED = 120  # columns of the LASSO
 Method = Callable[[Robot, list[Log], list[Log]], list[Name]]  # robot, logs to fit, logs held out
@@ -45,6 +48,18 @@ def answer_of(found: Diagnosis) -> Answer:
     ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
     first = found.findings[0].tie if found.findings else ()
     return Answer(found.verdict, ties, [n.values.get("correction") for n in first])
+
+
+def said_of(case: Made) -> tuple[Diagnosis | None, Answer, str]:
+    """What the diagnosis says of a case's logs; where it fails nothing, a wrong answer, and why."""
+    frames = {"the log to fit": case.fit, "the log held out": case.heldout}
+    fit, heldout = (as_log(case.robot, frame, name) for name, frame in frames.items())
+    with threadpool_limits(1):
+        try:
+            found = concluded(searched(case.robot, [fit], runs_here), runs_here, [heldout])
+        except Exception as error:  # a wrong answer, whatever it is
+            return None, Answer("failed", []), f"{type(error).__name__}: {error}"
+    return found, answer_of(found), ""
 
 
 def named(names: list[Name]) -> Answer:

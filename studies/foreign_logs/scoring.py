@@ -49,6 +49,12 @@ def reopened(case: Case, answers: Mapping[str, Any], failure: str, sealed: Mappi
     return Scored(case.kind, case.difficult, truth, said, failure, besides)
 
 
+def of_diagnosis(cases: Sequence[Case], opened: Sequence[Mapping[str, Any]]) -> list[Scored]:
+    """Cases to which the diagnosis alone answered, each with its file."""
+    pairs = zip(cases, opened, strict=True)
+    return [reopened(case, {OURS: file["said"]}, file["failure"], file) for case, file in pairs]
+
+
 def table(cases: Sequence[Scored], methods: Sequence[str]) -> list[dict[str, str]]:
     """The diagnosis with its goals, then the other methods without."""
     rows = []

@@ -86,10 +86,7 @@ def _solve(_: None, case: Case, folder: Path, own: Mapping[str, Method], joints:
         except Exception as error:  # a wrong answer, whatever it is
             said["failure"] = f"{type(error).__name__}: {error}"
     write_json(folder / "answers" / f"{case.id}.json", said | {"seconds": time.perf_counter() - begin})
-    write_json(
-        folder / "sealed" / f"{case.id}.json",
-        {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides},
-    )
+    write_json(folder / "sealed" / f"{case.id}.json", machine.sealed)
 
 
 def _answered(folder: Path, case: Case, own: Mapping[str, Method]) -> bool:

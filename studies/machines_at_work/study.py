@@ -7,10 +7,7 @@ from pathlib import Path as Folder
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from pyident.diagnosis.diagnose import concluded, searched
-from pyident.simulation.fmu_runs import runs_here
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row
 
@@ -19,10 +16,19 @@ from ..foreign_logs.closed_loop import Hidden, loop_noise, simulated
 from ..foreign_logs.generator import Made, NotDrawn, Truth, hidden_in, laws_of
 from ..foreign_logs.kept_cases import solved, written
 from ..foreign_logs.machines import drawn_machine, owners_file
-from ..foreign_logs.methods import Answer, answer_of
+from ..foreign_logs.methods import Answer, said_of
 from ..foreign_logs.oracle import Oracle
-from ..foreign_logs.scoring import Scored, counted, findings_right, is_alarm, is_found, is_wrong, reopened
-from ..foreign_logs.sensors import as_log, drawn_sensors, noise_of, recorded, with_columns
+from ..foreign_logs.scoring import (
+    OURS,
+    Scored,
+    counted,
+    findings_right,
+    is_alarm,
+    is_found,
+    is_wrong,
+    of_diagnosis,
+)
+from ..foreign_logs.sensors import drawn_sensors, noise_of, recorded, with_columns
 from .paths import STYLES, drawn_path
 
 SEED, CASES = 2171, 36
@@ -31,7 +37,6 @@ RATES = (100, 125, 200)  # Hz
 DURATION = 60.0  # s, of either log
 ZEROS = 0.2  # of a torque's rms: the largest zero of its channel
 _MACHINES = 30
-_OURS = "diagnosis"
 
 
 def run(
@@ -41,10 +46,7 @@ def run(
     listed, where = case_list(seed, cases), folder.absolute() / f"seed_{seed}"
     opened = solved(_solve, listed, where, progress)
     lines = [_line(case, content) for case, content in zip(listed, opened, strict=True)]
-    scored = [
-        reopened(case, {_OURS: content["said"]}, content["failure"], content)
-        for case, content in zip(listed, opened, strict=True)
-    ]
+    scored = of_diagnosis(listed, opened)
     return StudyResult(table(scored), written(where, lines))
 
 
@@ -100,7 +102,7 @@ def _made(case: Case, rng: np.random.Generator) -> Made:
 
 def table(cases: Sequence[Scored]) -> list[dict[str, str]]:
     """One row per count. A zero that is told is right, and none is asked for."""
-    said = [(c, c.said(_OURS)) for c in cases]
+    said = [(c, c.said(OURS)) for c in cases]
 
     def of(*kinds: str) -> list[tuple[Scored, Answer]]:
         return [(c, a) for c, a in said if c.kind in kinds]
@@ -121,18 +123,10 @@ def table(cases: Sequence[Scored]) -> list[dict[str, str]]:
 
 def _solve(_: None, case: Case, folder: Folder) -> None:
     begin, machine = time.perf_counter(), made(case)
-    frames = {"the log to fit": machine.fit, "the log held out": machine.heldout}
-    fit, heldout = (as_log(machine.robot, frame, name) for name, frame in frames.items())
-    said, failure = Answer("failed", []), ""
-    with threadpool_limits(1):
-        try:
-            said = answer_of(concluded(searched(machine.robot, [fit], runs_here), runs_here, [heldout]))
-        except Exception as error:  # a wrong answer, whatever it is
-            failure = f"{type(error).__name__}: {error}"
+    said, failure = said_of(machine)[1:]
     folder.mkdir(parents=True, exist_ok=True)
     content = {"said": asdict(said), "failure": failure, "seconds": time.perf_counter() - begin}
-    content |= {"truth": [asdict(t) for t in machine.truth], "besides": machine.besides}
-    write_json(folder / f"{case.id}.json", content)
+    write_json(folder / f"{case.id}.json", content | machine.sealed)
 
 
 def _line(case: Case, content: dict[str, Any]) -> dict[str, Any]:

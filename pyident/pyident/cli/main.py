@@ -20,7 +20,7 @@ COMMANDS = {
     ),
     "export": Entry("pyident.cli.simulate", "export", "Write MODEL as an FMU."),
     "identify": Entry(
-        "pyident.cli.identify", "identify_command", "Identify the dynamic parameters of MODEL from LOGS."
+        "pyident.cli.identify", "identify_command", "Identify the dynamic parameters of MODEL from logs."
     ),
     "log": Entry("pyident.cli.data", "log", "Read recordings of other tools."),
     "open": Entry("pyident.cli.open", "open_command", "Open the workbench on FOLDER."),
@@ -30,7 +30,9 @@ COMMANDS = {
     "plan": Entry(
         "pyident.cli.excite", "plan", "Check a planned motion, or write it for another controller."
     ),
-    "robots": Entry("pyident.cli.robots", "robots", "List the robots that ship; import and export others."),
+    "robots": Entry(
+        "pyident.cli.robots", "robots", "List the robots that ship, or copy one; import and export others."
+    ),
     "simulate": Entry("pyident.cli.simulate", "simulate", "Simulate MODEL as an FMU and write the log."),
     "study": Entry("pyident.cli.study", "study", "Run studies and print one table."),
     "sweep": Entry(

@@ -18,14 +18,10 @@ from scipy.spatial.transform import Rotation
 from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
-from pyident.kinematics import link_forces, robot_structure, transfer
-from pyident.regression.loads.bodies import bodies
+from pyident.regression.loads.forces import as_they_are, link_forces_along
 from pyident.regression.outside_file import BEND, GAIN, LAG, Outside
-from pyident.regression.recent import Recent
 
 _STEP = 1e-6  # m, rad
-_as_they_are: Recent[np.ndarray] = Recent(8)
-_PIECE = 1000  # samples at a time: they stay in a core's cache
 _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
 
@@ -205,27 +201,8 @@ def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> d
     outside = outside_file(name)
     if outside is not None:
         return outside.column(robot, motion, joint)
-    as_it_is = _as_they_are.of((robot, motion), lambda: _link_forces(robot, motion))
-    other = _link_forces(corrected(robot, joint, name, _STEP), motion)
-    return dict(enumerate((other - as_it_is) / _STEP))
-
-
-def _link_forces(robot: Robot, motion: Motion) -> np.ndarray:
-    """(n, N) generalised forces of the links. By NumPy: compiling every geometry would take seconds each."""
-    structure, gravity, own = robot_structure.of_robot(robot), np.array(robot.gravity), bodies(robot)
-    rates = (np.ascontiguousarray(x.T) for x in (motion.q, motion.dq, motion.ddq))
-    pieces = zip(*(np.array_split(x, range(_PIECE, x.shape[1], _PIECE), axis=1) for x in rates), strict=True)
-    out = []
-    for q, dq, ddq in pieces:
-        found = transfer.nodes(structure, q, dq, ddq)
-        factors = link_forces.factors(structure, found, gravity)
-        out.append(
-            sum(
-                np.einsum("xin,xn->in", DF, np.einsum("xpn,p->xn", reaction, body))
-                for body, (DF, reaction) in zip(own, factors, strict=True)
-            )
-        )
-    return np.concatenate(out, axis=1)
+    other = link_forces_along(corrected(robot, joint, name, _STEP), motion)
+    return dict(enumerate((other - as_they_are(robot, motion)) / _STEP))
 
 
 def _described(robot: Robot, joint: int, name: str) -> Description:

@@ -7,7 +7,8 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
-from pyident.regression.loads.bodies import carried_loads, link_torques
+from pyident.regression.loads.bodies import carried_loads
+from pyident.regression.loads.forces import as_they_are, link_forces_along
 from pyident.regression.regressor import generalised_forces
 
 _STEP = 1e-6  # rad, the largest bend
@@ -80,8 +81,8 @@ def _bent(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
     for name, bend in (("q", load), ("dq", rate), ("ddq", np.gradient(rate, motion.time))):
         moved[name] = getattr(motion, name).copy()
         moved[name][:, k - 1] -= step * bend
-    change = link_torques(robot, replace(motion, **moved)) - link_torques(robot, motion)
-    return dict(enumerate(change.T / step))
+    other = link_forces_along(robot, replace(motion, **moved))
+    return dict(enumerate((other - as_they_are(robot, motion)) / step))
 
 
 GAIN = Outside(
@@ -100,8 +101,8 @@ BEND = Outside(
     _bent,
     "log where the link is, by an encoder behind the gear, or make joint{k} flexible",
     lambda k, value: (
-        f"log where the link is, by an encoder behind the gear, and make joint{k} flexible, with about "
-        f"{1 / value:.2g} N m/rad"
+        f"log where the link is, by an encoder behind the gear, and make joint{k} flexible"
+        + (f", with about {1 / value:.2g} N m/rad" if value > 0 else "")
     ),
     _bend_said,
 )
