@@ -43,9 +43,9 @@ gravity_spring = Effect(
     experiment="slow motion over the whole range with two payloads, or with the spring taken off",
 )
 
-_inertia = Parameter("inertia", "kg.m2")
-_viscous = Parameter("viscous", "N.m.s/rad")
-_coulomb = Parameter("coulomb", "N.m")
+_inertia = Parameter("inertia", "kg.m2", lower=0)
+_viscous = Parameter("viscous", "N.m.s/rad", lower=0)
+_coulomb = Parameter("coulomb", "N.m", lower=0)
 _ratio = Parameter("ratio", "1", start=1.0, lower=-10.0, upper=10.0, grid=(1.0, -1.0))
 # A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only
 # the mixed terms stand here: the others are part of each motor's own.

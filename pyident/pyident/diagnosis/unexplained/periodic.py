@@ -191,16 +191,22 @@ def _held(
     at: Sequence[float],
     rules: PeriodicRules,
 ) -> list[tuple[float, float]]:
-    """Energy and amplitude at each frequency or order."""
+    """Energy and amplitude at each frequency or order.
+
+    The amplitude is of a wave with that energy: coefficients of one that the base nearly imitates are not.
+    """
     freedom = _freedom(logs, over)
     free = np.full(freedom, -np.inf), np.full(freedom, np.inf)
-    found = gains(base, _columns_at(logs, levels, over, at), [free] * len(at))
+    listed = _columns_at(logs, levels, over, at)
     return [
-        (g.energy, float(np.linalg.norm(g.coefficients) / np.sqrt(freedom / 2)))
-        if g.left >= rules.left
-        else (0.0, 0.0)
-        for g in found
+        (g.energy, float(np.sqrt(2 * g.energy / _energy(X)))) if g.left >= rules.left else (0.0, 0.0)
+        for g, X in zip(gains(base, listed, [free] * len(at)), listed, strict=True)
     ]
+
+
+def _energy(X: Columns) -> float:
+    """Of whole columns, cosines and sines."""
+    return max(sum(float(np.square(x).sum()) for log in X for x in log.values()), 1e-300)
 
 
 def _freedom(logs: Sequence[Equations], over: Over) -> int:
