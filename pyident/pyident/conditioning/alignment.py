@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from flexmodels.robot import Robot
 from pyident.logs.foreign import delayed
@@ -15,6 +16,37 @@ _ENOUGH = 0.1  # of a frequency that is judged
 
 
 @dataclass(frozen=True)
+class OwnWay:
+    """What one joint's torque (from 1) alone went through: a delay [s], or a low pass [Hz] of some poles."""
+
+    joint: int
+    late: float = 0.0
+    corner: float = np.inf
+    poles: int = 1
+
+    @property
+    def filters(self) -> bool:
+        """Whether it is a low pass."""
+        return bool(np.isfinite(self.corner))
+
+    @property
+    def low_pass(self) -> "Alignment":
+        return Alignment(corner=self.corner, poles=self.poles)
+
+    @property
+    def behind(self) -> float:
+        """Time [s] by which what is slow comes late; early: below 0."""
+        return self.late + self.low_pass.behind
+
+    def undone(self, torque: np.ndarray, period: float) -> np.ndarray:
+        """A torque (N,) as it was before."""
+        if self.filters:
+            return sharpened(torque[:, None], period, self.low_pass)[:, 0]
+        time = np.arange(len(torque)) * period
+        return CubicSpline(time, torque)(np.clip(time + self.late, time[0], time[-1]))
+
+
+@dataclass(frozen=True)
 class Alignment:
     """What kept a log's positions and torques apart.
 
@@ -22,12 +54,14 @@ class Alignment:
     corner  [Hz] of the low pass through which all torques came, infinite: of none
     poles   of it, as Butterworth's: one or two of a drive's
     twice   whether it went over them forwards and backwards, as over a record: it delays nothing then
+    own     ways of single torques
     """
 
     late: float = 0.0
     corner: float = np.inf
     poles: int = 1
     twice: bool = False
+    own: tuple[OwnWay, ...] = ()
 
     @property
     def needed(self) -> bool:
@@ -50,25 +84,18 @@ class Alignment:
 
     def of(self, robot: Robot, log: Log) -> Log:
         """The log as it would have been without."""
-        return self._sharpened(robot, earlier(robot, log, self.late))
+        moved = earlier(robot, log, self.late)
+        if np.isfinite(self.corner):
+            names = list(robot.torques)
+            before = sharpened(moved.signals(names), log.period, self)
+            moved = replace(moved, frame=moved.frame.assign(**dict(zip(names, before.T, strict=True))))
+        each = {robot.torques[way.joint - 1]: way for way in self.own}
+        before = {name: way.undone(moved.signals([name])[:, 0], log.period) for name, way in each.items()}
+        return replace(moved, frame=moved.frame.assign(**before)) if before else moved
 
     def of_all(self, robot: Robot, logs: Sequence[Log]) -> list[Log]:
         """Every log so."""
         return [self.of(robot, log) for log in logs]
-
-    def _sharpened(self, robot: Robot, log: Log) -> Log:
-        """With the torques before their low pass; noise that came behind it is raised."""
-        if not np.isfinite(self.corner):
-            return log
-        names = list(robot.torques)
-        values = log.signals(names)
-        line = np.linspace(values[0], values[-1], len(values))
-        waves = values - line
-        whole = np.concatenate([waves, waves[-2:0:-1]])  # goes on without a step at both ends
-        passed = self.passed(np.fft.rfftfreq(len(whole), log.period))
-        before = np.fft.irfft(np.fft.rfft(whole, axis=0) / passed[:, None], len(whole), axis=0)[: len(line)]
-        before += line + (line[1] - line[0]) / log.period * self._behind
-        return replace(log, frame=log.frame.assign(**dict(zip(names, before.T, strict=True))))
 
     @property
     def delayed(self) -> bool:
@@ -78,10 +105,10 @@ class Alignment:
     @property
     def delay(self) -> "Alignment":
         """What only delays as much, where torques are slow."""
-        return Alignment(self.late - self._behind)
+        return Alignment(self.late - self.behind)
 
     @property
-    def _behind(self) -> float:
+    def behind(self) -> float:
         """Time [s] by which the low pass delays what is slow."""
         if self.twice:
             return 0.0
@@ -89,6 +116,16 @@ class Alignment:
 
 
 NOTHING = Alignment()
+
+
+def sharpened(values: np.ndarray, period: float, low_pass: Alignment) -> np.ndarray:
+    """(N, K) signals before a low pass; noise that came behind it is raised."""
+    line = np.linspace(values[0], values[-1], len(values))
+    waves = values - line
+    whole = np.concatenate([waves, waves[-2:0:-1]])  # goes on without a step at both ends
+    passed = low_pass.passed(np.fft.rfftfreq(len(whole), period))
+    before = np.fft.irfft(np.fft.rfft(whole, axis=0) / passed[:, None], len(whole), axis=0)[: len(line)]
+    return before + line + (line[1] - line[0]) / period * low_pass.behind
 
 
 def earlier(robot: Robot, log: Log, late: float) -> Log:

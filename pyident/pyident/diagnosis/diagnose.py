@@ -14,6 +14,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
+from pyident.conditioning.alignment import Alignment, OwnWay
 from pyident.diagnosis.base.denoised import unfiltered, within
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
@@ -22,6 +23,7 @@ from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, 
 from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
+from pyident.diagnosis.late_torque import own_ways
 from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
@@ -62,7 +64,7 @@ def diagnose(
     An interrupt (Ctrl-C) after the search gives what is known by then. Raises LogError.
     """
     search = searched(robot, logs, open_pool, lambda share: progress(0.8 * share), rules)
-    search, found = _from_columns(search.resting_on(()), heldout)
+    search, found = _from_columns(search.resting_on(()), heldout, open_pool)
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
@@ -181,16 +183,15 @@ def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) 
 
     Where no law evaluated along the logs explains them, the laws are judged by their signatures.
     """
-    search, found = _from_columns(search.resting_on(()), heldout)
+    search, found = _from_columns(search.resting_on(()), heldout, open_pool)
     return _from_signatures(search, found, open_pool, heldout)
 
 
-def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagnosis]:
+def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -> tuple[Search, Diagnosis]:
     """What the laws come to, and the search that says so: that in which logs have their own friction,
     where laws without it leave much more.
     """
-    held = held_out(search, heldout)
-    selection = _selected(search, held)
+    search, held, selection = _in_time(search, heldout, open_pool)
     beside = search.resting_on(selection.candidates)
     left = beside.stands_out or bands_in_doubt(search.examination, beside.base).any()
     by_log = friction_by_log(search) if left else None
@@ -203,6 +204,28 @@ def _from_columns(search: Search, heldout: Sequence[Log]) -> tuple[Search, Diagn
             note, said = by_log.note(named), f"{by_log.sentence(named)} {found.sentence}"
             return by_log.search, replace(found, sentence=said, notes=(note, *found.notes))
     return search, conclusion(search, selection, held, heldout)
+
+
+def _in_time(
+    search: Search, heldout: Sequence[Log], open_pool: OpenPool
+) -> tuple[Search, HeldOut, Selection]:
+    """What the laws come to; with single torques put right, where that leaves far less."""
+    held = held_out(search, heldout)
+    selection = _selected(search, held)
+    ways = own_ways(search, selection.candidates)
+    if not ways:
+        return search, held, selection
+    mended = _with_torques_mended(search.examination.setting, ways, open_pool)
+    held = held_out(mended, heldout)
+    return mended, held, _selected(mended, held)
+
+
+def _with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: OpenPool) -> Search:
+    """The search in logs whose torques are as before they went these ways."""
+    logs = Alignment(own=ways).of_all(setting.robot, setting.logs)
+    mended = set_up(setting.robot, logs, setting.rules, setting.estimator)
+    whole = replace(setting.alignment, own=ways)
+    return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)
 
 
 def _selected(search: Search, held: HeldOut) -> Selection:

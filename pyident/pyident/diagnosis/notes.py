@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexmodels.coordinate import joint_name, joint_number
+from pyident.conditioning.alignment import OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.residual_over_floor import EDGES
@@ -27,11 +28,24 @@ def in_time(setting: Setting) -> str:
     found = setting.alignment
     if not found.needed:
         return ""
-    late = f"positions come about {1e3 * abs(found.late):.2g} ms {'late' if found.late > 0 else 'early'}"
-    smeared = f"torques come through a low pass of about {found.corner:.2g} Hz"
-    if not np.isfinite(found.corner):
-        return f"All {late} against the torques. That put right: "
-    return f"All {f'{smeared}, and all {late}' if found.delayed else smeared}. That put right: "
+    parts = []
+    if np.isfinite(found.corner):
+        parts.append(f"all torques come through a low pass of about {found.corner:.2g} Hz")
+    if found.delayed:
+        parts.append(f"all positions come about {_late(found.late)} against the torques")
+    parts += [f"the torque of {joint_name(way.joint)} comes {_way(way)}" for way in found.own]
+    said = ", and ".join(parts)
+    return f"{said[0].upper()}{said[1:]}. That put right: "
+
+
+def _way(way: OwnWay) -> str:
+    if way.filters:
+        return f"through a low pass of about {way.corner:.2g} Hz"
+    return f"about {_late(way.late)}"
+
+
+def _late(time: float) -> str:
+    return f"{1e3 * abs(time):.2g} ms {'late' if time > 0 else 'early'}"
 
 
 def in_motion(search: Search, places: Sequence[Place]) -> list[Place]:
@@ -104,6 +118,12 @@ def of_time(setting: Setting) -> Iterator[str]:
             "all positions were moved in time before anything was judged: they have another clock or filter "
             "than the torques, or all drives lag by that much; give their columns a delay of about "
             f"{found.late:.2g} s in the mapping"
+        )
+    for way in found.own:
+        yield (
+            f"the torque of {joint_name(way.joint)} was put right before all was judged: it has a clock or a "
+            f"filter of its own; give joint{way.joint}.tau a delay of about {way.behind:.2g} s in the mapping"
+            + (", or log it without that filter, which smears friction as well" if way.filters else "")
         )
 
 

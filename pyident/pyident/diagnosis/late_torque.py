@@ -1,0 +1,119 @@
+"""One joint's torque that came another way than its motion: late as a whole, or through a filter of its own.
+
+Across a reversal dry friction makes a torque a step, of which a slope (`torque_lag`) says little where the
+torque is late by more than a few samples, or smeared: laws with a memory, as presliding, then take more of
+it. So where what was named leaves something that stands out, every measured torque is moved in time, and
+taken as before a low pass of a drive's, and the time or the corner is sought that leaves least of its
+equation, over a floor that went the same way. It has to leave hardly anything of what exceeds the floor
+there, far less than the laws do, and every log by itself has to tell the same.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from pyident.conditioning.alignment import OwnWay
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.residual_over_floor import bands_of
+from pyident.diagnosis.search.search import Search
+
+_LATEST = 0.05  # s: drives and their filters are faster
+_HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
+_EXACT = 0.05  # of a step of a grid
+_CORNERS = 12
+_ALIKE = 0.25  # of the time, and a sample: as far as logs differ in what they tell
+_CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
+
+
+def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
+    """Those of the torques that came another way than their motion. The search must rest on nothing.
+
+    named   laws that explain the search best
+    """
+    if search.examination.setting.simulates:
+        return ()
+    beside = search.resting_on(named)
+    open_joints = [k for k, _ in search.robot.numbered if beside.standing_out[k - 1]]
+    found = (_way(search, k, beside.remaining_on([k - 1])) for k in open_joints)
+    return tuple(way for way in found if way is not None)
+
+
+def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
+    """Of the torque of a joint (from 1), of which laws leave an energy; None where the logs do not tell."""
+    ex = search.examination
+    period = max(e.band.period for e in ex.logs)
+    every, kinds = range(len(ex.logs)), _kinds(joint, period)
+    delay, *filters = [_best(search, kind, every) for kind in kinds]
+    best = min(filters, key=lambda way: _left(search, way, every))
+    if _left(search, best, every) > _CLEARLY * _left(search, delay, every):
+        best = delay
+    at_the_end = abs(best.late) > _LATEST - period
+    if at_the_end or abs(best.behind) < period / 2:
+        return None
+    if _left(search, best, every) > (1 - search.rules.whole) * search.remaining_on([joint - 1]):
+        return None
+    kind = kinds[best.poles if best.filters else 0]
+    each = [_best(search, kind, [i]).behind for i in every]
+    alike = all(abs(own - best.behind) <= period + _ALIKE * abs(best.behind) for own in each)
+    return best if alike else None
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Ways that a torque may have come, over one number each; at (A,): the numbers that are tried first."""
+
+    of: Callable[[float], OwnWay]
+    at: np.ndarray
+
+
+def _kinds(joint: int, period: float) -> list[_Kind]:
+    """A delay, by half samples; low passes of one pole and of two, by the logarithm of the corner."""
+    count = int(np.ceil(2 * _LATEST / period))
+    times = np.arange(-count, count + 1) * period / 2
+    low, high = np.log([1 / (2 * np.pi * _LATEST), _HIGHEST * 0.5 / period]).tolist()
+    corners = np.linspace(low, high, _CORNERS)
+
+    def low_pass(poles: int, logarithm: float) -> OwnWay:
+        return OwnWay(joint, corner=float(np.exp(logarithm)), poles=poles)
+
+    filters = [_Kind(partial(low_pass, poles), corners) for poles in (1, 2)]
+    return [_Kind(lambda time: OwnWay(joint, late=time), times), *filters]
+
+
+def _best(search: Search, kind: _Kind, numbers: Sequence[int]) -> OwnWay:
+    """The way of a kind that leaves least in some of the logs."""
+
+    def left(x: float) -> float:
+        return _left(search, kind.of(x), numbers)
+
+    step = float(kind.at[1] - kind.at[0])
+    middle = float(kind.at[int(np.argmin([left(x) for x in kind.at.tolist()]))])
+    ends = (middle - step, middle + step)
+    found = minimize_scalar(left, bounds=ends, options={"xatol": _EXACT * step})
+    return kind.of(float(found.x) if found.fun < left(middle) else middle)
+
+
+def _left(search: Search, way: OwnWay, numbers: Sequence[int]) -> float:
+    """What exceeds the floor on a joint's equation in some logs, its torque put right, its floor as well."""
+    ex, base, row = search.examination, search.base, way.joint - 1
+    heard, y = [], []
+    for log, level, residual in zip(ex.logs, search.levels, base.residual, strict=True):
+        torque = log.part.target[:, row]
+        change = log.part.used(row, way.undone(torque, log.band.period) - torque)
+        passed = np.abs(way.low_pass.passed(log.band.frequencies))
+        heard.append(np.tile(passed, 2))
+        y.append((residual[row] + log.band.transform(change[:, None])[:, 0] / level[row]) * heard[-1])
+    own = [basis[row] for basis in base.basis]
+    weighted = [A * h[:, None] for A, h in zip(own, heard, strict=True)]
+    normal = np.eye(own[0].shape[1]) - sum(A.T @ A for A in own) + sum(A.T @ A for A in weighted)
+    rest = sum(A.T @ x for A, x in zip(weighted, y, strict=True))
+    others = -sum(A.T @ r[row] for A, r in zip(own, base.residual, strict=True))  # the base took all before
+    part = np.linalg.lstsq(normal, rest + others, rcond=None)[0]
+    left = [np.zeros_like(r) for r in base.residual]
+    bands = [b if i in numbers else np.zeros_like(b) for i, b in enumerate(bands_of(ex.logs))]
+    for i in numbers:
+        left[i][row] = y[i] - weighted[i] @ part
+    return ex.excess(left, bands, [row])[0]

@@ -1,0 +1,86 @@
+"""One torque that comes late by more than a slope tells is moved in time; laws with a memory are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter, lfilter_zi
+from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
+
+from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay
+from pyident.diagnosis.diagnose import concluded, diagnose, searched
+from pyident.logs.log import Log
+
+PACE = 2.0  # times a slow motion, so that a joint reverses often
+
+
+def never(_):
+    raise AssertionError("without a known controller nothing is simulated")
+
+
+def with_torque(log: Log, joint: int, tau: np.ndarray) -> Log:
+    return replace(log, frame=log.frame.assign(**{f"joint{joint}.tau": tau}))
+
+
+def later(log: Log, joint: int, samples: float) -> Log:
+    time, tau = log.frame["time"].to_numpy(), log.frame[f"joint{joint}.tau"].to_numpy()
+    return with_torque(log, joint, np.interp(time - samples * log.period, time, tau))
+
+
+def filtered(log: Log, joint: int, corner: float) -> Log:
+    """Behind a low pass of two poles, which delays what is slow by sqrt(2)/(2 pi corner)."""
+    b, a = np.asarray(butter(2, corner, fs=1 / log.period, output="ba"))
+    tau = log.frame[f"joint{joint}.tau"].to_numpy()
+    return with_torque(log, joint, lfilter(b, a, tau, zi=lfilter_zi(b, a) * tau[0])[0])
+
+
+def test_a_delay_of_some_samples_is_found_and_leaves_nothing():
+    logs = [later(made(arm(), seed, plain, 20.0, PACE), 3, 3.0) for seed in range(3)]
+    found = diagnose(arm(), logs[:2], never, logs[2:])
+    assert found.verdict == "nothing_detectable"
+    assert found.sentence.startswith("The torque of joint3 comes about")
+    assert "ms late. That put right: Nothing is missing" in found.sentence
+    (note,) = [note for note in found.notes if "was put right" in note]
+    assert f"give joint3.tau a delay of about {3.0 * logs[0].period:.2g} s" in note
+
+
+def test_a_low_pass_of_one_torque_is_no_presliding():
+    logs = [filtered(made(arm(), seed, plain, 20.0, PACE), 2, 9.0) for seed in range(3)]
+    found = diagnose(arm(), logs[:2], never, logs[2:])
+    assert found.sentence.startswith("The torque of joint2 comes through a low pass of about")
+    assert "presliding" not in {n.effect for f in found.findings for n in f.tie}
+
+
+def test_laws_behind_it_are_named():
+    logs = [later(made(arm(), seed, three_laws, 20.0, PACE), 5, 4.0) for seed in range(3)]
+    found = diagnose(arm(), logs[:2], never, logs[2:])
+    assert found.sentence.startswith("The torque of joint5 comes about")
+    firsts = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
+    assert {("load_dependent_friction", "joint2"), ("nonlinear_viscous", "joint1")} <= firsts
+
+
+def test_presliding_is_not_taken_for_it():
+    def elastic(q, v, load, time):
+        out = COULOMB * np.sign(v) + VISCOUS * v
+        force, step = np.zeros(len(q)), np.diff(q[:, 1], prepend=q[0, 1])
+        for n in range(1, len(q)):
+            force[n] = np.clip(force[n - 1] + step[n] / 0.01, -1, 1)
+        out[:, 1] += COULOMB[1] * (force - np.sign(v[:, 1]))
+        return out
+
+    logs = [made(arm(), seed, elastic, 30.0) for seed in range(2)]
+    search = searched(arm(), logs[:1], never)
+    assert search.examination.setting.alignment == NOTHING
+    found = concluded(search, never, logs[1:])
+    assert ("presliding", "joint2") in {(n.effect, n.joint) for f in found.findings for n in f.tie}
+    assert "comes about" not in found.sentence
+
+
+def test_only_the_torques_that_came_late_are_moved():
+    log = made(arm(), 0, plain, 10.0, PACE)
+    late = Alignment(own=(OwnWay(3, 3 * log.period),)).of(arm(), later(log, 3, 3.0))
+    apart = {c for c in log.frame if not np.array_equal(late.frame[c], log.frame[c])}
+    assert apart == {"joint3.tau"}
+    inside = slice(10, -10)
+    tau = log.frame["joint3.tau"].to_numpy()[inside]
+    assert late.frame["joint3.tau"].to_numpy()[inside] == pytest.approx(tau, abs=1e-9)
