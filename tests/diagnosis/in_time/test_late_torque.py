@@ -35,8 +35,8 @@ def filtered(log: Log, joint: int, corner: float) -> Log:
 
 
 def test_a_delay_of_some_samples_is_found_and_leaves_nothing():
-    logs = [later(made(arm(), seed, plain, 20.0, PACE), 3, 3.0) for seed in range(3)]
-    found = diagnose(arm(), logs[:2], never, logs[2:])
+    logs = [later(made(arm(), seed, plain, 20.0, PACE), 3, 3.0) for seed in range(2)]
+    found = diagnose(arm(), logs[:1], never, logs[1:])
     assert found.verdict == "nothing_detectable"
     assert found.sentence.startswith("The torque of joint3 comes about")
     assert "ms late. That put right: Nothing is missing" in found.sentence
@@ -45,15 +45,16 @@ def test_a_delay_of_some_samples_is_found_and_leaves_nothing():
 
 
 def test_a_low_pass_of_one_torque_is_no_presliding():
-    logs = [filtered(made(arm(), seed, plain, 20.0, PACE), 2, 9.0) for seed in range(3)]
-    found = diagnose(arm(), logs[:2], never, logs[2:])
+    logs = [filtered(made(arm(), seed, plain, 20.0, PACE), 2, 9.0) for seed in range(2)]
+    found = diagnose(arm(), logs[:1], never, logs[1:])
     assert found.sentence.startswith("The torque of joint2 comes through a low pass of about")
     assert "presliding" not in {n.effect for f in found.findings for n in f.tie}
 
 
+@pytest.mark.slow
 def test_laws_behind_it_are_named():
-    logs = [later(made(arm(), seed, three_laws, 20.0, PACE), 5, 4.0) for seed in range(3)]
-    found = diagnose(arm(), logs[:2], never, logs[2:])
+    logs = [later(made(arm(), seed, three_laws, 20.0, PACE), 5, 4.0) for seed in range(2)]
+    found = diagnose(arm(), logs[:1], never, logs[1:])
     assert found.sentence.startswith("The torque of joint5 comes about")
     firsts = {(f.tie[0].effect, f.tie[0].joint) for f in found.findings}
     assert {("load_dependent_friction", "joint2"), ("nonlinear_viscous", "joint1")} <= firsts
