@@ -147,8 +147,9 @@ def _torque_noise(
         if moving.any():
             rest = bridged(rest, moving)
         if repeats:
-            found = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
-            found = replace(found, density=found.density / share_told(moving[repeats.rows]))
+            own = repeats.rows
+            found = repeated_spectrum(rest[own], repeats.period, log.period, speed[own])
+            found = replace(found, density=found.density / share_told(moving[own]))
         else:
             found = between_reversals(rest, moving, log.period)
         out[name] = found or _of_highest(rest, moving, log.period)
