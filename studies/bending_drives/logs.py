@@ -27,6 +27,7 @@ _BENDS = 0.03  # rad, at most: no drive gives way further
 _SWINGS = 4.0  # Hz, at least, at which a link swings on its drive: plans end at 1 Hz
 _STEP = 1e-6  # rad
 _POSES = 50
+_MACHINES = 1000  # few have two drives that bend that far
 
 
 def case_list(seed: int, count: int) -> list[Case]:
@@ -44,7 +45,7 @@ def _case(seed: int, number: int) -> Case:
 def made(case: Case) -> Made:
     """Draws until a machine has drives that can bend as far as the kind of the case asks for."""
     rng = case.rng
-    return first_drawn(case, lambda: _made(case, rng))
+    return first_drawn(case, lambda: _made(case, rng), _MACHINES)
 
 
 def _made(case: Case, rng: np.random.Generator) -> Made:

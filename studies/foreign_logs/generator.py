@@ -63,14 +63,14 @@ def made(case: Case, most: int = 7) -> Made:
     return first_drawn(case, lambda: _made(case, rng, most))
 
 
-def first_drawn(case: Case, draw: Callable[[], Made]) -> Made:
-    """The first of many draws that no loop refuses and in which all can be hidden."""
-    for _ in range(_MACHINES):
+def first_drawn(case: Case, draw: Callable[[], Made], machines: int = _MACHINES) -> Made:
+    """The first of some draws that no loop refuses and in which all can be hidden."""
+    for _ in range(machines):
         try:
             return draw()
         except (FloatingPointError, NotDrawn):
             continue
-    raise RuntimeError(f"case {case.id}: none of {_MACHINES} machines will do; take another seed")
+    raise RuntimeError(f"case {case.id}: none of {machines} machines will do; take another seed")
 
 
 class NotDrawn(Exception):

@@ -9,8 +9,8 @@ from one_joint import one_joint
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.notes import of_gears, warnings
-from pyident.diagnosis.result import Finding, Named
+from pyident.diagnosis.notes import of_gears, of_what_is_shared, warnings
+from pyident.diagnosis.result import Finding, Named, Place
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.rules.rules import RULES
 
@@ -125,3 +125,25 @@ def test_a_share_without_held_out_logs_is_said_alone():
     one = cast(Any, SimpleNamespace(**vars(ONE) | {"heldout_gain_percent": None}))
     sentence = sentence_of("missing_effect", [one], _places("in_order"), ("joint2", "motor"))
     assert sentence == "Missing: stribeck at joint2 (97 % of what exceeds the floor there)."
+
+
+def _motors(*states):
+    return [Place(f"joint{k}", "motor", state, (1.0, 1.0), 1.0) for k, state in enumerate(states, start=1)]
+
+
+@pytest.mark.parametrize(
+    ("states", "who"),
+    [
+        (["unexplained"] * 3, "every joint is"),
+        (["unexplained"] * 4 + ["explained"] * 2, "4 of 6 joints are"),
+        (["unexplained"] * 3 + ["unobserved"], "every joint is"),
+        (["unexplained"] * 3 + ["in_order"] * 3, None),
+        (["unexplained"] * 2, None),
+    ],
+)
+def test_one_cause_is_suspected_where_most_joints_are_left(states, who):
+    plain, beside = (list(of_what_is_shared(_motors(*states), f)) for f in ((), [_finding(("stribeck", 1))]))
+    assert [note.startswith(f"{who} left unexplained") for note in plain] == [True] * (who is not None)
+    assert [note.endswith("only stand in for it") for note in [*plain, *beside]] == [False, True][
+        : 2 * len(plain)
+    ]

@@ -21,6 +21,7 @@ from pyident.diagnosis.notes import (
     of_one_order,
     of_speeds,
     of_time,
+    of_what_is_shared,
     orders_of,
     warnings,
 )
@@ -71,6 +72,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *of_one_order(search, selection, held),
             *of_speeds(search, selection),
             *warnings(search, verdict, in_motion(search, places)),
+            *of_what_is_shared(places, findings),
             *in_doubt(beside, places, selection.refusals),
             *of_gears(findings),
             *of_mends(findings),

@@ -20,6 +20,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import outside_file
 
+_MANY, _MOST = 3, 2 / 3  # joints, and of those that move: more are seldom wrong each by itself
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
@@ -72,6 +73,21 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
             "there, and hide what is smaller than their floor"
         )
+
+
+def of_what_is_shared(places: Sequence[Place], findings: Sequence[Finding]) -> Iterator[str]:
+    """Where nearly every joint stays unexplained: one cause in common is likelier than as many."""
+    motors = [p for p in places if p.balance == "motor" and p.state != "unobserved"]
+    left = [p for p in motors if p.state == "unexplained"]
+    if len(left) < max(_MANY, _MOST * len(motors)):
+        return
+    who = "every joint is" if len(left) == len(motors) else f"{len(left)} of {len(motors)} joints are"
+    but = "; what is named may only stand in for it" if findings else ""
+    yield (
+        f"{who} left unexplained: suspect first what they share, as torque sensors with hysteresis or of a "
+        "wrong scale, the recorder's clock or filter, lengths and gravity in the robot file, a load taken "
+        f"up, or something touched, in a part of the logs{but}"
+    )
 
 
 def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal]) -> Iterator[str]:

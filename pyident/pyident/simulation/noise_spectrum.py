@@ -103,7 +103,10 @@ def bridged(left: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def repeated_spectrum(left: np.ndarray, repeats: float, period: float, speed: np.ndarray) -> NoiseSpectrum:
-    """Of what a model leaves (N,) along a motion that repeats after so many samples; speed (N,): its joint's."""
+    """Of what a model leaves (N,) along a motion that repeats after so many samples.
+
+    speed   (N,) of the torque's joint
+    """
     noise, step = unrepeated(left, repeats, speed)
     window = np.hanning(len(noise))
     S = np.abs(np.fft.rfft((noise - noise.mean()) * window)) ** 2 / np.sum(window**2) * 2 * period * step
