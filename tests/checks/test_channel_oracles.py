@@ -112,6 +112,38 @@ def test_values_that_were_lost_and_values_that_stick_out_are_told_apart():
     assert "sticks out by 40 for single samples, 4 times, first at 1.2 s" in spiked.sentence
 
 
+TURNS = np.flatnonzero(np.diff(np.sign(np.gradient(ANGLE))))
+
+
+def with_dry_friction(late: int = 0) -> np.ndarray:
+    """The torque of ANGLE with friction that jumps twice at some of its turns, `late` samples after."""
+    turns = TURNS[::5] + late
+    torque = 5 + np.cos(2 * TIME) + 0.02 * np.random.default_rng(4).standard_normal(len(TIME))
+    torque[turns], torque[turns + 1] = torque[turns] + 0.8, torque[turns + 1] - 0.8
+    return torque
+
+
+@pytest.mark.parametrize("late", [0, 2])
+def test_dry_friction_that_jumps_where_its_joint_turns_is_no_spike(late):
+    torque = with_dry_friction(late)
+    assert list(spikes(Log(logged().frame.drop(columns="joint1.e"), "a log"), "joint1.tau", torque))
+    assert not list(spikes(logged(), "joint1.tau", torque))
+    shifted = np.concatenate([ANGLE[40:], ANGLE[:40]])  # turns elsewhere
+    assert list(spikes(logged(**{"joint1.e": shifted}), "joint1.tau", torque))
+
+
+def test_spikes_elsewhere_are_counted_without_those_of_friction_and_large_ones_are_everywhere():
+    between = (TURNS[2:8:2] + TURNS[3:9:2]) // 2
+    torque = with_dry_friction()
+    torque[between] += 0.8
+    (told,) = spikes(logged(), "joint1.tau", torque)
+    assert f"3 times, first at {TIME[between[0]]:.9g} s" in told.sentence
+    torque = with_dry_friction()
+    torque[TURNS[4]] += 40.0
+    (wide,) = spikes(logged(), "joint1.tau", torque)
+    assert (wide.severity, "1 times" in wide.sentence) == ("gross", True)
+
+
 def kinds(defects, kind: str) -> list[str]:
     return [d.sentence for d in defects if d.kind == kind]
 

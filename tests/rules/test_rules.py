@@ -21,7 +21,7 @@ def test_every_threshold_says_what_it_is():
     groups = {line.name.split(".")[0] for line in listed}
     modules = {module.name for module in iter_modules(pyident.rules.__path__)}
     assert modules - groups == {"rule", "rules", "confidence"}  # no group is forgotten
-    assert groups - modules == {"extension"}  # that one stands beside the unexplained
+    assert groups - modules == {"extension", "change_checks"}  # beside the unexplained, and the log checks
     for line in listed:
         assert line.of, line.name
         assert min(len(line.why), len(line.fixed_on)) > 3, line.name

@@ -10,6 +10,7 @@ from flexmodels.coordinate import motor_of, reference_of
 from flexmodels.robot import Robot
 from pyident.checks.balances import balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
+from pyident.checks.changes import changes
 from pyident.checks.channels.every_channel import channels
 from pyident.checks.defect import Defect
 from pyident.checks.gravity import gravity
@@ -98,7 +99,7 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
         return [*order, *late, *scale(of, source)]
     checks = (signs, twists, bends, scale, unexplained, all_late)
     found = [defect for check in checks for defect in check(of, source)]
-    return [*order, *weight, *found, *constants(of, robot, source)]
+    return [*order, *weight, *found, *constants(of, robot, source), *changes(of, log)]
 
 
 def _with_constants(robot: Robot) -> Robot:

@@ -34,6 +34,15 @@ class ChannelCheckRules:
     )
     few: int = rule(3, "single odd samples of a torque", "fewer are accidents", _FLAGS)
     wide_spike: float = rule(1.0, "the range of all other samples", "less may be a torque's peak", _BENCH)
+    turning: int = rule(
+        3,
+        "samples on either side of a joint's reversal, stop or start",
+        "dry friction jumps there; a torque may be a sample or two late",
+        "by reason",
+    )
+    still: float = rule(
+        4.0, "an angle's noise, over that many samples", "less is no motion", "by reason: 2.8 deviations"
+    )
     many: float = rule(0.002, "the samples that are odd", "with more, the log is refused", _BENCH)
     neighbours: int = rule(
         6, "runs on either side with which a stuck one is compared", "more are of another motion", _BENCH

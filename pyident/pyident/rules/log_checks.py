@@ -2,11 +2,15 @@
 
 from dataclasses import dataclass
 
-from pyident.rules.rule import in_range, rule
+from pyident.rules.rule import RulesError, in_range, rule
 
 _BENCH = "the wrong and the good logs of studies/log_checks, while these were written"
 _DRAWN = "random motions of seed 77 and the measured logs of studies/log_checks"
 _KNOWN = "no data: what robots and recorders do"
+_ARMS = (
+    "by hand, on arms of two to six joints by Pinocchio that lack a law, warm up, bend, are late or stand at "
+    "another place, half of them first slow and then fast"
+)
 
 
 @dataclass(frozen=True)
@@ -112,3 +116,49 @@ class LogCheckRules:
 
 
 LOG_CHECKS = LogCheckRules()
+
+
+@dataclass(frozen=True)
+class ChangeCheckRules:
+    """When a step is believed; shares are of one."""
+
+    edge: float = rule(0.1, "the log, at either end", "a part so short is fitted by anything", "by reason")
+    light: float = rule(
+        1e-3,
+        "the largest joint's torque (rms), to which a lighter one counts",
+        "a joint that carries nothing but rounding would outweigh all others",
+        "by reason",
+    )
+    bends: tuple[float, ...] = rule(
+        (0.1, 0.3, 0.5, 0.7, 0.9, 1.0),
+        "quantiles of a joint's speed between which friction may bend",
+        "with fewer, a slow half and a fast one are two machines",
+        _ARMS,
+    )
+    body: float = rule(
+        0.5,
+        "the energy that one machine leaves, with another body from some instant on",
+        "0.61 and more without a change",
+        _ARMS,
+    )
+    friction: float = rule(
+        0.25,
+        "a joint's energy that one machine leaves, with another friction from some instant on",
+        "0.39 and more without a change",
+        _ARMS,
+    )
+    again: float = rule(
+        0.75,
+        "the energy left by a step, that a second one leaves",
+        "what grows, or comes and goes, gains by every split; a step by the first",
+        _ARMS,
+    )
+
+    def __post_init__(self) -> None:
+        in_range(self, "change_checks", 0, 1, "light", "body", "friction", "again")
+        in_range(self, "change_checks", 0, 0.4, "edge")
+        if list(self.bends) != sorted(set(self.bends)) or not 0 <= self.bends[0] < self.bends[-1] <= 1:
+            raise RulesError("rules: change_checks.bends must rise within 0 and 1")
+
+
+CHANGES = ChangeCheckRules()

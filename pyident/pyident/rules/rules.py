@@ -11,7 +11,7 @@ from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.greybox import GREYBOX
-from pyident.rules.log_checks import LOG_CHECKS
+from pyident.rules.log_checks import CHANGES, LOG_CHECKS
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.replicas import ReplicaRules
 from pyident.rules.rule import Line, RulesError, lines
@@ -54,6 +54,7 @@ def every_threshold() -> Iterator[Line]:
     beside = {
         "log_checks": LOG_CHECKS,
         "channel_checks": CHANNELS,
+        "change_checks": CHANGES,
         "equation_checks": EQUATIONS,
         "bins": BINS,
         "greybox": GREYBOX,

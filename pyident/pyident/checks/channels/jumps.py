@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from flexmodels.coordinate import is_motor, joint_number
+from flexmodels.coordinate import is_motor, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.checks.channels.quantisation import noise_of, step_of
 from pyident.checks.defect import Defect
@@ -77,7 +77,11 @@ def _turn(log: Log, name: str, at: int) -> Defect:
 
 
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Single samples of a torque x (N,) far off those beside them, beyond its noise and its own steps."""
+    """Single samples of a torque x (N,) far off those beside them, beyond its noise and its own steps.
+
+    Where the joint reverses, stops or starts, its dry friction jumps, and may jump twice: only what is larger
+    than the range of all the rest is a spike there.
+    """
     from scipy.ndimage import median_filter
 
     yield from _dropouts(log, name, x)
@@ -87,7 +91,9 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     alone = np.flatnonzero(odd > max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)))
     if not len(alone) or len(alone) > 0.02 * len(x):
         return
-    wide = odd[alone].max() > CHANNELS.wide_spike * np.ptp(np.delete(x, alone))
+    largest = CHANNELS.wide_spike * np.ptp(np.delete(x, alone))
+    wide = bool(odd[alone].max() > largest)
+    alone = alone[(odd[alone] > largest) | ~_turns(log, name)[alone]]
     if not wide and len(alone) < CHANNELS.few:
         return
     time = log.frame["time"].to_numpy(float)
@@ -96,6 +102,20 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
                  f"{log.source}: {name} sticks out by {odd[alone].max():.3g} for single samples, "
                  f"{len(alone)} times, first at "
                  f"{time[alone[0]]:.9g} s; repair the channel or cut the log there")  # fmt: skip
+
+
+def _turns(log: Log, name: str) -> np.ndarray:
+    """(N,) whether the joint of the torque `name` reverses, stops or starts about then."""
+    motor = motor_of(joint_number(name))
+    if motor not in log.names:
+        return np.zeros(len(log), bool)
+    angle, reach = log.frame[motor].to_numpy(float), CHANNELS.turning
+    padded = np.pad(angle, reach, mode="edge")
+    went = padded[2 * reach :] - padded[: -2 * reach]
+    still = max(CHANNELS.still * noise_of(angle), step_of(angle))
+    way = np.where(np.abs(went) <= still, 0.0, np.sign(went))
+    turns = np.diff(way, prepend=way[:1]) != 0
+    return np.convolve(turns, np.ones(2 * reach + 1), "same") > 0
 
 
 def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
