@@ -47,7 +47,7 @@ def test_a_motion_that_does_not_come_back_has_none():
     time = np.arange(6000) * PERIOD
     q = np.sin(2 * np.pi * np.outer(time, [0.31, 0.17]) * (1 + 0.004 * time[:, None]))
     assert period_of(q, np.zeros(2)) is None
-    assert period_of(course(time)[:1500], np.zeros(2)) is None  # it is not back yet
+    assert period_of(course(time)[:2000], np.zeros(2)) is None  # it comes back twice
     assert period_of(np.zeros((6000, 2)), np.zeros(2)) is None
 
 
@@ -56,19 +56,8 @@ def test_what_repeats_and_what_drifts_is_no_noise():
     time = np.arange(6000) * PERIOD
     angle = course(time)[:, 0]
     law = 10 * np.tanh(np.gradient(angle, PERIOD) / 0.2) * angle**2 * (1 - 0.2 * time / time[-1])
-    speed = np.gradient(angle, PERIOD)
-    found = [repeated_spectrum(law + noise(6000, seed), 777.34, PERIOD, speed) for seed in range(8)]
+    found = [repeated_spectrum(law + noise(6000, seed), 777.34, PERIOD) for seed in range(8)]
     f = np.array([*SLOW, 3.0, 40.0])
-    assert mean_of(found, f) == pytest.approx(true(f), rel=0.25)
-
-
-def test_of_two_periods_a_friction_and_a_zero_of_the_second_are_no_noise():
-    time = np.arange(1600) * PERIOD
-    angle, second = course(time)[:, 0], time > 7.7734
-    speed = np.gradient(angle, PERIOD)
-    law = 10 * np.tanh(speed / 0.2) * angle**2 + second * (2.0 + np.sign(speed) + 3 * speed)
-    found = [repeated_spectrum(law + noise(1600, seed), 777.34, PERIOD, speed) for seed in range(40)]
-    f = np.array([0.6, 1.0, 3.0, 40.0])
     assert mean_of(found, f) == pytest.approx(true(f), rel=0.25)
 
 

@@ -147,9 +147,8 @@ def _torque_noise(
         if moving.any():
             rest = bridged(rest, moving)
         if repeats:
-            own = repeats.rows
-            found = repeated_spectrum(rest[own], repeats.period, log.period, speed[own])
-            found = replace(found, density=found.density / share_told(moving[own]))
+            found = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
+            found = replace(found, density=found.density / share_told(moving[repeats.rows]))
         else:
             found = between_reversals(rest, moving, log.period)
         out[name] = found or _of_highest(rest, moving, log.period)

@@ -102,12 +102,9 @@ def bridged(left: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.where(known, left, np.interp(at, at[known], mean[known]))
 
 
-def repeated_spectrum(left: np.ndarray, repeats: float, period: float, speed: np.ndarray) -> NoiseSpectrum:
-    """Of what a model leaves (N,) along a motion that repeats after so many samples.
-
-    speed   (N,) of the torque's joint
-    """
-    noise, step = unrepeated(left, repeats, speed)
+def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseSpectrum:
+    """Of what a model leaves (N,) along a motion that repeats after so many samples."""
+    noise, step = unrepeated(left, repeats)
     window = np.hanning(len(noise))
     S = np.abs(np.fft.rfft((noise - noise.mean()) * window)) ** 2 / np.sum(window**2) * 2 * period * step
     narrowest = max(_BINS, round(len(noise) * step / repeats))  # a harmonic of the motion in every band

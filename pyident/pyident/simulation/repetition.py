@@ -3,8 +3,7 @@
 Along a periodic motion every law of it leaves the same in every period (Swevers et al. 1997 average it so).
 What differs between the periods, but for a slow course over them as of friction that warms up, is noise, at
 low frequencies too, where no model could tell it from physics. The way there and back again may be recorded
-as well. Of two periods no course can be taken away; there it is what a friction and a zero of its own do to
-the second, and any other change between the two counts as noise.
+as well.
 """
 
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from scipy.interpolate import make_interp_spline
 _LEFT = 0.2  # of a coordinate's variance, by which it must have moved away before it comes back
 _RETURNS = 1e-4  # of its variance: the mean square by which a period may differ from the next
 _DEGREE = 11  # of splines between samples: what lies near the Nyquist frequency keeps its size
-_LEAST, _MANY = 2, 6  # periods: to tell noise at all, and to take away a curved course over them
+_LEAST, _MANY = 3, 6  # periods: to tell noise at all, and to take away a curved course over them
 _CUTS = (0.05, 0.1, 0.15, 0.2, 0.3)  # of a log, that are no part of the repetition at an end, or at both
 
 
@@ -28,7 +27,7 @@ class Repetition:
 
 
 def repetition_of(q: np.ndarray, noise: np.ndarray) -> Repetition | None:
-    """Where all coordinates (N, n) repeat at least twice, with as little cut off as may be.
+    """Where all coordinates (N, n) repeat at least three times, with as little cut off as may be.
 
     noise   (n,) standard deviations of their sensors
     """
@@ -42,7 +41,7 @@ def repetition_of(q: np.ndarray, noise: np.ndarray) -> Repetition | None:
 
 
 def period_of(q: np.ndarray, noise: np.ndarray) -> float | None:
-    """Samples after which all coordinates (N, n) come back, at least twice; None where they do not.
+    """Samples after which all coordinates (N, n) come back, at least three times; None where they do not.
 
     noise   (n,) standard deviations of their sensors
     """
@@ -67,19 +66,13 @@ def period_of(q: np.ndarray, noise: np.ndarray) -> float | None:
     return None
 
 
-def unrepeated(x: np.ndarray, period: float, speed: np.ndarray) -> tuple[np.ndarray, float]:
-    """What of a torque (N,) differs between its periods, with the power of its noise; and its sampling
-    period over that of the torque. speed: (N,) of its joint."""
+def unrepeated(x: np.ndarray, period: float) -> tuple[np.ndarray, float]:
+    """What of a signal (N,) differs between its periods, with the power of its noise; and its sampling
+    period over that of the signal."""
     length = round(period)
     count = int(len(x) / period + 1e-3)  # the last one may end with the log
     at = np.minimum(np.arange(count * length) * (period / length), len(x) - 1)
     rows = make_interp_spline(np.arange(len(x)), x, _DEGREE)(at).reshape(count, length)
-    if count == 2:
-        v = np.interp(at[:length], np.arange(len(speed)), speed)
-        friction = np.linalg.qr(np.column_stack([np.ones(length), np.sign(v), v]))[0]
-        change = (rows[1] - rows[0]) / np.sqrt(2)
-        change -= friction @ (friction.T @ change)
-        return np.concatenate([-change, change]), period / length
     degree = 2 if count >= _MANY else 1
     course = np.polynomial.legendre.legvander(np.linspace(-1, 1, count), degree)
     basis = np.linalg.qr(course)[0]
@@ -89,7 +82,7 @@ def unrepeated(x: np.ndarray, period: float, speed: np.ndarray) -> tuple[np.ndar
 
 
 def _difference(x: np.ndarray) -> np.ndarray:
-    """(N // 2 + 2,) mean square of x(t + lag) - x(t) per lag, x (N, n) of unit variance."""
+    """(N // 3 + 2,) mean square of x(t + lag) - x(t) per lag, x (N, n) of unit variance."""
     N = len(x)
     lags = np.arange(min(N // _LEAST + 2, N - 1))
     S = np.abs(np.fft.rfft(x, 2 * N, axis=0)) ** 2
