@@ -1,7 +1,7 @@
 """What a base leaves beyond what any replica leaves: in all equations of a row, or in one band of them.
 
 Below the frequencies in which a log shows its torques' noise, this may rise besides: as 1/f², as behind a low
-pass, for an octave, and as 1/f below it, as that of amplifiers does. A log whose motion repeats shows it to
+pass, for two octaves, and as 1/f below them, as that of amplifiers does. A log whose motion repeats shows it to
 the bottom, so that a band is judged by the logs that know it best.
 """
 
@@ -83,4 +83,4 @@ def _rises(ex: Examination) -> np.ndarray:
     edges = np.array([*EDGES, top])
     middle = (edges[:-1] + edges[1:]) / 2
     below = np.maximum(ex.setting.continued[..., None] / np.maximum(middle, 1e-300), 1.0)
-    return np.minimum(below**2, 2 * below)
+    return np.minimum(below**2, 4 * below)
