@@ -1,8 +1,8 @@
 """What a base leaves beyond what any replica leaves: in all equations of a row, or in one band of them.
 
 Below the frequencies in which a log shows its torques' noise, this may rise besides: as 1/f², as behind a low
-pass, for two octaves, and as 1/f below them, as that of amplifiers does. A log whose motion repeats shows it to
-the bottom, so that a band is judged by the logs that know it best.
+pass, for two octaves, and as 1/f below them, as that of amplifiers does. A log whose motion repeats shows it
+to the bottom, so that a band is judged by the logs that know it best.
 """
 
 from dataclasses import dataclass
