@@ -11,7 +11,7 @@ from two_link_logs import two_link
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.notes import of_gears, of_what_is_shared, warnings
 from pyident.diagnosis.result import Finding, Named, Place
-from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
+from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, separating, verdict_of
 from pyident.rules.rules import RULES
 
 
@@ -68,6 +68,23 @@ def test_many_findings_are_told_by_law():
         "stribeck at joint2 or presliding at joint2, these logs cannot tell which. "
         "Unexplained remains joint3, link side."
     )
+
+
+def test_the_same_rivals_at_several_joints_are_told_once():
+    def rivals(k, first, second):
+        asked = f"for {first} at joint {k}: warm up; for {second} at joint {k}: at two speeds"
+        return replace(_finding((first, f"joint{k}"), (second, f"joint{k}")), experiment=asked)
+
+    drifts = [rivals(k, *sorted(["viscous", "coulomb"], reverse=k > 2)) for k in (4, 1, 2)]
+    listed = [*drifts, ONE, replace(RIVALS, experiment="for a at joint 2: slowly")]
+    said = sentence_of("cannot_tell", listed, _places("explained"), ("joint2", "motor"))
+    assert said == (
+        "Missing: stribeck at joint2; viscous or coulomb at joints 1, 2 and 4, these logs cannot tell which; "
+        "stribeck at joint2 or presliding at joint2, these logs cannot tell which."
+    )
+    warm, slow = separating(listed)
+    assert warm == "at joints 1, 2 and 4, for viscous: warm up; for coulomb: at two speeds"
+    assert slow == "for a at joint 2: slowly"
 
 
 def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
@@ -127,8 +144,12 @@ def test_a_share_without_held_out_logs_is_said_alone():
     assert sentence == "Missing: stribeck at joint2 (97 % of what exceeds the floor there)."
 
 
-def _motors(*states):
-    return [Place(f"joint{k}", "motor", state, (1.0, 1.0), 1.0) for k, state in enumerate(states, start=1)]
+def _motors(*states, after=3.0):
+    return [Place(f"joint{k}", "motor", state, (3.0, after), 1.0) for k, state in enumerate(states, start=1)]
+
+
+def test_no_cause_in_common_is_suspected_where_findings_take_most():
+    assert list(of_what_is_shared(_motors(*["unexplained"] * 6, after=2.0), [])) == []
 
 
 @pytest.mark.parametrize(

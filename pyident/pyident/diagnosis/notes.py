@@ -78,7 +78,7 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
 def of_what_is_shared(places: Sequence[Place], findings: Sequence[Finding]) -> Iterator[str]:
     """Where nearly every joint stays unexplained: one cause in common is likelier than as many."""
     motors = [p for p in places if p.balance == "motor" and p.state != "unobserved"]
-    left = [p for p in motors if p.state == "unexplained"]
+    left = [p for p in motors if p.state == "unexplained" and _mostly_left(p)]
     if len(left) < max(_MANY, _MOST * len(motors)):
         return
     who = "every joint is" if len(left) == len(motors) else f"{len(left)} of {len(motors)} joints are"
@@ -88,6 +88,12 @@ def of_what_is_shared(places: Sequence[Place], findings: Sequence[Finding]) -> I
         "wrong scale, the recorder's clock or filter, lengths and gravity in the robot file, a load taken "
         f"up, or something touched, in a part of the logs{but}"
     )
+
+
+def _mostly_left(place: Place) -> bool:
+    """Whether the findings take less than half of what exceeds the floor."""
+    before, after = (ratio**2 - 1 for ratio in place.over_floor)
+    return after >= 0.5 * before
 
 
 def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal]) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """A verdict, in a word and in a sentence."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 
 from flexmodels.coordinate import joint_name, joint_number
@@ -60,13 +61,43 @@ def sentence_of(
 
 
 def _by_law(findings: Sequence[Finding]) -> list[str]:
-    """Many findings in few words: a law with all joints where it is named alone, then the rest."""
-    alone = [f for f in findings if len(f.tie) < 2 and not any(n.describes for n in f.tie)]
-    joints: dict[str, set[int]] = {}
-    for n in (n for f in alone for n in f.tie):
-        joints.setdefault(n.effect, set()).add(joint_number(n.joint))
-    said = [f"{law} at {_listed(sorted(where))}" for law, where in joints.items()]
-    return [*said, *(f"{_names(f)}{_of_tie(f)}" for f in findings if f not in alone)]
+    """Many findings in few words: laws with all joints at which they are named, alone first."""
+    groups = of_the_same_laws(findings)
+    alone = [g for g in groups if len(g[0].tie) == 1 and not g[0].tie[0].describes]
+    said = [f"{g[0].tie[0].effect} at {_at(g)}" for g in alone]
+    for g in groups:
+        if g in alone:
+            continue
+        laws = " or ".join(n.effect for n in g[0].tie)
+        said.append(f"{_names(g[0]) if len(g) == 1 else f'{laws} at {_at(g)}'}{_of_tie(g[0])}")
+    return said
+
+
+def of_the_same_laws(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings in groups, each of the same laws, or rivals, at joints of its own."""
+    groups: dict[Hashable, list[Finding]] = {}
+    for number, f in enumerate(findings):
+        one_joint = len({n.joint for n in f.tie}) == 1 and not any(n.describes for n in f.tie)
+        key = frozenset((n.effect, n.log) for n in f.tie) if one_joint else number
+        groups.setdefault(key, []).append(f)
+    return list(groups.values())
+
+
+def separating(findings: Sequence[Finding]) -> list[str]:
+    """What separates the ties: of the same rivals at several joints once."""
+    out = []
+    for group in of_the_same_laws(findings):
+        asked = [f for f in group if f.experiment]
+        if len(asked) > 1 and all(f.experiment.startswith("for ") for f in asked):
+            laws = re.sub(r" at joint \d+:", ":", asked[0].experiment)
+            out.append(f"at {_at(asked)}, {laws}")
+        else:
+            out += [f.experiment for f in asked]
+    return out
+
+
+def _at(findings: Sequence[Finding]) -> str:
+    return _listed(sorted({joint_number(f.tie[0].joint) for f in findings}))
 
 
 def _listed(joints: Sequence[int]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyident.diagnosis.verdict import separating
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
 from pyident.verbs.text import Text, wrapped
@@ -110,7 +111,7 @@ class Diagnosed(Result):
         nearest = [p for p in d.places if p.state == "unexplained" and p.reason]
         lines += [wrapped(f"{p.joint}, {p.balance} side: {p.reason}", "  ") for p in nearest[:_SHOWN]]
         lines += [wrapped(s, "  ") for s in d.depends_on]
-        lines += [wrapped(f"to separate: {f.experiment}", "  ") for f in d.findings if f.experiment]
+        lines += [wrapped(f"to separate: {asked}", "  ") for asked in separating(d.findings)]
         hidden = [f"{x.effect} at {x.joint}" for x in d.limits if x.reason]
         if hidden:
             more = f" and {len(hidden) - _SHOWN} more" if len(hidden) > _SHOWN else ""
