@@ -1,6 +1,10 @@
 """What a file sees of long work."""
 
-from pyident.cli.common.progress import SECONDS, lines
+import time
+
+import pytest
+
+from pyident.cli.common.progress import SECONDS, lines, repeated
 
 
 def test_a_line_every_ten_seconds_with_what_is_left(capsys):
@@ -36,3 +40,34 @@ def test_a_first_share_that_is_large_tells_the_rest(capsys):
     now[0] = 20.0
     progress(0.25)
     assert capsys.readouterr().err.splitlines() == ["fit: 25 % after 20 s, about 60 s left"]
+
+
+def test_a_long_step_is_not_silent(capsys):
+    """Twelve seconds a call, by a clock that runs a thousand times as fast."""
+    begin = time.monotonic()
+    with repeated(lines("fit", lambda: 1000 * (time.monotonic() - begin)), every=0.001) as progress:
+        progress(0.5)
+        time.sleep(0.05)
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) >= 3
+    assert all(line.startswith("fit: 50 % after ") for line in said)
+    time.sleep(0.02)
+    assert capsys.readouterr().err == ""  # nothing after the end
+
+
+def failing(said: list[float]) -> None:
+    with repeated(said.append, every=0.001) as progress:
+        progress(0.25)
+        time.sleep(0.02)
+        raise ValueError("no")
+
+
+def test_work_that_fails_ends_its_progress():
+    said: list[float] = []
+    with pytest.raises(ValueError, match="no"):
+        failing(said)
+    count = len(said)
+    assert count > 1
+    time.sleep(0.02)
+    assert len(said) == count
+    assert set(said) == {0.25}

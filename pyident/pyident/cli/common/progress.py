@@ -1,7 +1,9 @@
 """Progress for who does not look at a terminal: a line every ten seconds."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Event, Lock, Thread
 
 import click
 
@@ -29,3 +31,31 @@ def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Callable[[f
         click.echo(f"{text}: {100 * fraction:.0f} % after {now - begin:.0f} s{rest}", err=True)
 
     return progress
+
+
+@contextmanager
+def repeated(
+    progress: Callable[[float], None], every: float = SECONDS / 5
+) -> Iterator[Callable[[float], None]]:
+    """The same progress, which is told its last share again and again [s] while a step of the work lasts."""
+    last: list[float] = []
+    over, one = Event(), Lock()
+
+    def told(fraction: float) -> None:
+        with one:
+            last[:] = [fraction]
+            progress(fraction)
+
+    def again() -> None:
+        while not over.wait(every):
+            with one:
+                for fraction in last:
+                    progress(fraction)
+
+    beat = Thread(target=again, daemon=True)
+    beat.start()
+    try:
+        yield told
+    finally:
+        over.set()
+        beat.join()

@@ -19,7 +19,7 @@ from rich.progress import Progress
 
 from flexmodels.atomic import replacing
 from pyident.cli.common.outputs import JSON, OVERWRITE, Kind, Output, check_outputs
-from pyident.cli.common.progress import lines
+from pyident.cli.common.progress import lines, repeated
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -118,7 +118,8 @@ def progress_bar(text: str) -> Iterator[Callable[[float], None]]:
     """What to call with the share that is done: a bar in a terminal, else a line now and then."""
     terminal = Console(stderr=True)
     if not terminal.is_terminal:
-        yield lines(printable(text))
+        with repeated(lines(printable(text))) as progress:
+            yield progress
         return
     with Progress(console=terminal, transient=True) as bar:
         task = bar.add_task(escape(printable(text)), total=1.0)
