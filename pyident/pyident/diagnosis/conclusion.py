@@ -140,11 +140,12 @@ def named(search: Search, found: Found) -> Named:
     linear = [p.name for p in law.linear]
     x, std = _at_its_speed(search, found)
     std = np.full(len(linear), np.inf) if c.describes else std  # see `wrong_description`
+    own = () if c.describes else c.values
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
-        values=dict(zip(linear, x.tolist(), strict=True)) | dict(c.values),
-        std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in c.values},
+        values=dict(zip(linear, x.tolist(), strict=True)) | dict(own),
+        std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in own},
         units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,

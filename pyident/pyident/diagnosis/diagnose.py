@@ -21,6 +21,7 @@ from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.base.standing_out import bands_in_doubt
+from pyident.diagnosis.bending import DRIVE, about_bends
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.late_torque import own_ways
@@ -193,6 +194,7 @@ def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -
     where laws without it leave much more.
     """
     search, held, selection = _in_time(search, heldout, open_pool)
+    search, selection = _about_bends(search, held, selection)
     beside = search.resting_on(selection.candidates)
     left = beside.stands_out or bands_in_doubt(search.examination, beside.base).any()
     by_log = friction_by_log(search) if left else None
@@ -219,6 +221,19 @@ def _in_time(
     mended = _with_torques_mended(search.examination.setting, ways, open_pool)
     held = held_out(mended, heldout)
     return mended, held, _selected(mended, held)
+
+
+def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:
+    """What laws and errors come to about drives that bend far, where that names one and leaves far less."""
+    beside = search.resting_on(selection.candidates)
+    bent = about_bends(search) if beside.stands_out else None
+    if bent is None:
+        return search, selection
+    again = _selected(bent, held)
+    after = bent.resting_on(again.candidates).lacking.sum()
+    less = after <= (1 - search.rules.explained[0]) * beside.lacking.sum()
+    names = any(step.best.candidate.effect == DRIVE for step in again.steps)
+    return (bent, again) if less and names else (search, selection)
 
 
 def _with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: OpenPool) -> Search:

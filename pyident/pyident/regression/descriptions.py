@@ -19,7 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.forces import as_they_are, link_forces_along
-from pyident.regression.outside_file import BEND, GAIN, LAG, Outside
+from pyident.regression.outside_file import BEND, GAIN, LAG, Outside, bent_by
 
 _STEP = 1e-6  # m, rad
 _AXES = "xyz"
@@ -196,9 +196,16 @@ def place_name(joint: int, name: str) -> str:
     return name if DESCRIPTIONS[name].whole else f"joint{joint}.{name}"
 
 
-def description_column(robot: Robot, joint: int, name: str, motion: Motion) -> dict[int, np.ndarray]:
-    """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction."""
+def description_column(
+    robot: Robot, joint: int, name: str, motion: Motion, about: float = 0.0
+) -> dict[int, np.ndarray]:
+    """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction.
+
+    about   the drive's compliance [rad/(N m)] whose whole effect, over it, is asked for in place of the slope
+    """
     outside = outside_file(name)
+    if outside is BEND and about > 0:
+        return bent_by(robot, motion, joint, about)
     if outside is not None:
         return outside.column(robot, motion, joint)
     other = link_forces_along(corrected(robot, joint, name, _STEP), motion)

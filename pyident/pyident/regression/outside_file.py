@@ -75,14 +75,36 @@ def _bent(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
     load = carried_loads(robot, motion)[:, k - 1]
     if motion.time is None or not load.any():
         return {k - 1: np.zeros(len(load))}
-    rate = np.gradient(load, motion.time)
     step = _STEP / np.abs(load).max()
+    return _changed(robot, motion, _behind(motion, k, step * load), step)
+
+
+def bent_by(robot: Robot, motion: Motion, k: int, compliance: float) -> dict[int, np.ndarray]:
+    """What a compliance [rad/(N m)] of the drive of joint k (from 1) makes of the links' torques, over it.
+
+    The load is that of the link where it is, to second order. Row -> (N,).
+    """
+    load = carried_loads(robot, motion)[:, k - 1]
+    if motion.time is None or not load.any():
+        return {k - 1: np.zeros(len(load))}
+    load = carried_loads(robot, _behind(motion, k, compliance * load))[:, k - 1]
+    return _changed(robot, motion, _behind(motion, k, compliance * load), compliance)
+
+
+def _behind(motion: Motion, k: int, bend: np.ndarray) -> Motion:
+    """The motion with the angle of joint k behind by a bend (N,) [rad]."""
+    assert motion.time is not None
+    rate = np.gradient(bend, motion.time)
     moved = {}
-    for name, bend in (("q", load), ("dq", rate), ("ddq", np.gradient(rate, motion.time))):
+    for name, own in (("q", bend), ("dq", rate), ("ddq", np.gradient(rate, motion.time))):
         moved[name] = getattr(motion, name).copy()
-        moved[name][:, k - 1] -= step * bend
-    other = link_forces_along(robot, replace(motion, **moved))
-    return dict(enumerate((other - as_they_are(robot, motion)) / step))
+        moved[name][:, k - 1] -= own
+    return replace(motion, **moved)
+
+
+def _changed(robot: Robot, motion: Motion, moved: Motion, by: float) -> dict[int, np.ndarray]:
+    """Row -> (N,): how far the links' torques differ along two motions, over what these differ by."""
+    return dict(enumerate((link_forces_along(robot, moved) - as_they_are(robot, motion)) / by))
 
 
 GAIN = Outside(

@@ -105,13 +105,17 @@ def every_law(
     return candidates(robot, logs, order_peaks(robot, logs, p, rules, joints))
 
 
-def described(robot: Robot, still: Container[int] = ()) -> list[Candidate]:
+def described(
+    robot: Robot, still: Container[int] = (), bends: Mapping[int, float] | None = None
+) -> list[Candidate]:
     """Every quantity of the robot's description that may be wrong.
 
     still   joints, from 1, that stand in one place: masses make up for what is wrong with those
+    bends   joint -> compliance about which that of its drive is described, none: as a slope
     """
+    about = {k: (("about", c),) for k, c in (bends or {}).items() if c > 0}
     return [
-        Candidate(name, joint)
+        Candidate(name, joint, about.get(joint, ()) if name == "drive_compliance" else ())
         for joint, _ in robot.numbered
         for name in description_names(robot, joint)
         if joint not in still or DESCRIPTIONS[name].whole
@@ -242,7 +246,8 @@ def with_model_torque(robot: Robot, motion: Motion) -> Motion:
 def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
     """Linear parameter -> row -> (N,), the torques that one unit of it makes along a motion."""
     if candidate.describes:
-        return {"correction": description_column(robot, candidate.joint, candidate.effect, motion)}
+        about = dict(candidate.values).get("about", 0.0)
+        return {"correction": description_column(robot, candidate.joint, candidate.effect, motion, about)}
     return effect_columns(robot, candidate.joint, candidate.effect, motion, dict(candidate.values))
 
 

@@ -45,6 +45,7 @@ class Setting:
     own_noise   log -> noise of its own, where it tells it
     estimator   by which logs and replicas are fitted alike
     alignment   what kept positions and torques of the logs apart, which is put right
+    bends   joint (from 1) -> compliance [rad/(N m)] of its drive, about which its bend is described
     """
 
     robot: Robot
@@ -58,6 +59,7 @@ class Setting:
     rules: Rules = RULES
     estimator: Estimator = weighted
     alignment: Alignment = NOTHING
+    bends: Mapping[int, float] = field(default_factory=dict)
 
     @property
     def logs(self) -> list[Log]:

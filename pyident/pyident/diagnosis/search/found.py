@@ -28,7 +28,8 @@ class Found:
     @property
     def freedom(self) -> int:
         """Number of parameters: of laws that explain alike, the one with fewer comes first."""
-        return len(self.gain.coefficients) + len(self.candidate.values)
+        own = 0 if self.candidate.describes else len(self.candidate.values)
+        return len(self.gain.coefficients) + own
 
     def other_form_of(self, other: "Found") -> bool:
         """Whether both are one law at one joint, one of them with a size of its own at every speed."""

@@ -11,6 +11,7 @@ from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, colu
 from pyident.diagnosis.base.nonlinear_values import of_whole_periods, refined, wants_no_period
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains
 from pyident.diagnosis.base.residual_over_floor import Examination, Region
+from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
 from pyident.diagnosis.search.found import Found, Step
@@ -45,6 +46,10 @@ class Search:
         for candidate in chosen:
             base = extended(base, self.columns(candidate))
         return replace(self, base=base, chosen=tuple(chosen))
+
+    def about(self, setting: Setting) -> "Search":
+        """The same search with columns of another fit of the robot; what it rests on is gone."""
+        return replace(self, examination=replace(self.examination, setting=setting)).resting_on(())
 
     def with_further(self, candidates: Sequence[Candidate]) -> "Search":
         """The search that rests on further candidates as well."""

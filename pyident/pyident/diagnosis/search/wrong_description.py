@@ -35,7 +35,7 @@ from pyident.regression.descriptions import DESCRIPTIONS, place_name
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
     """The selection with errors of the robot's description that held-out logs bear out."""
     still = standing_in([log.part.motion for log in search.examination.logs], len(search.robot.joints))
-    listed = described(search.robot, still)
+    listed = described(search.robot, still, search.examination.setting.bends)
     if not listed:
         return selection
     among = search_of(search.examination.of_others(listed))
