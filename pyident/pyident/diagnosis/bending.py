@@ -1,10 +1,12 @@
 """Drives that bend far: their columns where the robot's parameters are those beside them.
 
-What a log lacks bends the parameters of a fit that does not know it, and columns of errors at these may have little in common with the error: of a link that sagged by its drive, a column at bodies that had been
-fitted without the sag took 7 % of what was missing, at bodies fitted beside it 91 %. So where something
-stands out beside what is named, each drive's compliance is fitted together with the parameters, in rounds, at
-last with the load that the link carries where it is (a slope is not enough for a large bend); then a further
-drive beside it. What laws and errors come to there counts if it names a drive, and leaves far less.
+What a log lacks bends the parameters of a fit that does not know it, and columns of errors at these may have
+little in common with the error: of a link that sagged by its drive, a column at bodies that had been fitted
+without the sag took 7 % of what was missing, at bodies fitted beside it 91 %. So where something stands out
+beside what is named, each drive's compliance is fitted together with the parameters, in rounds, at last with
+the load that the link carries where it is (a slope is not enough for a large bend); then a further drive
+beside it that takes much of the rest. What laws and errors come to there counts if it names a drive, and
+leaves far less.
 """
 
 from collections.abc import Mapping
@@ -17,6 +19,7 @@ from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, columns, described
 from pyident.diagnosis.base.projection import gain, joined, taken_over
 from pyident.diagnosis.search.search import Search
+from pyident.regression.descriptions import DESCRIPTIONS
 
 DRIVE = "drive_compliance"
 _ROUNDS = 3
@@ -42,11 +45,12 @@ def about_bends(search: Search) -> Search | None:
         return None
     still = standing_in([log.part.motion for log in ex.logs], len(search.robot.joints))
     joints = [c.joint for c in described(search.robot, still) if c.effect == DRIVE]
-    best = _Fit(search.robot, {}, 0.0)
+    best, lacking = _Fit(search.robot, {}, 0.0), float(search.lacking.sum())
     while len(best.bends) < min(_DRIVES, len(joints)):
         tried = [_with(search, best, k) for k in joints if k not in best.bends]
         further = max(tried, key=lambda fit: fit.energy)
-        if further.energy - best.energy < search.rules.part * search.excess:
+        taken, left = further.energy - best.energy, lacking - best.energy
+        if taken < max(search.rules.part * lacking, search.rules.explained[0] * left):
             break
         best = further
     if not best.bends:
@@ -72,4 +76,6 @@ def _round(search: Search, fit: _Fit, about: Mapping[int, float]) -> _Fit:
     p = search.base.p - taken_over(search.base, X) @ found.coefficients
     robot = fit.robot.with_parameters(dict(zip(fit.robot.linear_parameters, p.tolist(), strict=True)))
     bends = dict(zip(about, np.maximum(found.coefficients, 0.0).tolist(), strict=True))
-    return _Fit(robot, bends, found.energy if min(bends.values()) > 0 else 0.0)
+    largest = DESCRIPTIONS[DRIVE].largest
+    sound = all(0 < c < largest for c in bends.values())
+    return _Fit(robot, bends, found.energy if sound else 0.0)

@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
 from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
 
+from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
 from pyident.logs.log import Log
@@ -56,3 +57,13 @@ def test_the_drive_and_its_compliance_are_named(springs):
 
 def test_rigid_drives_are_not_said_to_bend():
     assert diagnosed({}).verdict == "nothing_detectable"
+
+
+@pytest.mark.parametrize("springs", [{2: 5e-4}, {2: 1.2e-3}])
+def test_compliances_of_large_bends_are_those_of_the_springs(springs):
+    """Links sag by up to two degrees, and bodies that are fitted without that are far from the arm's."""
+    search = searched(arm(), [logged(0, springs)], never)
+    bent = about_bends(search.resting_on(()))
+    assert bent is not None
+    bends = bent.examination.setting.bends
+    assert bends == {k: pytest.approx(c, rel=0.1) for k, c in springs.items()}

@@ -27,7 +27,6 @@ _at_speeds: Recent[dict[int, np.ndarray]] = Recent(32)  # wide ones
 _with_torques: Recent[Motion] = Recent(16)
 _TOGETHER = 16  # candidates whose columns are transformed at once
 
-
 Family = tuple[str, int, int | None, bool]
 
 
@@ -111,11 +110,11 @@ def described(
     """Every quantity of the robot's description that may be wrong.
 
     still   joints, from 1, that stand in one place: masses make up for what is wrong with those
-    bends   joint -> compliance about which that of its drive is described, none: as a slope
+    bends   joint -> compliance about which its drive's is described, none: as a slope
     """
-    about = {k: (("about", c),) for k, c in (bends or {}).items() if c > 0}
+    about = {("drive_compliance", k): (("about", c),) for k, c in (bends or {}).items() if c > 0}
     return [
-        Candidate(name, joint, about.get(joint, ()) if name == "drive_compliance" else ())
+        Candidate(name, joint, about.get((name, joint), ()))
         for joint, _ in robot.numbered
         for name in description_names(robot, joint)
         if joint not in still or DESCRIPTIONS[name].whole
