@@ -11,6 +11,7 @@ there, far less than the laws do, and every log by itself has to tell the same.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -92,7 +93,7 @@ def _best(search: Search, kind: _Kind, numbers: Sequence[int]) -> OwnWay:
     step = float(kind.at[1] - kind.at[0])
     middle = float(kind.at[int(np.argmin([left(x) for x in kind.at.tolist()]))])
     ends = (middle - step, middle + step)
-    found = minimize_scalar(left, bounds=ends, options={"xatol": _EXACT * step})
+    found: Any = minimize_scalar(left, bounds=ends, options={"xatol": _EXACT * step})
     return kind.of(float(found.x) if found.fun < left(middle) else middle)
 
 
