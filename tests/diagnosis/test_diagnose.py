@@ -11,7 +11,8 @@ from two_link_logs import TWO_LINK, hidden, in_process, loaded, made_log, two_li
 
 from flexmodels.robot import Robot
 from pyident.cli.main import main
-from pyident.diagnosis.base.candidates import Candidate, proper
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.nonlinear_values import proper
 from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.imitators.constancy import changes_with

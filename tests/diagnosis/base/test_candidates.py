@@ -13,10 +13,10 @@ from pyident.diagnosis.base.candidates import (
     described,
     law_of,
     motion_for,
-    proper,
     slopes,
     units_of,
 )
+from pyident.diagnosis.base.nonlinear_values import proper
 from pyident.regression.regressor import generalised_forces
 
 

@@ -7,7 +7,6 @@ from itertools import islice
 
 import numpy as np
 
-from flexmodels.coordinate import of_joint
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.joint import parameter_name
@@ -156,29 +155,6 @@ def bounds_of(robot: Robot, listed: Sequence[Candidate]) -> tuple[np.ndarray, np
     """Lower and upper (K,) of the linear parameters of several, one after the other."""
     lower, upper = zip(*(bounds(robot, c) for c in listed), strict=True)
     return np.concatenate(lower), np.concatenate(upper)
-
-
-def proper(
-    robot: Robot,
-    candidate: Candidate,
-    coefficients: Sequence[float],
-    parameters: Mapping[str, float],
-    period: float,
-) -> bool:
-    """Whether the values found make the effect what its name says, beside the robot's own parameters.
-
-    period   [s] of the logs
-    """
-    law = law_of(robot, candidate)
-    if law.proper is None:
-        return True
-    own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
-    own[signals.period.name] = period
-    known = {
-        symbol: own.get(symbol.name, parameters.get(of_joint(candidate.joint, f"{symbol.name}")))
-        for symbol in law.proper.free_symbols
-    }
-    return bool(law.proper.subs(known))
 
 
 def columns(

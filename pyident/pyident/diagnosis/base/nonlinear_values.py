@@ -1,14 +1,17 @@
 """Nonlinear values of a law between those of its grid, by variable projection.
 
 At each value the linear parameters are eliminated (Golub and Pereyra 1973); Nelder and Mead move the rest.
+And whether the values make the law what its name says.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 
+from flexmodels.coordinate import of_joint
+from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 
@@ -73,6 +76,29 @@ def wants_no_period(robot: Robot, candidate: Candidate, listed: Sequence[Candida
         return False
     orders = [dict(c.values)[order.name] for c in listed if c.family == candidate.family]
     return dict(candidate.values)[order.name] <= _AT_LOWEST * min(orders)
+
+
+def proper(
+    robot: Robot,
+    candidate: Candidate,
+    coefficients: Sequence[float],
+    parameters: Mapping[str, float],
+    period: float,
+) -> bool:
+    """Whether the values found make the effect what its name says, beside the robot's own parameters.
+
+    period   [s] of the logs
+    """
+    law = law_of(robot, candidate)
+    if law.proper is None:
+        return True
+    own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
+    own[signals.period.name] = period
+    known = {
+        symbol: own.get(symbol.name, parameters.get(of_joint(candidate.joint, f"{symbol.name}")))
+        for symbol in law.proper.free_symbols
+    }
+    return bool(law.proper.subs(known))
 
 
 def _range(

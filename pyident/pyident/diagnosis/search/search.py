@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, columns, law_of, proper, width
-from pyident.diagnosis.base.nonlinear_values import of_whole_periods, refined, wants_no_period
+from pyident.diagnosis.base.candidates import Candidate, bounds, bounds_of, columns, law_of, width
+from pyident.diagnosis.base.nonlinear_values import of_whole_periods, proper, refined, wants_no_period
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains
 from pyident.diagnosis.base.residual_over_floor import Examination, Region
 from pyident.diagnosis.base.setting import Setting

@@ -24,9 +24,9 @@ from pyident.diagnosis.base.candidates import (
     every_law,
     law_of,
     motion_for,
-    proper,
     slopes,
 )
+from pyident.diagnosis.base.nonlinear_values import proper
 from pyident.diagnosis.base.projection import Base, Gain, gain, solve_base, taken_over
 from pyident.diagnosis.base.residual_over_floor import whitened
 from pyident.estimation.estimator import weighted
