@@ -18,7 +18,6 @@ from scipy.optimize import minimize_scalar
 
 from pyident.conditioning.alignment import OwnWay
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.base.residual_over_floor import bands_of
 from pyident.diagnosis.search.search import Search
 
 _LATEST = 0.05  # s: drives and their filters are faster
@@ -47,17 +46,18 @@ def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
     ex = search.examination
     period = max(e.band.period for e in ex.logs)
     every, kinds = range(len(ex.logs)), _kinds(joint, period)
-    delay, *filters = [_best(search, kind, every) for kind in kinds]
-    best = min(filters, key=lambda way: _left(search, way, every))
-    if _left(search, best, every) > _CLEARLY * _left(search, delay, every):
-        best = delay
+    (delay, by_delay), *filters = [_best(search, kind, every) for kind in kinds]
+    best, left = min(filters, key=lambda found: found[1])
+    if left > _CLEARLY * by_delay:
+        best, left = delay, by_delay
     at_the_end = abs(best.late) > _LATEST - period
     if at_the_end or abs(best.behind) < period / 2:
         return None
-    if _left(search, best, every) > (1 - search.rules.whole) * search.remaining_on([joint - 1]):
+    rules, missing = search.rules, search.remaining_on([joint - 1])
+    if left > min((1 - rules.whole) * missing, (1 - rules.explained[0]) * by_laws):
         return None
     kind = kinds[best.poles if best.filters else 0]
-    each = [_best(search, kind, [i]).behind for i in every]
+    each = [_best(search, kind, [i])[0].behind for i in every]
     alike = all(abs(own - best.behind) <= period + _ALIKE * abs(best.behind) for own in each)
     return best if alike else None
 
@@ -84,17 +84,18 @@ def _kinds(joint: int, period: float) -> list[_Kind]:
     return [_Kind(lambda time: OwnWay(joint, late=time), times), *filters]
 
 
-def _best(search: Search, kind: _Kind, numbers: Sequence[int]) -> OwnWay:
-    """The way of a kind that leaves least in some of the logs."""
+def _best(search: Search, kind: _Kind, numbers: Sequence[int]) -> tuple[OwnWay, float]:
+    """The way of a kind that leaves least in some of the logs, and what it leaves."""
 
     def left(x: float) -> float:
         return _left(search, kind.of(x), numbers)
 
     step = float(kind.at[1] - kind.at[0])
-    middle = float(kind.at[int(np.argmin([left(x) for x in kind.at.tolist()]))])
+    coarse = [left(x) for x in kind.at.tolist()]
+    middle, least = float(kind.at[int(np.argmin(coarse))]), min(coarse)
     ends = (middle - step, middle + step)
     found: Any = minimize_scalar(left, bounds=ends, options={"xatol": _EXACT * step})
-    return kind.of(float(found.x) if found.fun < left(middle) else middle)
+    return (kind.of(float(found.x)), float(found.fun)) if found.fun < least else (kind.of(middle), least)
 
 
 def _left(search: Search, way: OwnWay, numbers: Sequence[int]) -> float:
@@ -114,7 +115,7 @@ def _left(search: Search, way: OwnWay, numbers: Sequence[int]) -> float:
     others = -sum(A.T @ r[row] for A, r in zip(own, base.residual, strict=True))  # the base took all before
     part = np.linalg.lstsq(normal, rest + others, rcond=None)[0]
     left = [np.zeros_like(r) for r in base.residual]
-    bands = [b if i in numbers else np.zeros_like(b) for i, b in enumerate(bands_of(ex.logs))]
+    bands = [b if i in numbers else np.zeros_like(b) for i, b in enumerate(ex.bands)]
     for i in numbers:
         left[i][row] = y[i] - weighted[i] @ part
     return ex.excess(left, bands, [row])[0]
