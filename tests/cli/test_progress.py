@@ -43,7 +43,7 @@ def test_a_first_share_that_is_large_tells_the_rest(capsys):
 
 
 def test_a_long_step_is_not_silent(capsys):
-    """Twelve seconds a call, by a clock that runs a thousand times as fast."""
+    """One call in fifty seconds of a clock that runs a thousand times as fast."""
     begin = time.monotonic()
     with repeated(lines("fit", lambda: 1000 * (time.monotonic() - begin)), every=0.001) as progress:
         progress(0.5)

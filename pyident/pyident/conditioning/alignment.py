@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from flexmodels.robot import Robot
-from pyident.logs.foreign import delayed
+from pyident.logs.foreign import delayed, sooner
 from pyident.logs.log import Log
 
 _LEAST = 0.03  # of a frequency, that is raised to its whole: less is rounding as well
@@ -42,8 +41,7 @@ class OwnWay:
         """A torque (N,) as it was before."""
         if self.filters:
             return sharpened(torque[:, None], period, self.low_pass)[:, 0]
-        time = np.arange(len(torque)) * period
-        return CubicSpline(time, torque)(np.clip(time + self.late, time[0], time[-1]))
+        return sooner(np.arange(len(torque)) * period, torque, self.late)
 
 
 @dataclass(frozen=True)

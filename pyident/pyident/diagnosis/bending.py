@@ -16,12 +16,11 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.standing import standing_in
-from pyident.diagnosis.base.candidates import Candidate, columns, described
+from pyident.diagnosis.base.candidates import columns, described, drive
 from pyident.diagnosis.base.projection import gain, joined, taken_over
 from pyident.diagnosis.search.search import Search
-from pyident.regression.descriptions import DESCRIPTIONS
+from pyident.regression.descriptions import DESCRIPTIONS, DRIVE
 
-DRIVE = "drive_compliance"
 _ROUNDS = 3
 _DRIVES = 4  # of a robot, that are fitted together
 
@@ -70,7 +69,7 @@ def _with(search: Search, fit: _Fit, joint: int) -> _Fit:
 def _round(search: Search, fit: _Fit, about: Mapping[int, float]) -> _Fit:
     """Parameters and compliances fitted together, columns at those of a fit; about: bends they begin at."""
     ex = search.examination
-    listed = [Candidate(DRIVE, k, (("about", c),) if c > 0 else ()) for k, c in about.items()]
+    listed = [drive(k, c) for k, c in about.items()]
     X = joined([columns(fit.robot, c, ex.logs, search.levels) for c in listed])
     found = gain(search.base, X)
     p = search.base.p - taken_over(search.base, X) @ found.coefficients

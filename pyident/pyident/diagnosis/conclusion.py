@@ -140,16 +140,15 @@ def named(search: Search, found: Found) -> Named:
     linear = [p.name for p in law.linear]
     x, std = _at_its_speed(search, found)
     std = np.full(len(linear), np.inf) if c.describes else std  # see `wrong_description`
-    own = () if c.describes else c.values
     return Named(
         effect=c.effect,
         joint=joint_name(c.joint),
-        values=dict(zip(linear, x.tolist(), strict=True)) | dict(own),
-        std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in own},
+        values=dict(zip(linear, x.tolist(), strict=True)) | dict(c.nonlinear),
+        std=dict(zip(linear, std.tolist(), strict=True)) | {name: np.inf for name, _ in c.nonlinear},
         units=units_of(robot, c),
         gain_percent=percent(found.excess, search),
         log=None if c.log is None else search.examination.setting.logs[c.log].source,
-        nonlinear=tuple(linear) if c.describes else tuple(name for name, _ in c.values),
+        nonlinear=tuple(linear) if c.describes else tuple(name for name, _ in c.nonlinear),
     )
 
 

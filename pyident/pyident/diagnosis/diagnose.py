@@ -21,7 +21,7 @@ from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.base.standing_out import bands_in_doubt
-from pyident.diagnosis.bending import DRIVE, about_bends
+from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.late_torque import own_ways
@@ -36,6 +36,7 @@ from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log, LogError
 from pyident.refinement.instruments.stand_in import driven
+from pyident.regression.descriptions import DRIVE
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool, Workers
 

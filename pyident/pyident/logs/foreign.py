@@ -77,11 +77,13 @@ def delayed(frame: pd.DataFrame, delays: dict[str, float]) -> pd.DataFrame:
     time = frame["time"].to_numpy(float)
     if len(time) < 4 or not (np.diff(time) > 0).all() or not np.isfinite(frame.to_numpy(float)).all():
         return frame  # the check that follows explains it
-    moved = {
-        name: CubicSpline(time, frame[name].to_numpy(float))(np.clip(time + delay, time[0], time[-1]))
-        for name, delay in delays.items()
-    }
+    moved = {name: sooner(time, frame[name].to_numpy(float), delay) for name, delay in delays.items()}
     return frame.assign(**moved)
+
+
+def sooner(time: np.ndarray, values: np.ndarray, delay: float) -> np.ndarray:
+    """(N,) values at times (N,) [s] which they were read a delay [s] after, as at both ends beyond these."""
+    return CubicSpline(time, values)(np.clip(time + delay, time[0], time[-1]))
 
 
 def _at_its_joints(log: Log, robot: Robot) -> Log:

@@ -19,8 +19,9 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.forces import as_they_are, link_forces_along
-from pyident.regression.outside_file import BEND, GAIN, LAG, Outside, bent_by
+from pyident.regression.outside_file import BEND, GAIN, LAG, Outside
 
+DRIVE = "drive_compliance"
 _STEP = 1e-6  # m, rad
 _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
@@ -117,7 +118,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
             "torque_lag", "how late the logged torque comes", "s", 0.02, LAG, measured=True, least=5e-4
         ),
         Description(
-            "drive_compliance",
+            DRIVE,
             "how far the drive bends under its load",
             "rad/(N m)",
             1.0,
@@ -201,13 +202,11 @@ def description_column(
 ) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction.
 
-    about   the drive's compliance [rad/(N m)] whose whole effect, over it, is asked for in place of the slope
+    about   a drive's compliance [rad/(N m)] whose whole effect, over it, is asked for in place of the slope
     """
     outside = outside_file(name)
-    if outside is BEND and about > 0:
-        return bent_by(robot, motion, joint, about)
     if outside is not None:
-        return outside.column(robot, motion, joint)
+        return outside.column(robot, motion, joint, about)
     other = link_forces_along(corrected(robot, joint, name, _STEP), motion)
     return dict(enumerate((other - as_they_are(robot, motion)) / _STEP))
 

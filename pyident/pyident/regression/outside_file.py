@@ -19,12 +19,12 @@ class Outside:
     """What may be wrong and stands in no robot file.
 
     column    row -> (N,), what the correction changes in the torques, per unit; of a robot, a motion, a joint
-              (from 1)
+              (from 1), and the correction about which it is asked for, 0: the slope
     mend      where it is put right instead;  by: the same of a joint and a correction that was found
     said      of a joint's name and a correction
     """
 
-    column: Callable[[Robot, Motion, int], dict[int, np.ndarray]]
+    column: Callable[[Robot, Motion, int, float], dict[int, np.ndarray]]
     mend: str
     by: Callable[[int, float], str]
     said: Callable[[str, float], str]
@@ -48,11 +48,11 @@ def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
     return generalised_forces(robot, motion, p)[:, k - 1]
 
 
-def _scaled(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+def _scaled(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
     return {k - 1: -_torque(robot, motion, k)}
 
 
-def _later(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+def _later(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
     """Minus the torque's rate; across a reversal, where friction makes it a step, that of one side."""
     torque = _torque(robot, motion, k)
     if motion.time is None:
@@ -66,29 +66,21 @@ def _later(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
     return {k - 1: -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)}
 
 
-def _bent(robot: Robot, motion: Motion, k: int) -> dict[int, np.ndarray]:
+def _bent(robot: Robot, motion: Motion, k: int, about: float) -> dict[int, np.ndarray]:
     """The links' torques where link k lags its motor by the load it carries, per compliance of the drive.
 
     The log has the motor's angle q; the link is at q - c F, with its load F and a compliance c (Spong 1987).
-    Rotors and their friction turn with the motor, so that nothing else changes.
+    Rotors and their friction turn with the motor, so that nothing else changes. About a compliance it is the
+    whole change, over this, with the load of the link where it is, to second order.
     """
     load = carried_loads(robot, motion)[:, k - 1]
     if motion.time is None or not load.any():
         return {k - 1: np.zeros(len(load))}
-    step = _STEP / np.abs(load).max()
-    return _changed(robot, motion, _behind(motion, k, step * load), step)
-
-
-def bent_by(robot: Robot, motion: Motion, k: int, compliance: float) -> dict[int, np.ndarray]:
-    """What a compliance [rad/(N m)] of the drive of joint k (from 1) makes of the links' torques, over it.
-
-    The load is that of the link where it is, to second order. Row -> (N,).
-    """
-    load = carried_loads(robot, motion)[:, k - 1]
-    if motion.time is None or not load.any():
-        return {k - 1: np.zeros(len(load))}
-    load = carried_loads(robot, _behind(motion, k, compliance * load))[:, k - 1]
-    return _changed(robot, motion, _behind(motion, k, compliance * load), compliance)
+    compliance = about or _STEP / float(np.abs(load).max())
+    if about:
+        load = carried_loads(robot, _behind(motion, k, compliance * load))[:, k - 1]
+    other = link_forces_along(robot, _behind(motion, k, compliance * load))
+    return dict(enumerate((other - as_they_are(robot, motion)) / compliance))
 
 
 def _behind(motion: Motion, k: int, bend: np.ndarray) -> Motion:
@@ -100,11 +92,6 @@ def _behind(motion: Motion, k: int, bend: np.ndarray) -> Motion:
         moved[name] = getattr(motion, name).copy()
         moved[name][:, k - 1] -= own
     return replace(motion, **moved)
-
-
-def _changed(robot: Robot, motion: Motion, moved: Motion, by: float) -> dict[int, np.ndarray]:
-    """Row -> (N,): how far the links' torques differ along two motions, over what these differ by."""
-    return dict(enumerate((link_forces_along(robot, moved) - as_they_are(robot, motion)) / by))
 
 
 GAIN = Outside(

@@ -7,11 +7,12 @@ from threading import Event, Lock, Thread
 
 import click
 
+Tell = Callable[[float], None]
 SECONDS = 10.0
 _FIRST = 0.05  # of the work: less tells nothing about the rest
 
 
-def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Callable[[float], None]:
+def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Tell:
     """Says on stderr what is being done, how much of it is done and about how long the rest takes.
 
     What came before a first share of next to nothing, such as compiling, tells nothing about the rest.

@@ -15,7 +15,13 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.diagnosis.base.order_peaks import Orders, between, order_peaks
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid
-from pyident.regression.descriptions import DESCRIPTIONS, describes, description_column, description_names
+from pyident.regression.descriptions import (
+    DESCRIPTIONS,
+    DRIVE,
+    describes,
+    description_column,
+    description_names,
+)
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
@@ -51,6 +57,11 @@ class Candidate:
 
     def at(self, values: Mapping[str, float]) -> "Candidate":
         return replace(self, values=tuple(values.items()))
+
+    @property
+    def nonlinear(self) -> tuple[tuple[str, float], ...]:
+        """The values that were found as a law's parameters are; a description has none."""
+        return () if self.describes else self.values
 
     @property
     def describes(self) -> bool:
@@ -111,13 +122,18 @@ def described(
     still   joints, from 1, that stand in one place: masses make up for what is wrong with those
     bends   joint -> compliance about which its drive's is described, none: as a slope
     """
-    about = {("drive_compliance", k): (("about", c),) for k, c in (bends or {}).items() if c > 0}
+    about = bends or {}
     return [
-        Candidate(name, joint, about.get((name, joint), ()))
+        drive(joint, about.get(joint, 0.0)) if name == DRIVE else Candidate(name, joint)
         for joint, _ in robot.numbered
         for name in description_names(robot, joint)
         if joint not in still or DESCRIPTIONS[name].whole
     ]
+
+
+def drive(joint: int, about: float) -> Candidate:
+    """That a joint's drive bends, described about a compliance [rad/(N m)]; 0: as a slope."""
+    return Candidate(DRIVE, joint, (("about", about),) if about > 0 else ())
 
 
 def law_of(robot: Robot, candidate: Candidate) -> Effect:

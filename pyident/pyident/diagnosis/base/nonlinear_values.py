@@ -26,7 +26,7 @@ def refined(
     robot: Robot, start: Candidate, listed: Sequence[Candidate], explained: Callable[[Candidate], float]
 ) -> Candidate:
     """The candidate that explains most between the neighbours of `start` on the grid `listed`."""
-    if start.describes or not start.values:
+    if not start.nonlinear:
         return start
     names, middle, low, high = _range(robot, start, listed)
 

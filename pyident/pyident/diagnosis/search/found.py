@@ -28,8 +28,7 @@ class Found:
     @property
     def freedom(self) -> int:
         """Number of parameters: of laws that explain alike, the one with fewer comes first."""
-        own = 0 if self.candidate.describes else len(self.candidate.values)
-        return len(self.gain.coefficients) + own
+        return len(self.gain.coefficients) + len(self.candidate.nonlinear)
 
     def other_form_of(self, other: "Found") -> bool:
         """Whether both are one law at one joint, one of them with a size of its own at every speed."""
