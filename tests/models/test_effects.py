@@ -40,6 +40,7 @@ STRONG: dict[str, dict[str, float]] = {
     "torque_ripple": {"cosine": 8.0, "sine": 5.0, "order": 6.0},
     "torque_delay": {"share": 1.0, "delay": 0.002},
     "torque_saturation": {"share": 0.5, "limit": 40.0},
+    "torque_droop": {"fall": 0.0005},
     "gravity_spring": {"stiffness": 150.0, "preload": 90.0, "ratio": 0.5, "phase": 0.8},
     "joint_spring": {"stiffness": 40.0, "preload": 3.0},
     "joint_coupling": {"inertia": 0.4, "viscous": 2.0, "coulomb": 6.0, "ratio": 1.0},

@@ -63,7 +63,20 @@ torque_saturation = Effect(
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="torques beyond the limit in 2 % of the samples",
     coverage=Coverage(Abs(tau) > _limit.symbol, 0.02),
-    confounders=("load_dependent_friction", "J_m"),
+    confounders=("torque_droop", "load_dependent_friction", "J_m"),
+    experiment="the same motion at full and at half the speed",
+)
+
+_fall = Parameter("fall", "1/(N.m)", lower=0)
+
+torque_droop = Effect(
+    name="torque_droop",
+    title="Torque constant that falls in proportion to the current, as where iron saturates",
+    forces={e: _fall.symbol * Abs(tau) * tau},
+    parameters=(_fall,),
+    citation="Hendershot and Miller 2010",
+    needs="torques from small to the drive's peak",
+    confounders=("torque_saturation", "quadratic_load_friction", "gravity_spring"),
     experiment="the same motion at full and at half the speed",
 )
 

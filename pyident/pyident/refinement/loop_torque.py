@@ -28,8 +28,8 @@ from pyident.simulation.feedforward import controller_torque, recoverable
 _ROUNDS = 3  # a law of the torque needs its constant, and the constant the law's values
 UNSEEN = (  # with either kind of loop
     "it has no torque, which is taken from the robot's own loop: a drive that delays, clips or scales its "
-    "torque (torque_delay, torque_saturation), or has other gains than the robot file, cannot be told from "
-    "something of the mechanics"
+    "torque (torque_delay, torque_saturation, torque_droop), or has other gains than the robot file, cannot "
+    "be told from something of the mechanics"
 )
 _START = (
     "; what the controller's integral held at the start nobody knows: a constant is free in every log, so "
