@@ -42,6 +42,22 @@ def test_a_first_share_that_is_large_tells_the_rest(capsys):
     assert capsys.readouterr().err.splitlines() == ["fit: 25 % after 20 s, about 60 s left"]
 
 
+def test_a_step_that_lasts_makes_the_rest_shorter_until_nothing_is_known_of_it(capsys):
+    now = [0.0]
+    progress = lines("search", lambda: now[0])
+    for second in range(1, 61):
+        now[0] = float(second)
+        progress(min(second / 40, 0.5))
+    said = capsys.readouterr().err.splitlines()
+    assert said[1:] == [
+        "search: 50 % after 20 s, about 20 s left",
+        "search: 50 % after 30 s, about 10 s left",
+        "search: 50 % after 40 s, about 0 s left",
+        "search: 50 % after 50 s",
+        "search: 50 % after 60 s",
+    ]
+
+
 def test_a_long_step_is_not_silent(capsys):
     """One call in fifty seconds of a clock that runs a thousand times as fast."""
     begin = time.monotonic()

@@ -68,6 +68,7 @@ def diagnose(
     most = 0.8 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
     search = searched(robot, logs, open_pool, lambda share: progress(most * share), rules)
     search, found = _from_columns(search.resting_on(()), heldout, open_pool)
+    progress(0.8)
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),

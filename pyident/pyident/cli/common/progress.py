@@ -15,20 +15,25 @@ _FIRST = 0.05  # of the work: less tells nothing about the rest
 def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Tell:
     """Says on stderr what is being done, how much of it is done and about how long the rest takes.
 
-    What came before a first share of next to nothing, such as compiling, tells nothing about the rest.
+    What came before a first share of next to nothing, such as compiling, tells nothing about the rest. Nor
+    does a step that lasts longer than all the rest was to take: then no time is said.
     """
     begin = said = clock()
     first: tuple[float, float] | None = None
+    reached = (begin, 0.0)
 
     def progress(fraction: float) -> None:
-        nonlocal said, first
+        nonlocal said, first, reached
         now = clock()
         first = first or ((now, fraction) if fraction < _FIRST else (begin, 0.0))
+        if fraction != reached[1]:
+            reached = now, fraction
         if now - said < SECONDS:
             return
         said = now
-        took, done = now - first[0], fraction - first[1]
-        rest = f", about {took * (1 - fraction) / done:.0f} s left" if done >= _FIRST else ""
+        took, done = reached[0] - first[0], fraction - first[1]
+        left = took * (1 - fraction) / done - (now - reached[0]) if done >= _FIRST else -1.0
+        rest = f", about {left:.0f} s left" if left >= 0 else ""
         click.echo(f"{text}: {100 * fraction:.0f} % after {now - begin:.0f} s{rest}", err=True)
 
     return progress
