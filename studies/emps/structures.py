@@ -71,7 +71,7 @@ STRUCTURES = (
     Structure(
         "directional, warming, quadratic",
         (*_DIRECTED, "nonlinear_viscous"),
-        _DIRECTION | _DRIFT | {"joint1.nonlinear_viscous.quadratic": 50.0},
+        _DIRECTION | _DRIFT | {"joint1.nonlinear_viscous.coefficient": 50.0},
     ),
 )  # fmt: skip
 

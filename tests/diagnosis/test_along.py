@@ -108,12 +108,14 @@ def test_nothing_hidden_in_another_simulators_logs_is_nothing_found(nothing):
 
 
 def test_three_laws_at_three_joints_are_named_each(nothing):
-    """The third of another form than any of the catalogue: a root of the speed."""
+    """The third with its power of the speed: a root."""
     logs = [made(arm(), seed, three_laws, 20.0) for seed in range(3)]
     found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
     ties = [{(n.effect, n.joint) for n in f.tie} for f in found.findings]
     for joint in ("joint2", "joint3"):
         assert any(("load_dependent_friction", joint) in tie for tie in ties), found.sentence
-    at_first = {e for tie in ties for e, joint in tie if joint == "joint1"}
-    assert at_first & {"nonlinear_viscous", "stribeck"}, found.sentence
+    (grease,) = [f.tie[0] for f in found.findings if f.tie[0].joint == "joint1"]
+    assert grease.effect == "nonlinear_viscous", found.sentence
+    assert grease.values["power"] == pytest.approx(0.5, abs=0.05)
+    assert grease.values["coefficient"] == pytest.approx(9.0, rel=0.1)
     assert not {joint for tie in ties for _, joint in tie} - {"joint1", "joint2", "joint3"}

@@ -72,10 +72,10 @@ def test_a_law_too_small_to_be_seen_is_not_promised():
 
 def test_a_law_without_a_rival_is_told_by_its_estimate():
     """One coefficient of a linear law: the fall is the square of its value over its standard deviation."""
-    with contest_of(Suspect("nonlinear_viscous", 1), None) as (contest, plan):
+    with contest_of(Suspect("viscous_drift", 1), None) as (contest, plan):
         promise = contest.sigmas(plan, range(8))
         robot = contest.rivals.robots[0]
         logs = contest.rehearsals[0].noisy(plan, NOISE, range(100, 140))
-        name = "joint1.nonlinear_viscous.quadratic"
+        name = "joint1.viscous_drift.drift"
         found = [pi.identify(robot, log, estimator="wls").to_frame().loc[name, "value"] for log in logs]
     assert promise == pytest.approx(robot.parameters[name] / np.std(found), rel=0.5)

@@ -18,7 +18,7 @@ from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspec
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
 
-QUADRATIC, HALF = -0.8, 0.3  # N m s2/rad2, N m s/rad
+QUADRATIC, HALF = 0.8, 0.3  # N m at 1 rad/s, N m s/rad
 SPEED = 0.4 * np.pi  # largest [rad/s]
 SAMPLES = round(DURATION / PERIOD)
 ODD, EVEN = Suspect("nonlinear_viscous", 1), Suspect("asymmetric_coulomb", 1)
@@ -29,7 +29,7 @@ def with_odd():
     return (
         smooth_joint()
         .with_effect(1, ODD.effect)
-        .with_parameters({"joint1.nonlinear_viscous.quadratic": QUADRATIC})
+        .with_parameters({"joint1.nonlinear_viscous.coefficient": QUADRATIC})
     )
 
 
@@ -56,14 +56,14 @@ def score(rivals: Rivals) -> float:
 
 def test_a_law_beside_none_is_as_far_as_the_robot_leaves_of_it():
     rivals = Rivals(smooth_joint(), (ODD, None), (with_odd(), smooth_joint()))
-    expected = abs(QUADRATIC) * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
+    expected = QUADRATIC * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
     assert score(rivals) == pytest.approx(expected, rel=0.01)
 
 
 def test_of_two_laws_the_closer_way_round_counts():
     """One is odd in the speed, the other even: neither takes anything of the other."""
     even = HALF * SPEED * np.sqrt(SAMPLES / 2) / SIGMA
-    odd = abs(QUADRATIC) * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
+    odd = QUADRATIC * SPEED**2 * np.sqrt(SAMPLES * LEFT_OF_SQUARE) / SIGMA
     assert odd < even
     both = Rivals(smooth_joint(), (ODD, EVEN), (with_odd(), with_even()))
     turned = Rivals(smooth_joint(), (EVEN, ODD), (with_even(), with_odd()))
@@ -90,8 +90,8 @@ def test_an_effect_of_unknown_size_is_small_beside_the_torque():
     force = values["coulomb"] + values["viscous"] * np.abs(speed)
     share = np.sqrt(np.mean(force**2) / np.mean(log.frame["joint1.tau"] ** 2))
     assert 0.02 < share < 0.06
-    sized = having(smooth_joint(), replace(ODD, size=-2.5), log)
-    assert sized.parameters["joint1.nonlinear_viscous.quadratic"] == -2.5
+    sized = having(smooth_joint(), replace(ODD, size=2.5), log)
+    assert sized.parameters["joint1.nonlinear_viscous.coefficient"] == 2.5
 
 
 @pytest.mark.parametrize("size", [None, 1e-4])

@@ -25,7 +25,7 @@ STRONG: dict[str, dict[str, float]] = {
     "asymmetric_coulomb": {"coulomb": 5.0, "viscous": 3.0},
     "load_dependent_friction": {"coefficient": 0.3},
     "presliding": {"level": 15.0, "travel": 0.01},
-    "nonlinear_viscous": {"quadratic": 8.0},
+    "nonlinear_viscous": {"coefficient": 8.0, "power": 0.6},
     "position_dependent_friction": {"cosine": 6.0, "sine": 4.0, "order": 3.0},
     "viscous_drift": {"drift": 6.0},
     "coulomb_drift": {"rate": 8.0},

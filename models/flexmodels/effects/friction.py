@@ -1,9 +1,9 @@
 """Friction at the motor hinge: torque that opposes its speed."""
 
-from sympy import Abs, cos, exp, sign, sin
+from sympy import Abs, Or, cos, exp, sign, sin
 
 from flexmodels.effects.dahl import dahl
-from flexmodels.effects.effect import Coverage, Effect, Parameter
+from flexmodels.effects.effect import SLOW, Coverage, Effect, Parameter
 from flexmodels.effects.signals import de, e, load, time
 
 _coulomb = Parameter("coulomb", "N.m", lower=0)
@@ -116,14 +116,19 @@ presliding = Effect(
     experiment="slow reversals of growing amplitude about one pose",
 )
 
-_quadratic = Parameter("quadratic", "N.m.s2/rad2")
+_at_one = Parameter("coefficient", "N.m", lower=0)  # the friction at 1 rad/s
+_exponents = (0.3, 0.9, 2.0, 3.0)
+_power = Parameter("power", "1", start=2.0, lower=0.2, upper=3.0, grid=_exponents)
+# Rounded where the joint turns, where a power below one is infinitely steep.
+_power_of_speed = de * (de**2 + SLOW**2) ** ((_power.symbol - 1) / 2)
 
 nonlinear_viscous = Effect(
     name="nonlinear_viscous",
-    title="Viscous friction that is not proportional to the speed: its quadratic part",
-    forces={e: _quadratic.symbol * de * Abs(de)},
-    parameters=(_quadratic,),
-    citation="Bona and Indri 2005; Bittencourt and Gunnarsson 2012",
+    title="Viscous friction that grows with a power of the speed, slower (grease) or faster (churning oil)",
+    forces={e: _at_one.symbol * _power_of_speed},
+    parameters=(_at_one, _power),
+    proper=Or(_power.symbol > 1.1, _power.symbol <= 0.9),  # a power of one is viscous friction
+    citation="Waiboer, Aarts and Jonker 2005; Bittencourt and Gunnarsson 2012",
     needs="speeds up to the rated one and below a third of it",
     confounders=("viscous", "coulomb", "stribeck"),
     experiment="constant speeds from slow to rated, at least five levels",

@@ -90,4 +90,4 @@ def test_a_ripple_shows_where_the_joint_is_fast_and_noise_is_little():
 
 def test_friction_of_the_square_of_the_speed_may_rest_on_the_fastest_samples():
     """A floor that rises at low frequencies leaves a peaky motion little else that tells it from viscous."""
-    assert samples(churned, Candidate("nonlinear_viscous", 2), slow=4.0, burst=True) == ""
+    assert samples(churned, Candidate("nonlinear_viscous", 2, (("power", 2.0),)), slow=4.0, burst=True) == ""

@@ -119,7 +119,7 @@ def test_candidates_fitted_together_have_the_coefficients_of_one_least_squares()
     search = search_of(lambda q, v, t: grease(q, v, t) + 0.4 * np.sin(40 * q))
     ripple = search.best("torque_ripple", 1)
     assert ripple is not None
-    listed = [ripple.candidate, Candidate("nonlinear_viscous", 1)]
+    listed = [ripple.candidate, Candidate("nonlinear_viscous", 1, (("power", 2.0),))]
     p, x = search.fitted(listed)
     logs = search.examination.logs
     X = [search.columns(c) for c in listed]
