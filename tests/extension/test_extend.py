@@ -133,3 +133,10 @@ def test_a_correction_is_what_the_file_lacks():
     require_new(robot, 2, "axis[y]")
     with pytest.raises(RobotError, match="has no joint 3"):
         require_new(robot, 3, "encoder_zero")
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.7, ""), (1.05, ""), (4.57, "its share of 4.57 is above 1")])
+def test_a_coefficient_that_the_law_may_not_have_is_said(share, said):
+    robot = two_link().with_effect(1, "torque_saturation")
+    values = {"joint1.torque_saturation.share": share, "joint1.torque_saturation.limit": 40.0}
+    assert extension._no_such_law(robot.with_parameters(values), 1, "torque_saturation") == said

@@ -59,6 +59,11 @@ def test_an_added_law_is_said_with_its_parameters_and_its_fall():
     assert added.to_dict()["mean_square_fall_percent"] == {"equations": 75.0, "simulation": 50.0}
 
 
+def test_a_simulation_that_does_not_follow_is_not_said_to():
+    added = Added(replace(ADDED, gains=(0.75, -0.01)), ())
+    assert added.headline().endswith("its equations follow held-out data better, its simulation does not")
+
+
 def test_a_corrected_description_is_said_with_the_line_of_the_file():
     corrected = replace(
         ADDED, robot=one_joint(), correction=Correction("r of joint 1", 0.006, "m", "r = 1", "r = 1.006")

@@ -39,6 +39,7 @@ def test_an_owner_knows_no_zeros_of_his_torques():
     assert not any("offset" in joint.values for joint in machine.robot.joints)
 
 
+@pytest.mark.slow
 def test_what_mends_a_law_does_not_take_its_place():
     """Friction under a load that is not quite in proportion to it: a coupling would take what is left.
 

@@ -51,6 +51,7 @@ def test_every_law_is_one_that_the_generator_hides():
     assert not set(MOTOR) & set(DRIVE)
 
 
+@pytest.mark.slow
 def test_the_law_is_named_without_the_torque(robot_file, tmp_path):
     cases = cases_of(["load_dependent_friction@1"], seed=11, robot=robot_file)
     solve_all(cases, tmp_path, 20, lambda _: None, robot_file, torqueless)

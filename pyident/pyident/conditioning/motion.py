@@ -16,6 +16,7 @@ class Motion:
     time          N [s]
     tau_before    N x joints, torques held until the sample; None: torques are not held. With it q, dq and ddq
                   are means under the sample's hat function (conditioning.weak_form), and so are the columns
+    needed        N x joints, torques that a fitted model needs along it; None: nobody has fitted one
     tau and time are needed only where a law uses them.
     """
 
@@ -25,12 +26,13 @@ class Motion:
     tau: np.ndarray | None = None
     time: np.ndarray | None = None
     tau_before: np.ndarray | None = None
+    needed: np.ndarray | None = None
 
     def check(self, robot: Robot) -> None:
         """Raises ValueError for shapes that do not fit the robot and for values that are not finite."""
         n, samples = len(robot.coordinates), len(self.q)
         shapes = {"q": (samples, n), "dq": (samples, n), "ddq": (samples, n), "time": (samples,)}
-        shapes |= {name: (samples, len(robot.joints)) for name in ("tau", "tau_before")}
+        shapes |= {name: (samples, len(robot.joints)) for name in ("tau", "tau_before", "needed")}
         for name, shape in shapes.items():
             values = getattr(self, name)
             if values is None:

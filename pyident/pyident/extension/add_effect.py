@@ -16,6 +16,7 @@ import numpy as np
 
 from flexmodels.coordinate import is_motor, is_torque, signal_of
 from flexmodels.inputs import SimulationError
+from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.errors import Error, LogErrors
@@ -30,6 +31,8 @@ from pyident.logs.log import Log
 from pyident.regression.descriptions import describes
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
+
+_SCATTER = 0.1  # of a law's largest coefficient: by so much noise may bring one beyond its bound
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,7 @@ def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) ->
     word = effect.replace("[", "_").removesuffix("]")
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
-    reason = _reason(asked, gains[1], base.trial.tracks, base.setting.rules)
+    reason = _reason(asked, gains, base.trial.tracks, base.setting.rules, _no_such_law(robot, joint, effect))
     return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason, asked, correction)
 
 
@@ -209,15 +212,31 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     return Step(f"{what} {name}", listed[0][0].unit, earlier, later, floor)
 
 
-def _reason(asked: Asked, simulated: float, tracks: bool, rules: Rules) -> str:
-    """What the gate of a diagnosis says against an effect, and the simulation; empty: nothing."""
+def _reason(asked: Asked, gains: tuple[float, float], tracks: bool, rules: Rules, no_such_law: str) -> str:
+    """What the gate of a diagnosis says against an effect, its values and the simulation; empty: nothing."""
     gate, least, c = asked.admission, rules.extension.least_gain, asked.candidate
     what = "the torque that the simulation needs" if tracks else "the simulation"
-    said = [gate.reason] if gate.reason else []
-    named = tracks and not gate.reason and gate.share >= rules.search.explained[0]
-    if simulated < (-least if named else least):
-        said.append(f"on held-out data the error of {what} {_change(simulated, least)}")
+    said = [text for text in (gate.reason, no_such_law) if text]
+    excused = tracks and not said and gate.share >= rules.search.explained[0]
+    if gains[1] < (-least if excused else least):
+        said.append(f"on held-out data the error of {what} {_change(gains[1], least)}")
+    elif excused and max(gains) <= 0:
+        said.append("on held-out data no error falls")
     return f"{c.effect} at joint {c.joint} is refused: {'; '.join(said)}." if said else ""
+
+
+def _no_such_law(robot: Robot, joint: int, effect: str) -> str:
+    """Which fitted coefficient is none that the law may have, by more than scatter; empty: none is."""
+    if describes(effect):
+        return ""
+    law = robot.joints[joint - 1].law(effect)
+    values = {p: robot.parameters[parameter_name(joint, effect, p.name)] for p in law.linear}
+    scatter = _SCATTER * max((abs(v) for v in values.values()), default=0.0)
+    for p, value in values.items():
+        if not p.lower - scatter <= value <= p.upper + scatter:
+            bound = f"below {p.lower:g}" if value < p.lower else f"above {p.upper:g}"
+            return f"its {p.name} of {value:.3g} {p.unit if p.unit != '1' else ''}".rstrip() + f" is {bound}"
+    return ""
 
 
 def _change(value: float, least: float) -> str:

@@ -150,7 +150,11 @@ class Added(Result):
         return self.extended.accepted
 
     def headline(self) -> str:
-        return self.extended.reason or f"{self.robot.name}: it follows held-out data better"
+        found = self.extended
+        better = "it follows held-out data better"
+        if found.gains[1] <= 0:
+            better = "its equations follow held-out data better, its simulation does not"
+        return found.reason or f"{self.robot.name}: {better}"
 
     def to_dict(self) -> dict[str, Any]:
         return self.extended.json() | {"notes": list(self.notes)}

@@ -1,5 +1,7 @@
 """What a diagnosis may name: laws, errors of the description; the motion that these are evaluated along."""
 
+from dataclasses import replace
+
 import numpy as np
 from pinocchio_model import PinocchioRobot
 from six_axis_logs import arm, made
@@ -57,6 +59,9 @@ def test_a_law_of_the_torque_gets_the_models():
     p = np.array(list(robot.linear_parameters.values()))
     np.testing.assert_allclose(given.tau, generalised_forces(robot, motion, p))
     assert motion_for(robot, Candidate("stribeck", 2), motion) is motion
+    needed = np.ones_like(given.tau)  # of a fit, which bodies found by friction under load are not
+    fitted = motion_for(robot, Candidate("torque_saturation", 2), replace(motion, needed=needed))
+    assert fitted.tau is needed
 
 
 def test_nothing_of_the_robot_file_is_suspected_at_a_joint_that_stands_still():

@@ -34,7 +34,7 @@ def logs_of(friction, samples: float) -> list[Log]:
     return [late(made(arm(), seed, friction, 20.0, PACE), samples) for seed in range(3)]
 
 
-@pytest.mark.parametrize("samples", [LATE, -LATE])
+@pytest.mark.parametrize("samples", [LATE, pytest.param(-LATE, marks=pytest.mark.slow)])
 def test_the_time_is_found_and_nothing_else(samples):
     logs = logs_of(plain, samples)
     search = searched(arm(), logs[:2], never)
@@ -46,6 +46,7 @@ def test_the_time_is_found_and_nothing_else(samples):
     assert any("give their columns a delay" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_laws_behind_it_are_named():
     logs = logs_of(three_laws, LATE)
     found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
@@ -122,6 +123,7 @@ def test_torques_smoothed_over_a_record_are_no_presliding_either():
     assert len(named) <= 4  # a `torque_delay` of a joint may be left of the filter
 
 
+@pytest.mark.slow
 def test_presliding_at_every_joint_is_no_low_pass():
     """That depends on the travel since a reversal, which takes another time at each."""
 

@@ -39,6 +39,7 @@ def test_by_how_much(warmed):
         assert second == pytest.approx(-0.15 * VISCOUS[k - 1], rel=0.15)
 
 
+@pytest.mark.slow
 def test_laws_go_first():
     """Sub-linear friction is another slope in a log of twice the speed; the law takes more."""
     robot = arm()
@@ -49,6 +50,7 @@ def test_laws_go_first():
     assert "differs from log to log" not in found.sentence
 
 
+@pytest.mark.slow
 def test_rounded_friction_at_another_speed_is_no_warm_robot():
     """All logs have one friction, which is viscous where a joint creeps and dry where it runs."""
 

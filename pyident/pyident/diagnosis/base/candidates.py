@@ -224,14 +224,19 @@ def motion_for(robot: Robot, candidate: Candidate, motion: Motion) -> Motion:
 
 
 def with_model_torque(robot: Robot, motion: Motion) -> Motion:
-    """The motion with the torques that the robot's own parameters need."""
+    """The motion with the torques that a fitted model needs; where none is told, the robot's own."""
 
     def made() -> Motion:
-        p = np.array(list(robot.linear_parameters.values()))
-        tau = generalised_forces(robot, motion, p)[:, : len(robot.joints)]
+        tau = needed_torque(robot, motion) if motion.needed is None else motion.needed
         return replace(motion, tau=tau, tau_before=None if motion.tau_before is None else tau)
 
     return _with_torques.of((robot, motion), made)
+
+
+def needed_torque(robot: Robot, motion: Motion) -> np.ndarray:
+    """(N, joints) torques that the robot's own parameters need along a motion."""
+    p = np.array(list(robot.linear_parameters.values()))
+    return generalised_forces(robot, motion, p)[:, : len(robot.joints)]
 
 
 def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
-from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law
+from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law, needed_torque
 from pyident.diagnosis.base.carried_loads import with_carried_loads
 from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
@@ -181,6 +181,7 @@ def examine(
     levels = levels_of(own_floors, data)
     if not setting.simulates:
         chance = setting.rules.search.chance
+        data = with_needed_torques(robot, data)
         robot = with_carried_loads(robot, data, base, levels, chance)
         setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
@@ -240,6 +241,16 @@ def whitened(robot: Robot, logs: Sequence[Log], levels: Sequence[Floor]) -> list
     """The equations of logs, each over its floor."""
     found = denoised_equations(robot, logs)
     return all_over(found, levels_of(levels, found))
+
+
+def with_needed_torques(robot: Robot, logs: Sequence[Equations]) -> list[Equations]:
+    """The equations of logs whose motions tell the torques that a fitted robot needs.
+
+    Bodies that belong to friction under load need others, which are not those of the logs.
+    """
+    parts = [log.part for log in logs]
+    told = [replace(p, motion=replace(p.motion, needed=needed_torque(robot, p.motion))) for p in parts]
+    return [replace(log, part=part) for log, part in zip(logs, told, strict=True)]
 
 
 def gains_of(

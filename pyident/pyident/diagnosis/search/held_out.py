@@ -14,7 +14,7 @@ import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, bounds_of, columns, law_of
 from pyident.diagnosis.base.projection import Base, extended, gain, joined, solve_base
-from pyident.diagnosis.base.residual_over_floor import Region, bands_of, whitened
+from pyident.diagnosis.base.residual_over_floor import Region, bands_of, whitened, with_needed_torques
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
@@ -183,7 +183,8 @@ def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
     """Raises LogError."""
     ex = search.examination
     moved = ex.setting.alignment.of_all(ex.setting.robot, logs)
-    return HeldOut(tuple(whitened(ex.setting.robot, moved, [ex.floor] * len(moved))))
+    found = whitened(ex.setting.robot, moved, [ex.floor] * len(moved))
+    return HeldOut(tuple(found if ex.setting.simulates else with_needed_torques(ex.setting.simulated, found)))
 
 
 def _left_of(
