@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexmodels.files.robot_file import load_robot
+from pyident.checks import timing
 from pyident.checks.balances import balances, samples
 from pyident.checks.check_log import check_log, checked
 from pyident.checks.scale import file_factor
@@ -152,6 +153,20 @@ def test_what_delays_all_torques_alike_is_measured(four_link, sound, late):
 def test_what_delays_one_joint_is_no_recorder(four_link, sound):
     moved = changed(sound, joint1_tau=lambda x: np.roll(x, 2))
     assert common_delay(balances(samples(four_link, moved))) is None  # pyright: ignore[reportArgumentType]
+
+
+def test_joints_that_differ_from_each_other_have_no_delay_in_common(monkeypatch, four_link, sound):
+    """Each by itself may have the mean one, as their standard deviations are large."""
+    of = balances(samples(four_link, sound))
+    assert of is not None
+    told = dict(zip(of.joints, [(-0.4, 0.3), (-2.2, 0.2), (-1.3, 0.1), (-1.3, 0.1)], strict=True))
+    monkeypatch.setattr(timing, "_vertex", lambda _, k, __: timing.CommonDelay(*told[k]))
+    assert common_delay(of) is None
+    told[of.joints[1]] = (-1.2, 0.2)
+    assert common_delay(of) is not None
+    (early,) = timing.all_late(of, "log")
+    assert "samples early; positions behind a filter" in early.sentence
+    assert "move the columns of the positions" in early.sentence
 
 
 def test_the_robot_file_is_a_witness_of_size_alone(four_link, sound):

@@ -6,6 +6,7 @@ keep moving as well.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -110,7 +111,9 @@ def common_delay(of: Balances) -> CommonDelay | None:
         return None
     weights = np.array([one.std**-2 for one in told])
     shift, std = float(weights @ [one.shift for one in told] / weights.sum()), float(weights.sum() ** -0.5)
-    return CommonDelay(shift, std) if all(_alike(one.shift, shift, one.std) for one in told) else None
+    pairs = combinations(told, 2)
+    alike = all(_alike(a.shift, b.shift, float(np.hypot(a.std, b.std))) for a, b in pairs)
+    return CommonDelay(shift, std) if alike else None
 
 
 def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
@@ -130,14 +133,15 @@ def all_late(of: Balances, source: str) -> Iterator[Defect]:
     delay = common_delay(of.in_motion)
     if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
         return
-    way = "late" if delay.shift > 0 else "early"
+    way, cause, move = "late", "a recorder that reads before it steps writes them one sample late", "torques"
+    if delay.shift < 0:
+        way, cause, move = "early", "positions behind a filter or a bus make it look so", "positions"
     yield Defect(
         "doubtful",
         "delay",
         "",
-        f"{source}: all torques are {abs(delay.shift):.2f} ± {delay.std:.2f} samples {way}; a recorder that "
-        "reads before it steps writes them one sample late: move their columns, or give them a delay in the "
-        "mapping",
+        f"{source}: all torques are {abs(delay.shift):.2f} ± {delay.std:.2f} samples {way}; {cause}: move "
+        f"the columns of the {move}, or give them a delay in the mapping",
     )
 
 
