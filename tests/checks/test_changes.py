@@ -4,7 +4,7 @@ Six axes by Pinocchio, on sines of every joint; at will slow first and fast then
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
 from flexmodels.files.robot_file import load_robot
 from pyident.checks.balances import balances, samples
 from pyident.checks.changes import changes, last_body, one_machine
-from pyident.checks.check_log import check_log
+from pyident.checks.check_log import check_log, checked
 from pyident.checks.defect import Defect
 from pyident.logs.log import Log
 
@@ -169,3 +169,22 @@ def test_a_joint_that_carries_nothing_but_rounding_does_not_count():
     bare = Log(log.frame.assign(**{"joint6.tau": rounding}), "a log")
     (defect,) = told(bare)
     assert "from 8 s" in defect.sentence
+
+
+@pytest.mark.parametrize("mass", [0.1, -0.5])
+def test_a_load_in_one_log_of_two_is_told_with_its_mass(mass):
+    """Beside another motion and another friction."""
+    slow, even = machine(SLOW_THEN_FAST), machine()
+    first, second = (of.log(of.load(abs(mass)) * own) for of, own in ((slow, mass < 0), (even, mass > 0)))
+    (defect,) = checked(ARM, [first, replace(second, source="another")]).defects
+    assert (defect.kind, defect.severity) == ("change", "doubtful")
+    size, way = re.findall(r"another: the last link has another body than in a log \((\S+) kg (\w+)\)",
+                           defect.sentence)[0]  # fmt: skip
+    assert float(size) == pytest.approx(abs(mass), rel=0.1)
+    assert way == ("more" if mass > 0 else "less")
+
+
+@pytest.mark.parametrize("law", sorted(LACKING.keys() - {"a load that grows"}))
+def test_what_both_logs_lack_is_no_load(law):
+    logs = [of.log(of.level * LACKING[law](of)) for of in (machine(SLOW_THEN_FAST), machine())]
+    assert "change" not in {defect.kind for defect in checked(ARM, logs).defects}

@@ -90,7 +90,7 @@ def changes(of: Balances, log: Log) -> Iterator[Defect]:
     time = log.frame["time"].to_numpy(float)[of.samples.at]
     if (body := last_body(of, one)) is not None and (found := step(of, one, body)) is not None:
         yield _defect(log.source, time[found.at], found, "",
-                      f"The last link has another body{_more(found, 'kg')}: a load was taken up or put down, "
+                      f"The last link has another body{grown(found, 'kg')}: a load was taken up or put down, "
                       "or a tool was changed")  # fmt: skip
         return
     frictions = [(k, step(of, one, friction(of, one, i))) for i, k in enumerate(of.joints)]
@@ -98,7 +98,7 @@ def changes(of: Balances, log: Log) -> Iterator[Defect]:
     for _, k, found in sorted(told, key=lambda t: t[:2])[:1]:
         unit = "N m" if of.samples.robot.joints[k].kind == "revolute" else "N"
         yield _defect(log.source, time[found.at], found, torque_of(k + 1),
-                      f"The friction of {joint_name(k + 1)} is another{_more(found, unit)}: a brake drags or "
+                      f"The friction of {joint_name(k + 1)} is another{grown(found, unit)}: a brake drags or "
                       "was let go, or something rubs")  # fmt: skip
 
 
@@ -180,14 +180,21 @@ def step(of: Balances, one: OneMachine, candidate: Candidate) -> Change | None:
     coarse = np.arange(edge, M - edge, apart)
     best = int(coarse[np.argmax(_gains(one, candidate, coarse))])
     near = np.arange(max(edge, best - apart), min(M - edge, best + apart + 1))
-    at = int(near[np.argmax(_gains(one, candidate, near))])
+    return step_at(of, one, candidate, int(near[np.argmax(_gains(one, candidate, near))]))
+
+
+def step_at(of: Balances, one: OneMachine, candidate: Candidate, at: int) -> Change | None:
+    """The same at a sample that is known."""
+    M = len(one.left)
+    edge = int(np.ceil(CHANGES.edge * M))
     after = one.beside(candidate, at)
     energy, left = one.energy(candidate), after.energy(candidate)
     most = CHANGES.friction if candidate.own else CHANGES.body
     size = _size(of, one, after)
     if left > most * energy or size < LOG_CHECKS.torque_floor:
         return None
-    others = coarse[np.abs(coarse - at) > edge // 2]
+    others = np.arange(edge, M - edge, max(1, (M - 2 * edge) // _SPLITS))
+    others = others[np.abs(others - at) > edge // 2]
     again = 1 - float(_gains(after, candidate, others).max()) / max(left, 1e-300)
     if again < CHANGES.again:
         return None
@@ -257,7 +264,7 @@ def _defect(source: str, time: float, found: Change, channel: str, what: str) ->
                   "there, and fit the parts apart")  # fmt: skip
 
 
-def _more(found: Change, unit: str) -> str:
+def grown(found: Change, unit: str) -> str:
     """By how much, where that is known."""
     if found.first is None:
         return ""

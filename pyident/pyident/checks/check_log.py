@@ -8,7 +8,8 @@ import pandas as pd
 
 from flexmodels.coordinate import motor_of, reference_of
 from flexmodels.robot import Robot
-from pyident.checks.balances import balances, samples
+from pyident.checks.another_machine import another_machine
+from pyident.checks.balances import Balances, balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
 from pyident.checks.changes import changes
 from pyident.checks.channels.every_channel import channels
@@ -50,6 +51,8 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
     if gross and not force:
         more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
         raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
+    if not gross and len(logs) > 1:
+        defects += tuple(another_machine(_all_balances(robot, [_in_memory(robot, log) for log in logs])))
     return CheckedLogs(defects)
 
 
@@ -78,17 +81,14 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
 
 def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     """What a quick fit of the balances says of the channels."""
-    signals = samples(_with_constants(robot), log)
-    if signals is None or not np.isfinite(signals.tau).all():
-        return []  # without torques, or with some: then the regression asks for the others
-    try:
-        of = balances(signals)
-    except StructureError as error:
-        sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
-        return [Defect("gross", "unit", "", sentence)]
-    except ValueError:  # a law that needs a signal of its own
-        return []
     source = log.source
+    try:
+        of = _balances(robot, log)
+    except StructureError as error:
+        sentence = f"{source}: {error}; check the units, signs and zeros of its positions"
+        return [Defect("gross", "unit", "", sentence)]
+    if of is None:
+        return []
     weight = list(gravity(of, source))
     if any(defect.severity == "gross" for defect in weight):
         return weight
@@ -100,6 +100,28 @@ def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
     checks = (signs, twists, bends, scale, unexplained, all_late)
     found = [defect for check in checks for defect in check(of, source)]
     return [*order, *weight, *found, *constants(of, robot, source), *changes(of, log)]
+
+
+def _balances(robot: Robot, log: Log) -> Balances | None:
+    """None of a log without torques, or with some: then the regression asks for the others. Raises
+    StructureError.
+    """
+    signals = samples(_with_constants(robot), log)
+    if signals is None or not np.isfinite(signals.tau).all():
+        return None
+    try:
+        return balances(signals)
+    except StructureError:
+        raise
+    except ValueError:  # a law that needs a signal of its own
+        return None
+
+
+def _all_balances(robot: Robot, logs: Sequence[Log]) -> list[tuple[str, Balances]]:
+    """Source and balances of those logs that have any."""
+    robot, _ = locked(robot, logs)
+    found = ((log.source, _balances(robot, log)) for log in logs if len(log) >= CHANNELS.fewest_rows)
+    return [(source, of) for source, of in found if of is not None]
 
 
 def _with_constants(robot: Robot) -> Robot:
