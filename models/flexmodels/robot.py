@@ -184,10 +184,13 @@ class Robot:
         changed = replace(old, values={**old.values, effect: start})
         return replace(self, joints=(*self.joints[: joint - 1], changed, *self.joints[joint:]))
 
-    def without_effect(self, effect: str) -> "Robot":
-        """The same robot with no such law at any joint."""
-        kept = [{law: v for law, v in joint.values.items() if law != effect} for joint in self.joints]
-        joints = (replace(joint, values=values) for joint, values in zip(self.joints, kept, strict=True))
+    def without_effect(self, effect: str, joint: int | None = None) -> "Robot":
+        """The same robot with no such law at `joint` (from 1), None: at any joint."""
+        joints = list(self.joints)
+        for k, old in self.numbered:
+            if joint in (None, k):
+                kept = {law: values for law, values in old.values.items() if law != effect}
+                joints[k - 1] = replace(old, values=kept)
         return replace(self, joints=tuple(joints))
 
     def _effect_order(self) -> list[str]:

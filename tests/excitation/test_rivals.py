@@ -14,7 +14,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.result import Named
 from pyident.excitation.criterion import along
 from pyident.excitation.rehearsal import rehearsal
-from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
+from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect, taken_out
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
 
@@ -129,3 +129,19 @@ def test_all_that_a_diagnosis_found_of_a_law_is_taken():
 def test_a_law_that_is_there_already_is_refused():
     with pytest.raises(RobotError, match="has nonlinear_viscous@1 already"):
         having(with_odd(), ODD, driven())
+
+
+def test_a_law_of_the_model_is_taken_out_and_its_values_are_supposed():
+    plain, who = taken_out(with_odd(), ODD)
+    assert plain == smooth_joint()
+    assert having(plain, who, driven()) == with_odd()
+    _, given = taken_out(with_odd(), suspect("nonlinear_viscous@1=3"))
+    law = having(plain, given, driven()).joints[0].values["nonlinear_viscous"]
+    assert law == {**with_odd().joints[0].values["nonlinear_viscous"], "coefficient": 3.0}
+    without_size = smooth_joint().with_effect(1, ODD.effect)
+    assert taken_out(without_size, ODD) == (smooth_joint(), ODD)  # as large as anything unknown
+
+
+@pytest.mark.parametrize("who", [ODD, Suspect("coulomb", 1), Suspect("stribeck", 9)])
+def test_what_is_no_law_of_the_model_or_one_of_every_robot_stays(who):
+    assert taken_out(smooth_joint(), who) == (smooth_joint(), who)

@@ -57,7 +57,9 @@ def test_grids_and_coverage_follow_the_motion():
         effect_columns(robot, 1, "torque_delay", motion)
 
 
-def test_a_law_is_taken_away_at_every_joint(four_link):
+def test_a_law_is_taken_away_at_one_joint_or_at_every_joint(four_link):
+    richer_at_three = four_link.with_effect(3, "stribeck").with_effect(3, "backlash")
     richer = four_link.with_effect(2, "stribeck").with_effect(3, "stribeck").with_effect(3, "backlash")
     assert richer.without_effect("stribeck") == four_link.with_effect(3, "backlash")
+    assert richer.without_effect("stribeck", 2) == richer_at_three
     assert four_link.without_effect("stribeck") == four_link

@@ -28,7 +28,7 @@ from pyident.excitation.rehearsal import (
 )
 from pyident.excitation.search import Budget
 from pyident.excitation.separation.contest import Contest
-from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
+from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect, taken_out
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
 from pyident.excitation.violations import of_ends
@@ -71,7 +71,8 @@ def excite(
 ) -> Planned:
     """A motion that determines the parameters best, or tells two effects apart, or shows one.
 
-    model       as in `identify`; its own parameters predict what the motion takes
+    model       as in `identify`; its own parameters predict what the motion takes. A law of it that is asked
+                about is taken out, and its values there are supposed of it where none are given
     separate    two of `EFFECT@JOINT` that should be told apart, `=SIZE` or `=PARAMETER=VALUE,...` after it
     reveal      one of them that should be seen
     criterion   of an identification: `information` in the sensors' noise, or `condition` of the regressor
@@ -93,6 +94,7 @@ def excite(
     pair: Pair | None = (asked[0], asked[1]) if asked else None
     if reveal:
         pair = (suspect(reveal), None)
+    robot, pair, out = _without_suspects(robot, pair)
     if criterion not in CRITERIA:
         raise RobotError(f"there is no criterion {criterion!r}; take one of {', '.join(CRITERIA)}")
     task = _task(robot, duration, rate, limits, noise, radius, floor, spread)
@@ -107,7 +109,7 @@ def excite(
         else:
             found, promise = designed(task, drawing, CRITERIA[criterion], own, budget, progress), None
         prediction = predicted(robot, own.log(found.plan), task.noise)
-    return Planned(robot, found, _notes(task), prediction, promise)
+    return Planned(robot, found, (*out, *_notes(task)), prediction, promise)
 
 
 def check_plan(
@@ -163,6 +165,22 @@ def export_plan(
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
     own = 1 / float(read.time[1] - read.time[0])
     return write_table(robot, read, path, own if rate is None else rate, degrees)
+
+
+def _without_suspects(robot: Robot, pair: Pair | None) -> tuple[Robot, Pair | None, list[str]]:
+    """The robot without the laws that are asked about, these with what it said of them, and notes."""
+    known: list[Suspect | None] = []
+    notes: list[str] = []
+    for who in pair or ():
+        plain, asked = (robot, None) if who is None else taken_out(robot, who)
+        known.append(asked)
+        if asked is not None and plain is not robot:
+            notes.append(
+                f"{asked.name} is in the model: it was taken out to be asked about, and its values there are "
+                "supposed of it where none are given; the motion keeps its limits with it, too"
+            )
+        robot = plain
+    return robot, (known[0], known[1]) if pair else None, notes
 
 
 def _apart(

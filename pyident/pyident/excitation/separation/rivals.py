@@ -7,7 +7,7 @@ noise, so that its square is the expected fall of the weighted sum of squares.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,21 @@ def suspect(text: str) -> Suspect:
     if size == 0 or not all(abs(x) < _LARGEST for x in (size or 1.0, *given.values())):
         raise RobotError(f"{text!r}: a size is not zero, and every value is below {_LARGEST:g} in SI units")
     return Suspect(parts[1], int(parts[2]), size, tuple(given.items()))
+
+
+def taken_out(robot: Robot, who: Suspect) -> tuple[Robot, Suspect]:
+    """The robot without the suspect's law, and the suspect with the values that the robot had for it.
+
+    Values that are given go before the robot's. A law that every robot file has stays, and so does a robot
+    without the law: both are returned as they are.
+    """
+    joint = robot.joints[who.joint - 1] if 1 <= who.joint <= len(robot.joints) else None
+    if joint is None or who.effect not in joint.values or joint.law(who.effect).base:
+        return robot, who
+    law, values = joint.law(who.effect), joint.values[who.effect]
+    found = values if any(values[p.name] for p in law.linear) else {}  # without a size it is as if unknown
+    known = replace(who, values=tuple({**found, **dict(who.values)}.items()))
+    return robot.without_effect(who.effect, who.joint), known
 
 
 def having(robot: Robot, who: Suspect, log: Log) -> Robot:
