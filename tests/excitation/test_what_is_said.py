@@ -34,6 +34,19 @@ def test_without_a_question_it_says_what_an_identification_will_find(planned):
     assert "separation" not in planned.to_dict()
 
 
+def test_a_zero_of_the_model_is_no_prediction(planned):
+    """Friction that the robot file has at 0, as one that was imported."""
+
+    def said(viscous: float) -> str:
+        values = {**planned.prediction.values, "joint1.viscous": viscous}
+        other = replace(planned, prediction=replace(planned.prediction, values=values))
+        return " ".join(str(other.summary()).split())
+
+    words = "a 0 in the model may be a value that nobody has identified yet"
+    assert words in said(0.0)
+    assert words not in said(2.0)
+
+
 def test_its_values_come_with_predicted_deviations_and_null_where_there_is_none(planned):
     said = planned.to_dict()
     row = said["parameters"]["joint1.viscous"]
@@ -60,3 +73,12 @@ def test_a_promise_is_what_it_says_first_with_what_it_supposes(promised):
 @pytest.mark.parametrize(("sigmas", "ending"), [(5.0, "which settles it"), (4.9, "which does not settle it")])
 def test_five_deviations_settle_a_question(promised, sigmas, ending):
     assert replace(promised.promise, sigmas=sigmas).sentence.endswith(ending)
+
+
+def test_a_law_of_the_model_is_asked_about_and_a_note_says_how():
+    robot = limited().with_effect(1, "stribeck").with_parameters(STRIBECK)
+    found = pi.excite(robot, reveal="stribeck@1", duration=3.0, evaluations=3, floor=None)
+    assert found.promise is not None
+    assert found.promise.supposed["stribeck@1"] == pytest.approx({"level": 0.5, "velocity": 0.05})
+    assert "stribeck@1 is in the model: it was taken out to be asked about" in found.notes[0]
+    assert "joint1.stribeck.level" not in found.prediction.values

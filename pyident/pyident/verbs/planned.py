@@ -211,5 +211,9 @@ def _told(robot: "Robot", found: "Prediction") -> str:
         for name, std in found.std.items()
         if np.isfinite(std)
     ]
-    heads = ("parameter", "value", "± 95 %", "unit")
-    return f"{table(heads, rows, numbers=(1, 2))}\n{_rank(found)}; the others only in combinations"
+    heads = ("parameter", "in the model", "± 95 % then", "unit")
+    lines = [table(heads, rows, numbers=(1, 2)), f"{_rank(found)}; the others only in combinations"]
+    if any(found.values[name] == 0 for name, *_ in rows):
+        zero = "a 0 in the model may be a value that nobody has identified yet: ± 95 % says how closely a log"
+        lines.append(wrapped(f"{zero} of this motion would give it"))
+    return "\n".join(lines)
