@@ -163,6 +163,15 @@ def test_no_payload_is_none(logs):
     np.testing.assert_allclose(none.free, 0, atol=1e-6)
 
 
+def test_it_says_in_which_axes_and_what_is_written(load):
+    """An arm out of a URDF has no friction yet."""
+    said = " ".join(load.summary().split())
+    assert "axes that turn with the link and are parallel to the base's in the zero pose" in said
+    assert "Friction and rotor inertias are 0 in it: identify the model" in load.not_identified
+    known = replace(load, model=load.model.with_parameters({"joint1.coulomb": 2.0}))
+    assert known.not_identified.endswith("was not identified here")
+
+
 def test_the_command(tmp_path, logs):
     robot, empty, loaded = logs
     pi.write_log(empty, tmp_path / "empty.parquet")
@@ -174,5 +183,7 @@ def test_the_command(tmp_path, logs):
     assert result.exit_code == 0, result.output
     told = json.loads((tmp_path / "new.json").read_text())
     assert told["mass_kg"] == pytest.approx(MASS, rel=0.05)
+    assert told["axes"] == "the link's: parallel to the base's in the zero pose"
+    assert "everything else, friction, too, is the model's own" in " ".join(result.output.split())
     added = pi.load_robot(tmp_path / "new.toml").links[-1].m - robot.links[-1].m
     assert added == pytest.approx(told["mass_kg"])

@@ -48,4 +48,5 @@ def payload_command(
     if output:
         load.save(output)
         show(f"wrote {output}")
+        show_notes([load.not_identified])
     write_json(json_file, load.to_dict())

@@ -21,11 +21,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _STRANGE = 3.0  # standard deviations that a body may be off the regression's values
+_OWN = ("motor_inertia", "coulomb", "viscous")  # laws that no drive is without
+AXES = "the link's: parallel to the base's in the zero pose"
 
 
 @dataclass(frozen=True, repr=False)
 class Payload(Result):
     """What was added to the last link: ten inertial parameters about that link's joint, in its axes.
+
+    These are parallel to the base's while the arm stands in its zero pose, and turn with the link.
 
     model   the robot as it was given;  carried   values, standard deviations, the nearest body
     """
@@ -59,6 +63,21 @@ class Payload(Result):
         save_robot(self.robot, path)
         return Path(path)
 
+    @property
+    def not_identified(self) -> str:
+        """What is in the robot file beside the load, in words."""
+        said = (
+            "what is written is the model as it was given, with the load in its last link: everything else, "
+            "friction, too, is the model's own and was not identified here"
+        )
+        laws = [joint.values.get(law, {}) for joint in self.model.joints for law in _OWN]
+        if any(value for values in laws for value in values.values()):
+            return said
+        return (
+            f"{said}. Friction and rotor inertias are 0 in it: identify the model from the log without the "
+            "load first (pyident identify ... -o), then call payload with what that wrote"
+        )
+
     def to_frame(self) -> "pd.DataFrame":
         """A row per parameter: value, std (inf: not determined), consistent value, unit."""
         import pandas as pd
@@ -77,6 +96,7 @@ class Payload(Result):
             "parameters": rows,
             "mass_kg": self.mass,
             "centre_m": self.centre.tolist(),
+            "axes": AXES,
             "rank": self.carried.rank,
             "standard_deviations_off": self.carried.far,
             "notes": list(self.notes),
@@ -94,7 +114,8 @@ class Payload(Result):
             for (name, unit), value, std, body in zip(*columns, strict=True)
         ]
         heads = ("value", "± 95 %", "of a body", "unit", "added")
-        lines = [f"{self.headline()}, from its joint and in its axes"]
+        axes = "turn with the link and are parallel to the base's in the zero pose"
+        lines = [f"{self.headline()}, from its joint, in axes that {axes} (a URDF's link may have others)"]
         if self.carried.rank < len(LINK_PARAMETERS):
             lines.append(self._undetermined())
         if self.carried.far > _STRANGE:
