@@ -31,7 +31,14 @@ class Outside:
 
 
 def _gain_said(joint: str, value: float) -> str:
-    return f"the logged torque of {joint} by about {value:.2g} of itself"
+    """The true torque is the logged one times 1 + value."""
+    which = "small" if value > 0 else "large"
+    return f"the gain (torque constant) of {joint}, its logged torque is {_off(value):.2g} % too {which}"
+
+
+def _off(gain: float) -> float:
+    """Of the true torque [%]."""
+    return 100 * abs(1 / (1 + gain) - 1)
 
 
 def _lag_said(joint: str, value: float) -> str:
