@@ -1,6 +1,8 @@
 """Hidden torques of known form, and what is said about them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -16,10 +18,13 @@ from flexmodels.settings.motions import Identification, Multisine
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import Examination, examine
 from pyident.diagnosis.base.setting import set_up
+from pyident.diagnosis.next_steps import _not_looked_at
+from pyident.diagnosis.result import Place
 from pyident.diagnosis.unexplained import formula as symbolic
+from pyident.diagnosis.unexplained import unexplained as module
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
-from pyident.diagnosis.unexplained.residual_terms import excess
-from pyident.diagnosis.unexplained.unexplained import Unexplained, depends_on
+from pyident.diagnosis.unexplained.residual_terms import Dependence, excess
+from pyident.diagnosis.unexplained.unexplained import Unexplained, clause, depends_on
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
 from pyident.rules.rules import RULES
@@ -157,6 +162,71 @@ def test_without_the_package_a_sentence_says_so(bumpy, monkeypatch):
     monkeypatch.setattr(symbolic, "find_spec", lambda _: None)
     examination, found = bumpy
     assert symbolic_law(examination, found.dependences) == symbolic.MISSING
+
+
+def _dependence(form: str, *rivals: tuple[str, str]) -> Dependence:
+    """Of joint 6's speed; rivals: words and signal."""
+    words, signals = tuple(w for w, _ in rivals), tuple(s for _, s in rivals)
+    nothing = np.zeros(0)
+    more: dict[str, Any] = {"rivals": words, "rival_signals": signals}
+    return Dependence(
+        "joint6.e", "joint6.de", "speed of joint 6", form, 93.4, 1.0, 0.0, nothing, nothing, **more
+    )
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (_dependence("force"), "speed of joint 6 (explains 93 % of the excess)"),
+        (_dependence("friction"), "speed of joint 6, as friction (explains 93 % of the excess)"),
+        (
+            _dependence("friction", ("speed of joint 6", "joint6.de"), ("time", "time")),
+            "speed of joint 6, as friction or as a force of either sign "
+            "(explains 93 % of the excess, as well as time)",
+        ),
+    ],
+)
+def test_the_form_of_a_dependence_is_said_once(found, words):
+    assert clause(found, first=True) == words
+
+
+def test_the_next_equation_is_looked_at_where_the_worst_one_shows_nothing(monkeypatch):
+    """Of three that exceed their floor by 5, 8 and 1, the first two."""
+
+    class Blind:
+        spectra: tuple[()] = ()
+
+        def __init__(self, examination, base, *_):
+            self.base = base
+
+        def run(self, floor):
+            return []
+
+    monkeypatch.setattr(module, "RowSearch", Blind)
+    monkeypatch.setattr(module, "_pretended_by_replicas", lambda *_: np.zeros((0, 0)))
+    base = Base(np.zeros(0), np.zeros((0, 0)), [], [np.sqrt(np.array([[6.0], [9.0], [2.0]]))])
+    three = SimpleNamespace(q=[SimpleNamespace(joint=k, side="motor") for k in (1, 2, 3)])
+    setting: Any = SimpleNamespace(rules=RULES, robot=three)
+    examination: Any = SimpleNamespace(setting=setting, base=base, floor_energies=np.ones(3))
+    found = depends_on(examination, cast(Any, None))
+    assert found.rows == (1, 0)
+    assert [s.split(":")[0] for s in found.sentences] == ["motor side of joint 2", "motor side of joint 1"]
+
+
+@pytest.mark.parametrize(
+    ("states", "said"),
+    [
+        (
+            ["unexplained"] * 3,
+            ["motor side of joint 3: not looked at further, as less exceeds the floor there"],
+        ),
+        (["unexplained", "unexplained", "in_order"], []),
+    ],
+)
+def test_what_is_left_unexplained_and_not_looked_at_is_named(states, said):
+    three: Any = SimpleNamespace(q=[SimpleNamespace(joint=k, side="motor") for k in (1, 2, 3)])
+    places = [Place(f"joint{k}", "motor", state, (3.0, 3.0), 1.0) for k, state in enumerate(states, start=1)]
+    assert _not_looked_at(three, places, (1, 0)) == said
 
 
 def test_an_equation_below_its_floor_takes_nothing_from_another():

@@ -10,10 +10,10 @@ from pyident.diagnosis.base.candidates import Candidate, with_law
 from pyident.diagnosis.base.setting import set_up, steadied, workers_of
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.motions.separating import separating
-from pyident.diagnosis.result import Diagnosis, Finding, Named
+from pyident.diagnosis.result import Diagnosis, Finding, Named, Place
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
-from pyident.diagnosis.unexplained.unexplained import depends_on
+from pyident.diagnosis.unexplained.unexplained import depends_on, side_of
 from pyident.excitation.variants import variants
 from pyident.logs.log import LogError
 from pyident.regression.descriptions import corrected
@@ -99,11 +99,19 @@ def with_dependences(search: Search, found: Diagnosis, open_pool: OpenPool, draf
     examination = search.examination
     with workers_of(examination.setting, open_pool) as workers:
         leads = depends_on(examination, workers, search.base)
+    told = (*found.depends_on, *leads.sentences, *_not_looked_at(search.robot, found.places, leads.rows))
     if not draft or not leads.dependences:
-        return replace(found, depends_on=(*found.depends_on, *leads.sentences))
+        return replace(found, depends_on=told)
     proposal = symbolic_law(examination, leads.dependences)
     if not isinstance(proposal, Draft):
-        return replace(found, depends_on=(*found.depends_on, *leads.sentences, proposal))
+        return replace(found, depends_on=(*told, proposal))
     said = f"a draft: {proposal.formula} takes {proposal.share_percent:.0f} % of it"
     said = f"{said}; {proposal.note}" if proposal.note else said
-    return replace(found, depends_on=(*found.depends_on, *leads.sentences, said), draft=proposal.text)
+    return replace(found, depends_on=(*told, said), draft=proposal.text)
+
+
+def _not_looked_at(robot: Robot, places: Sequence[Place], rows: Sequence[int]) -> list[str]:
+    """Of equations that are left unexplained, too, but by less. places: in the order of the equations."""
+    left = [row for row, place in enumerate(places) if place.state == "unexplained" and row not in rows]
+    listed = " and ".join(side_of(robot, row) for row in left)
+    return [f"{listed}: not looked at further, as less exceeds the floor there"] if left else []

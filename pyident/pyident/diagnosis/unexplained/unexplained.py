@@ -26,11 +26,15 @@ _FIRST_SEED = 1_000_000
 
 @dataclass(frozen=True)
 class Unexplained:
-    """sentences for `Diagnosis.depends_on`; dependences, spectra (of the first equation) for figures."""
+    """sentences for `Diagnosis.depends_on`; dependences, spectra (of the first equation) for figures.
+
+    rows   equations that were looked at
+    """
 
     sentences: tuple[str, ...]
     dependences: tuple[Dependence, ...]
     spectra: tuple[Spectrum, ...]
+    rows: tuple[int, ...]
 
 
 def depends_on(examination: Examination, workers: Workers, base: Base | None = None) -> Unexplained:
@@ -49,8 +53,9 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
     rows: list[int] = []
     while len(rows) < rules.equations:
         beyond = excess(base, floor)
+        beyond[rows] = 0.0
         row = int(np.argmax(beyond))
-        if row in rows or beyond[row] <= rules.equation * total:
+        if beyond[row] <= rules.equation * total:
             break
         rows.append(row)
         pretended = _pretended_by_replicas(examination, workers, row, replicas)
@@ -60,7 +65,7 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
         found += own
         spectra = spectra or search.spectra
         sentences.append(_sentence(examination.setting.robot, row, own))
-    return Unexplained(tuple(sentences), tuple(found), tuple(spectra))
+    return Unexplained(tuple(sentences), tuple(found), tuple(spectra), tuple(rows))
 
 
 def _pretended_by_replicas(examination: Examination, workers: Workers, row: int, count: int) -> np.ndarray:
@@ -94,19 +99,29 @@ def _pretended(
 
 
 def _sentence(robot: Robot, row: int, found: Sequence[Dependence]) -> str:
+    if not found:
+        return f"{side_of(robot, row)}: the residual depends on no single signal and has no period"
+    said = ", then on ".join(clause(d, first=d is found[0]) for d in found)
+    return f"{side_of(robot, row)}: depends on {said}"
+
+
+def side_of(robot: Robot, row: int) -> str:
+    """An equation in words."""
     coordinate = robot.q[row]
     side = "transmission" if coordinate.side == "transmission" else f"{coordinate.side} side"
-    place = f"{side} of joint {coordinate.joint}"
-    if not found:
-        return f"{place}: the residual depends on no single signal and has no period"
-    return f"{place}: depends on {', then on '.join(clause(d, first=d is found[0]) for d in found)}"
+    return f"{side} of joint {coordinate.joint}"
 
 
 def clause(d: Dependence, first: bool) -> str:
-    """In words; first: of its equation's."""
+    """In words; first: of its equation's. A rival that is the same signal has the other form."""
     unit = "rad" if d.form == "misread" else "N m"
     size = "" if d.amplitude is None else f", {d.amplitude:.3g} {unit}"
-    as_well = f", as well as {' or '.join(d.rivals[:2])}" if d.rivals else ""
-    what = f"friction that depends on {d.words}" if d.form == "friction" else d.words
+    pairs = zip(d.rivals, d.rival_signals, strict=True)
+    others = [words for words, signal in pairs if signal != d.on][:2]
+    as_well = f", as well as {' or '.join(others)}" if others else ""
+    forms = ["as friction"] if d.form == "friction" else []
+    if d.on in d.rival_signals:
+        forms = ["as friction or as a force of either sign"]
+    what = ", ".join([d.words, *forms])
     share = "all" if d.share_percent >= 99.5 else f"{d.share_percent:.0f} %"  # of what stands over a floor
     return f"{what} ({'explains ' if first else ''}{share} of the excess{size}{as_well})"
