@@ -1,5 +1,9 @@
 """Errors beside signal and floor, and what a format costs that cannot hold a law: from their definitions."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,12 +12,14 @@ from servo_pendulum import by_hand, pendulum
 
 import pyident as pi
 from flexmodels.experiment import Experiment
+from pyident.comparison.compare import _simulated
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.log import Log, LogError
 from pyident.simulation.fmu_runs import FmuRuns
 
 TURN = 2 * np.pi
+FAIR, POOR = Error(0.1, 8.0, 0.1, "N m"), Error(2.0, 8.0, 0.1, "rad")
 
 
 def test_an_error_is_read_against_signal_and_floor():
@@ -26,6 +32,21 @@ def test_an_error_is_read_against_signal_and_floor():
         "floor_percent": 6.25,
         "over_floor": 4.0,
     }
+
+
+@pytest.mark.parametrize(
+    ("missed", "words"),
+    [(0.104, "N m rms, no more than the floor."), (0.11, "N m rms, 1.1 times the floor.")],
+)
+def test_an_error_at_its_floor_is_said_to_be_there(missed, words):
+    """And where a loop stands in for the controller, positions are not what is judged."""
+    errors = LogErrors(
+        "a.csv", {}, {"joint1.e": POOR, "joint1.tau": replace(FAIR, rmse=missed)}, np.zeros(1), {}
+    )
+    trial: Any = SimpleNamespace(tracks=True, judged=[SimpleNamespace(note="it has no [controller]")])
+    said = _simulated(trial, [errors])
+    assert said.startswith(f"In simulation joint 1's torque misses by {missed:g} {words}")
+    assert said.endswith("that stands in for a controller, so judge by the torques.")
 
 
 def test_motors_and_deformations_of_a_log_are_told_apart():

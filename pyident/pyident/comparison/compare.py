@@ -22,6 +22,9 @@ from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
 
+_AT_FLOOR = 1.05  # times the floor: what is less reads as one
+_STAND_IN = "; how closely is the doing of the loop that stands in for a controller, so judge by the torques"
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -240,10 +243,15 @@ def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
     error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
     what = "the tip" if name == "tip" else f"joint {joint_number(name)}"
     what += "'s torque" if trial.tracks else ""
-    by = f"{error.rmse:.3g} {error.unit} rms, {error.ratio:.2g} times the floor"
+    by = f"{error.rmse:.3g} {error.unit} rms, {_over(error.ratio)}"
     note = next((r.note for r in trial.judged if r.note), None)
-    why = f" The simulation follows the measured motion ({note})." if note else ""
+    why = f" The simulation follows the measured motion ({note}){_STAND_IN}." if note else ""
     return f"In simulation {what} misses by {by}.{why}"
+
+
+def _over(ratio: float) -> str:
+    """An error beside its floor."""
+    return "no more than the floor" if ratio < _AT_FLOOR else f"{ratio:.2g} times the floor"
 
 
 def _force_unit(robot: Robot, name: str) -> str:
