@@ -66,6 +66,13 @@ def test_every_way_to_give_a_log_is_the_same_log(log, folder):
             np.testing.assert_allclose(way.frame[name], log.frame[name], rtol=1e-9, atol=1e-12)
 
 
+def test_what_logs_share_is_noted_once(folder):
+    asking = folder / "asking.toml"
+    asking.write_text(f"# ? which way\n{(folder / 'mapping.toml').read_text()}")
+    notes = given(one_joint(), [folder / "foreign.csv"] * 2, asking).notes
+    assert [note.split(" (")[0] for note in notes] == ["the mapping still asks a question"]
+
+
 def test_a_log_on_disk_stays_there(folder):
     file = log_file(folder / "a.parquet")
     assert opened(one_joint(), [file]).logs[0] is file

@@ -44,7 +44,8 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
     """
     frame, notes = on_one_clock(raw, mapping, source)
     if mapping.asked:
-        open_ones = f"the mapping still asks {len(mapping.asked)} questions (lines that begin with # ?)"
+        many = "a question" if len(mapping.asked) == 1 else f"{len(mapping.asked)} questions"
+        open_ones = f"the mapping still asks {many} (lines that begin with # ?)"
         notes = [f"{open_ones}: what they are about is guessed; correct it and delete them", *notes]
     frame, resampled = evened(frame, source)
     notes += resampled

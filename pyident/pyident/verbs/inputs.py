@@ -131,7 +131,8 @@ def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[
     warnings = checked(robot, logs, force).warnings
     robot, notes = locked(robot, logs)
     still = standing(robot, logs)
-    return robot, (*(note for log in logs for note in log.notes), *notes, *still, *warnings)
+    of_logs = dict.fromkeys(note for log in logs for note in log.notes)  # of the mapping they share, once
+    return robot, (*of_logs, *notes, *still, *warnings)
 
 
 def mapping_of(mapping: Columns | None) -> Mapping | None:
