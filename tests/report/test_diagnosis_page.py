@@ -229,6 +229,21 @@ def test_every_law_has_a_sheet_with_formulas(effect):
 
 
 @pytest.mark.parametrize(
+    ("held_out", "words"),
+    [
+        (216.0, "it takes 100 % of what exceeds the floor, with"),
+        (-150.0, "it adds 150 % of what exceeds the floor, with"),
+    ],
+)
+def test_nothing_takes_more_than_all_of_an_excess(page, held_out, words):
+    more = replace(FINDING, share_percent=105.0, heldout_gain_percent=held_out)
+    _, _, text = page(replace(MISSING, findings=(more,)))
+    assert "What it explains 100 % of what" in text
+    assert words in text
+    assert "216" not in text
+
+
+@pytest.mark.parametrize(
     ("said", "expected"),
     [
         (number(1.825e9), "1.82 × 10⁹"),

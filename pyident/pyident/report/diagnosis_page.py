@@ -45,7 +45,7 @@ def write_diagnosis(diagnosis: Diagnosis, path: str | Path, model: str = "") -> 
     )  # fmt: skip
     environment.filters |= {
         "number": wording.number, "times": wording.times, "percent": wording.percent, "unit": wording.unit,
-        "file": lambda source: Path(source).name,
+        "share": wording.share, "file": lambda source: Path(source).name,
     }  # fmt: skip
     html = environment.get_template("diagnosis.html").render(_content(diagnosis, model or diagnosis.robot))
     with replacing(path) as file:

@@ -29,6 +29,11 @@ def percent(share: float) -> str:
     return f"{_fixed(share, 0 if share >= 99.95 else 1)}\u00a0%"
 
 
+def share(percentage: float) -> str:
+    """Of an excess, of which nothing takes more than all: what leaves less than the floor takes 100 %."""
+    return percent(min(percentage, 100.0))
+
+
 def unit(symbol: str) -> str:
     """`N.m.s2/rad2` as N m s²/rad²; nothing for a pure number."""
     if symbol == "1":
