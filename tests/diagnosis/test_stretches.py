@@ -39,6 +39,8 @@ def test_shares_are_those_of_the_squares(trace):
     assert asked.shares[0].percent == pytest.approx(75 * 0.5 / (0.5 - 1e-4), rel=1e-3)
     assert asked.shares[1].percent == pytest.approx(-100, rel=2e-3)
     assert asked.own_percent == pytest.approx(0, abs=1e-9)
+    assert asked.own_leaves == asked.over_floor == pytest.approx(np.sqrt(0.5) / 0.01, rel=1e-3)
+    assert [s.shown for s in asked.shares] == [asked.shares[0].percent, 0.0]
     np.testing.assert_allclose(asked.shares[0].left + asked.shares[0].waveform, trace.residual, atol=1e-12)
 
 

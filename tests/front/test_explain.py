@@ -2,12 +2,14 @@
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from one_joint_logs import recorded
 
 from pyident.cli.main import main
-from pyident.diagnosis.stretches.ranking import Ranking
+from pyident.diagnosis.stretches.ranking import Ranking, Share
+from pyident.diagnosis.stretches.waves import LawWave
 from pyident.verbs.explain import NOTHING, Explained
 
 
@@ -68,10 +70,36 @@ def test_what_is_not_there_is_one_sentence(folder, words, sentence):
 
 
 def test_nothing_to_rank_is_said():
-
-    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), None, 2.0, 0.0, ()))
+    empty = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), None, 2.0, 0.0, 2.0, ()))
     assert empty.headline() == "joint1.e of a.parquet, 0 to 1 s: no law of the catalogue acts there."
     assert empty.to_frame().empty
-    below = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), (0.0, 2.0), 0.9, 0.0, ()))
+    below = Explained(Ranking("joint1.e", "a.parquet", (0.0, 1.0), (0.0, 2.0), 0.9, 0.0, 0.9, ()))
     assert below.headline().endswith("0 to 2 Hz: " + NOTHING)
     assert "there is nothing to explain" in below.summary()
+
+
+@pytest.mark.parametrize(
+    ("own", "leaves", "percent", "words"),
+    [
+        (
+            98.7,
+            2.61,
+            117.0,
+            "stribeck at joint2 takes all of what new values of the model's own laws leave over",
+        ),
+        (98.7, 2.61, 117.0, "take 99 % of what exceeds the floor, and leave 2.6 times the floor."),
+        (99.9, 1.2, 80.0, "takes 80 % of what new values of the model's own laws leave over the floor."),
+        (99.9, 1.2, 80.0, "take nearly all of what exceeds the floor, and leave 1.2 times the floor."),
+        (100.2, 0.9, 1e9, "values are off, and nothing is left for a law."),
+    ],
+)
+def test_shares_are_of_what_the_models_own_laws_leave(own, leaves, percent, words):
+    """No share above 100 %, and none of what is no excess."""
+    law = LawWave("stribeck", "joint2", {}, {}, "", {})
+    share = Share(law, percent, np.zeros(1), np.zeros(1), True)
+    text = str(
+        Explained(Ranking("joint2.e", "a.csv", (0.0, 1.0), None, 9.0, own, leaves, (share,))).summary()
+    )
+    assert words in " ".join(text.split())
+    assert (" 100 %" in text) == (percent == 117.0)
+    assert f"{percent:.0f}" not in text or percent == 80.0

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float], None]
 _LISTED = 12  # laws of a summary
 NOTHING = "The residual is no larger there than its floor: there is nothing to explain."
+_OWN = "New values of the model's own laws take"
+_ALL = 99.5  # per cent that read as all
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,10 +41,26 @@ class Explained(Result):
         where += f", {r.band[0]:.4g} to {r.band[1]:.4g} Hz" if r.band else ""
         if r.over_floor <= 1:
             return f"{where}: {NOTHING}"
+        if r.own_leaves <= 1:
+            return f"{where}: {self.own}"
         if not r.shares:
             return f"{where}: no law of the catalogue acts there."
-        best = " or ".join(s.law.name for s in r.tie)
-        return f"{where}: {best} takes {r.shares[0].percent:.0f} % of what exceeds the floor there."
+        best, most = " or ".join(s.law.name for s in r.tie), r.shares[0].shown
+        share = "all" if most >= _ALL else f"{most:.0f} %"
+        return (
+            f"{where}: {best} takes {share} of what new values of the model's own laws leave over the floor."
+        )
+
+    @property
+    def own(self) -> str:
+        """What new values of the model's own laws take, in words."""
+        r = self.ranking
+        if r.over_floor <= 1:
+            return NOTHING
+        if r.own_leaves <= 1:
+            return f"{_OWN} all that exceeds the floor: its values are off, and nothing is left for a law."
+        share = "nearly all" if r.own_percent >= _ALL else f"{max(r.own_percent, 0.0):.0f} %"
+        return f"{_OWN} {share} of what exceeds the floor, and leave {r.own_leaves:.2g} times the floor."
 
     def to_frame(self) -> "pd.DataFrame":
         """A row per law: share in per cent, and whether the stretch can tell it from the best one."""
@@ -70,21 +88,21 @@ class Explained(Result):
             "band": list(r.band) if r.band else None,
             "over_floor": r.over_floor,
             "own_laws_percent": r.own_percent,
+            "own_laws_leave_over_floor": r.own_leaves,
             "laws": laws,
             "notes": list(self.notes),
         }
 
     def summary(self) -> Text:
-        shares = self.ranking.shares[:_LISTED]
-        rows = [(s.law.name, f"{s.percent:.0f} %", "like the best" if s.tied else "") for s in shares]
-        own = f"New values of the model's own laws take {self.ranking.own_percent:.0f} % of it."
-        if self.ranking.over_floor <= 1:
-            own = NOTHING
+        ranked = self.ranking.shares[:_LISTED] if self.ranking.own_leaves > 1 else ()
+        rows = [(s.law.name, f"{s.shown:.0f} %", "like the best" if s.tied else "") for s in ranked]
         least = (
             "A ranking of one stretch is no verdict; pyident diagnose judges all equations on unseen data."
         )
-        lines = [wrapped(line) for line in (self.headline(), own, least)]
-        return Text("\n".join([table(("law", "share", ""), rows, numbers=(1,)), *lines]))
+        said = self.headline()
+        lines = [wrapped(line) for line in (said, *([] if self.own in said else [self.own]), least)]
+        heads = [table(("law", "share", ""), rows, numbers=(1,))] if rows else []
+        return Text("\n".join([*heads, *lines]))
 
 
 def explain(

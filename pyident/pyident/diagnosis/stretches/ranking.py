@@ -33,6 +33,11 @@ class Share:
     left: np.ndarray
     tied: bool = False
 
+    @property
+    def shown(self) -> float:
+        """In per cent, for a reader: what leaves less than replicas takes all, what adds takes nothing."""
+        return min(max(self.percent, 0.0), 100.0)
+
 
 @dataclass(frozen=True)
 class Ranking:
@@ -40,6 +45,7 @@ class Ranking:
 
     band         of frequencies [Hz] that count, None: all that are shown
     over_floor   rms of the residual there, over that of replicas: from 1 on there is something to explain
+    own_leaves   the same of what those new values leave: from 1 on there is something for a law
     """
 
     coordinate: str
@@ -48,6 +54,7 @@ class Ranking:
     band: tuple[float, float] | None
     over_floor: float
     own_percent: float
+    own_leaves: float
     shares: tuple[Share, ...]
 
     @property
@@ -74,10 +81,10 @@ def ranking(waves: Waves, trace: Trace, span: tuple[float, float] | None = None)
             percent = 100 * (own - float(np.mean(left[at] ** 2))) / max(own - floor, 1e-9 * own, 1e-300)
             shares.append(Share(law, percent, taken, left))
     shares.sort(key=lambda share: -share.percent)
-    over_floor = float(np.sqrt(before / max(floor, 1e-300)))
+    over_floor, own_leaves = (float(np.sqrt(x / max(floor, 1e-300))) for x in (before, own))
     own_percent = 100 * (before - own) / max(before - floor, 1e-9 * before, 1e-300)
     tied = _tied(shares, at, floor)
-    return Ranking(trace.coordinate, trace.log, span, trace.band, over_floor, own_percent, tied)
+    return Ranking(trace.coordinate, trace.log, span, trace.band, over_floor, own_percent, own_leaves, tied)
 
 
 def _tied(shares: Sequence[Share], at: np.ndarray, floor: float) -> tuple[Share, ...]:

@@ -62,12 +62,7 @@ class _Stretch:
             'data-testid="stretch"'
         )
         words = "A ranking of one stretch is no verdict: what stands here may only imitate what is missing."
-        own = f"New values of the model's own laws take {r.own_percent:.0f} % of what exceeds the floor."
-        if r.over_floor <= 1:
-            from pyident.verbs.explain import NOTHING
-
-            own = NOTHING
-        ui.label(f"{words} {own}").classes("text-sm")
+        ui.label(f"{words} {self.asked.own}").classes("text-sm")
         ui.label(self._command()).classes("font-mono text-xs").props('data-testid="explain-command"')
         if not r.shares:
             ui.label("No law of the catalogue acts on this equation.").props('data-testid="no-laws"')
@@ -107,11 +102,10 @@ class _Stretch:
             if why:
                 row.classes("opacity-60")
             ui.label(share.law.name).classes("grow min-w-0")
-            part = min(max(share.percent / 100, 0.0), 1.0)
-            ui.linear_progress(part, show_value=False).classes("w-20").props(
+            ui.linear_progress(share.shown / 100, show_value=False).classes("w-20").props(
                 f'aria-label="share of {share.law.name}"'
             )
-            ui.label(f"{share.percent:.0f} %").classes("w-12 text-right")
+            ui.label(f"{share.shown:.0f} %").classes("w-12 text-right")
             ui.button("Try", on_click=lambda: self.try_law(share)).props(
                 f'data-testid="try-{number}" flat dense no-caps'
             )
