@@ -57,6 +57,7 @@ def test_both_errors_are_told_and_that_of_the_model_follows_from_its_file(fit, t
     left = rows[:, :, -1] - rows[:, :, :-1] @ p
     assert written == pytest.approx(100 * np.sqrt((left**2).sum() / (rows[:, :, -1] ** 2).sum()), rel=1e-6)
     assert "model that is written" in fit.summary()
+    assert "these errors hold the sensors' noise" in " ".join(fit.summary().split())
 
 
 def test_an_outcome_is_short_in_a_list_and_whole_in_a_notebook(fit):

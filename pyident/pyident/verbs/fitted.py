@@ -143,6 +143,11 @@ class Fit(Result):
                 "the torque there, and the figure says nothing of the model; give [processing] of the robot "
                 "file a cutoff of a few times the highest frequency of the motion"
             )
+        elif written:
+            lines.append(
+                "these errors hold the sensors' noise, that of positions differentiated twice: pyident "
+                "compare tells what noise alone would leave"
+            )
         lines += [f"the same on {source}, held out: {_percentages(e)}" for source, e in self.heldout.items()]
         return [wrapped(line, "  ") for line in lines]
 
