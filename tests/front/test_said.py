@@ -29,6 +29,14 @@ def test_a_finding_is_said_with_what_the_logs_leave_open():
     assert "cannot show law0 at joint1, law1 at joint1, law2 at joint1, law3 at joint1 and 2 more" in squeezed
 
 
+def test_no_share_of_an_excess_is_said_to_be_more_than_all():
+    first, *others = DIAGNOSIS.findings
+    more = replace(first, share_percent=120.0, heldout_gain_percent=216.0)
+    text = " ".join(str(Diagnosed(replace(DIAGNOSIS, findings=(more, *others)), ()).summary()).split())
+    assert "100 % 100 %" in text
+    assert "216" not in text
+
+
 def test_nothing_found_is_one_sentence():
     nothing = replace(DIAGNOSIS, findings=(), limits=DIAGNOSIS.limits[:1], depends_on=(), sentence="Nothing.")
     lines = str(Diagnosed(nothing, ()).summary()).splitlines()
