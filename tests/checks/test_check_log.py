@@ -157,8 +157,9 @@ def test_what_delays_one_joint_is_no_recorder(four_link, sound):
 
 def test_joints_that_differ_from_each_other_have_no_delay_in_common(monkeypatch, four_link, sound):
     """Each by itself may have the mean one, as their standard deviations are large."""
-    of = balances(samples(four_link, sound))
-    assert of is not None
+    signals = samples(four_link, sound)
+    assert signals is not None
+    of = balances(signals)
     told = dict(zip(of.joints, [(-0.4, 0.3), (-2.2, 0.2), (-1.3, 0.1), (-1.3, 0.1)], strict=True))
     monkeypatch.setattr(timing, "_vertex", lambda _, k, __: timing.CommonDelay(*told[k]))
     assert common_delay(of) is None
