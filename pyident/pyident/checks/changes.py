@@ -174,10 +174,8 @@ def friction(of: Balances, one: OneMachine, row: int) -> Candidate:
 
 def step(of: Balances, one: OneMachine, candidate: Candidate) -> Change | None:
     """Where a candidate steps; None where it does not, or the log may be explained otherwise."""
-    M = len(one.left)
-    edge = int(np.ceil(CHANGES.edge * M))
-    apart = max(1, (M - 2 * edge) // _SPLITS)
-    coarse = np.arange(edge, M - edge, apart)
+    coarse, edge = _instants(len(one.left))
+    M, apart = len(one.left), int(coarse[1] - coarse[0])
     best = int(coarse[np.argmax(_gains(one, candidate, coarse))])
     near = np.arange(max(edge, best - apart), min(M - edge, best + apart + 1))
     return step_at(of, one, candidate, int(near[np.argmax(_gains(one, candidate, near))]))
@@ -185,20 +183,24 @@ def step(of: Balances, one: OneMachine, candidate: Candidate) -> Change | None:
 
 def step_at(of: Balances, one: OneMachine, candidate: Candidate, at: int) -> Change | None:
     """The same at a sample that is known."""
-    M = len(one.left)
-    edge = int(np.ceil(CHANGES.edge * M))
     after = one.beside(candidate, at)
     energy, left = one.energy(candidate), after.energy(candidate)
     most = CHANGES.friction if candidate.own else CHANGES.body
     size = _size(of, one, after)
     if left > most * energy or size < LOG_CHECKS.torque_floor:
         return None
-    others = np.arange(edge, M - edge, max(1, (M - 2 * edge) // _SPLITS))
-    others = others[np.abs(others - at) > edge // 2]
+    coarse, edge = _instants(len(one.left))
+    others = coarse[np.abs(coarse - at) > edge // 2]
     again = 1 - float(_gains(after, candidate, others).max()) / max(left, 1e-300)
     if again < CHANGES.again:
         return None
     return Change(at, left / energy, again, size, _first(one, candidate, at))
+
+
+def _instants(count: int) -> tuple[np.ndarray, int]:
+    """Samples (S,) of `count` at which a step is tried, and how far from either end none is."""
+    edge = int(np.ceil(CHANGES.edge * count))
+    return np.arange(edge, count - edge, max(1, (count - 2 * edge) // _SPLITS)), edge
 
 
 def _gains(one: OneMachine, candidate: Candidate, at: np.ndarray) -> np.ndarray:

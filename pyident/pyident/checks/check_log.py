@@ -46,13 +46,14 @@ class CheckedLogs:
 
 def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) -> CheckedLogs:
     """The defects of logs. Raises LogError for a gross one unless `force`."""
-    defects = tuple(defect for log in logs for defect in check_log(robot, log))
+    looked = [_looked_at(robot, _in_memory(robot, log)) for log in logs]
+    defects = tuple(defect for one in looked for defect in one.defects)
     gross = [defect for defect in defects if defect.severity == "gross"]
     if gross and not force:
         more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
         raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
     if not gross and len(logs) > 1:
-        defects += tuple(another_machine(_all_balances(robot, [_in_memory(robot, log) for log in logs])))
+        defects += tuple(another_machine(_all_balances(robot, looked)))
     return CheckedLogs(defects)
 
 
@@ -63,32 +64,44 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
     Of torques and deformations only what is logged is judged, of a long log on disk its first rows.
     Raises LogError for a log without positions.
     """
-    log = _in_memory(robot, log)
+    return _looked_at(robot, _in_memory(robot, log)).defects
+
+
+@dataclass(frozen=True)
+class _Looked:
+    """What is said of a log, and its balances of a robot without what it does not hold; None: it has none."""
+
+    log: Log
+    defects: tuple[Defect, ...]
+    robot: Robot
+    of: Balances | None = None
+
+
+def _looked_at(robot: Robot, log: Log) -> _Looked:
     missing = [motor_of(k) for k, _ in robot.numbered if motor_of(k) not in log.names]
     if missing:
         raise LogError(f"{log.source}: column {missing[0]} is missing, which robot {robot.name} needs; add "
                        "it, or "
                        f"map it under [columns] in the robot file")  # fmt: skip
     if len(log) < CHANNELS.fewest_rows:
-        return ()
+        return _Looked(log, (), robot)
     robot, _ = locked(robot, [log])
     defects = [*whole_log(robot, log), *channels(robot, log)]
-    broken = any(d.severity == "gross" and d.kind in _BREAKING for d in defects)
-    if not broken:
-        defects += _of_the_fit(robot, log)
-    return tuple(sorted(defects, key=lambda defect: defect.severity != "gross"))
+    of = None
+    if not any(d.severity == "gross" and d.kind in _BREAKING for d in defects):
+        try:
+            of = _balances(robot, log)
+        except StructureError as error:
+            sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
+            defects.append(Defect("gross", "unit", "", sentence))
+    if of is not None:
+        defects += _of_the_fit(robot, log, of)
+    return _Looked(log, tuple(sorted(defects, key=lambda d: d.severity != "gross")), robot, of)
 
 
-def _of_the_fit(robot: Robot, log: Log) -> list[Defect]:
+def _of_the_fit(robot: Robot, log: Log, of: Balances) -> list[Defect]:
     """What a quick fit of the balances says of the channels."""
     source = log.source
-    try:
-        of = _balances(robot, log)
-    except StructureError as error:
-        sentence = f"{source}: {error}; check the units, signs and zeros of its positions"
-        return [Defect("gross", "unit", "", sentence)]
-    if of is None:
-        return []
     weight = list(gravity(of, source))
     if any(defect.severity == "gross" for defect in weight):
         return weight
@@ -117,10 +130,11 @@ def _balances(robot: Robot, log: Log) -> Balances | None:
         return None
 
 
-def _all_balances(robot: Robot, logs: Sequence[Log]) -> list[tuple[str, Balances]]:
-    """Source and balances of those logs that have any."""
-    robot, _ = locked(robot, logs)
-    found = ((log.source, _balances(robot, log)) for log in logs if len(log) >= CHANNELS.fewest_rows)
+def _all_balances(robot: Robot, looked: Sequence[_Looked]) -> list[tuple[str, Balances]]:
+    """Source and balances, all of one robot, of those logs that have any."""
+    robot, _ = locked(robot, [one.log for one in looked])
+    listed = [one for one in looked if one.of is not None]
+    found = ((o.log.source, o.of if o.robot == robot else _balances(robot, o.log)) for o in listed)
     return [(source, of) for source, of in found if of is not None]
 
 

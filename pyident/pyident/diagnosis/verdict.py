@@ -140,7 +140,12 @@ def taken_by(finding: Finding) -> str:
     """What it takes of what exceeds the floor, in words."""
     if finding.share_percent < _HARDLY:
         return "hardly more than the floor, but held-out data show it alike"
-    share = f"{min(finding.share_percent, 100.0):.0f} % of what exceeds the floor there"
+    share = f"{said_share(finding.share_percent)} of what exceeds the floor there"
     if finding.heldout_gain_percent is None:
         return share
-    return f"{share}, {min(finding.heldout_gain_percent, 100.0):.0f} % on held-out data"
+    return f"{share}, {said_share(finding.heldout_gain_percent)} on held-out data"
+
+
+def said_share(percentage: float) -> str:
+    """Of an excess, of which nothing takes more than all."""
+    return f"{min(percentage, 100.0):.0f} %"

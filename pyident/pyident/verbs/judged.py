@@ -236,17 +236,14 @@ def _told(log: Any) -> list[tuple[str, Any]]:
 
 
 def _row(finding: Any) -> tuple[str, str, str, str]:
+    from pyident.diagnosis.verdict import said_share
+
     best = finding.tie[0]
-    held = "-" if finding.heldout_gain_percent is None else _share(finding.heldout_gain_percent)
+    held = "-" if finding.heldout_gain_percent is None else said_share(finding.heldout_gain_percent)
     values = ", ".join(said_value(best, name) for name in best.values)
     names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
-    share = _share(finding.share_percent) if finding.share_percent else "-"
+    share = said_share(finding.share_percent) if finding.share_percent else "-"
     return names, share, held, values
-
-
-def _share(percentage: float) -> str:
-    """Of an excess, of which nothing takes more than all."""
-    return f"{min(percentage, 100.0):.0f} %"
 
 
 def said_value(named: Any, parameter: str) -> str:
