@@ -63,6 +63,17 @@ def test_a_tilted_base_ties_with_all_that_loads_its_first_joint_alike():
     assert found.sentence.startswith("Missing or wrong: ")
 
 
+def test_a_base_tilted_about_two_axes_is_no_spring_at_its_first_joint():
+    tilted = arm()
+    for name, angle in (("base_tilt[x]", 0.02), ("base_tilt[y]", 0.01)):
+        tilted = corrected(tilted, 1, name, angle)
+    found = found_in(logs_of(tilted, 4.0))
+    assert all(n.describes for f in found.findings for n in f.tie)
+    firsts = {f.tie[0].effect: f.tie[0].values["correction"] for f in found.findings}
+    assert firsts == {"base_tilt[x]": pytest.approx(0.02, rel=0.1), "base_tilt[y]": pytest.approx(0.01, rel=0.1)}
+    assert ", these logs cannot tell which; base_tilt[" in found.sentence
+
+
 @pytest.mark.parametrize("pace", [1.0, 6.0])
 def test_a_right_robot_file_is_not_called_wrong(pace):
     found = found_in(logs_of(arm(), pace))

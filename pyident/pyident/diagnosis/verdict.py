@@ -52,7 +52,8 @@ def sentence_of(
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
     brief = len(findings) > _MANY
     each = _by_law(findings) if brief else [f"{_names(f)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
-    names = " and ".join(each) if len(each) < 3 else "; ".join(each)
+    plain = len(each) < 3 and not any("," in name for name in each[:-1])
+    names = (" and " if plain else "; ").join(each)
     left = [f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in open_places]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""
     wrong = {n.describes for f in findings for n in f.tie}

@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyident.conditioning.standing import standing_in
-from pyident.diagnosis.base.candidates import bounds, described, units_of
+from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
@@ -54,7 +54,8 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
             imitators[f"{law.effect} at joint{law.joint}"] = takes
         steps[steps.index(step)] = rivals
     further, notes = _beside(among, steps, held, selection.first.best)
-    return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
+    told = [_kin_of(s, [*(t for t in steps if t is not s), *further], among, held) for s in steps]
+    return replace(selection, steps=(*told, *further), imitators=imitators, notes=notes)
 
 
 def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
@@ -69,6 +70,29 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
         return None
     return errors
+
+
+def _kin_of(step: Step, others: Sequence[Step], among: Search, held: HeldOut) -> Step:
+    """An error along another axis beside one that is named, where it takes as much as a law; else the law.
+
+    A base that is tilted about two axes is two errors; a spring at its first joint takes what that joint shows of
+    both.
+    """
+    named = [s.best.candidate for s in others if s.best.candidate.describes]
+    law = step.best.candidate
+    if law.describes or not named:
+        return step
+    view = among.resting_on(candidates_of(others))
+    rivals = _rivals(view, step, held)
+    if rivals is None or not any(_of_one_place(rivals.best.candidate, c) for c in named):
+        return step
+    more = rivals.best.gain.energy >= view.gain_of(law).energy
+    return rivals if more else replace(step, tie=(*step.tie, *rivals.tie))
+
+
+def _of_one_place(error: Candidate, other: Candidate) -> bool:
+    """Whether two errors are of one quantity at one joint, along two axes."""
+    return error.joint == other.joint and error.effect.partition("[")[0] == other.effect.partition("[")[0]
 
 
 def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
@@ -125,8 +149,9 @@ def _told_apart(named: Sequence[Step]) -> list[Step]:
 
 
 def _alike(step: Step, pending: Sequence[Step]) -> bool:
-    """Whether an error is of the kind of those that leave something together."""
-    return all(step.best.candidate.effect == s.best.candidate.effect for s in pending)
+    """Whether an error is of the kind of those that leave something together: the same, or of one quantity."""
+    own = step.best.candidate
+    return all(own.effect == s.best.candidate.effect or _of_one_place(own, s.best.candidate) for s in pending)
 
 
 def _instead(beside: Search, law: Found, error: Found) -> bool:
