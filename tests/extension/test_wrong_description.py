@@ -70,7 +70,10 @@ def test_a_base_tilted_about_two_axes_is_no_spring_at_its_first_joint():
     found = found_in(logs_of(tilted, 4.0))
     assert all(n.describes for f in found.findings for n in f.tie)
     firsts = {f.tie[0].effect: f.tie[0].values["correction"] for f in found.findings}
-    assert firsts == {"base_tilt[x]": pytest.approx(0.02, rel=0.1), "base_tilt[y]": pytest.approx(0.01, rel=0.1)}
+    assert firsts == {
+        "base_tilt[x]": pytest.approx(0.02, rel=0.1),
+        "base_tilt[y]": pytest.approx(0.01, rel=0.1),
+    }
     assert ", these logs cannot tell which; base_tilt[" in found.sentence
 
 

@@ -22,8 +22,7 @@ def of_robot(robot: Robot) -> Structure:
     """
     if any(joint.geared for joint in robot.passive):
         raise StructureError(
-            f"robot {robot.name} has a joint that a gear turns, which is simulated but not identified yet; "
-            "make its body part of the link it sits on"
+            f"robot {robot.name} has a joint that a gear turns, which no finite element does; use its tree"
         )
     parts, place, ends = _Parts(), {}, [(0, 0)]
     for (k, joint), parent in zip(robot.numbered, robot.parents, strict=False):

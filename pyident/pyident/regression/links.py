@@ -1,6 +1,7 @@
 """Φ^(l) of many samples: the FEM of an open chain compiled, any other structure and machine by NumPy.
 
-Both paths are one derivation: the C comes from the FEM code itself, run once on symbols.
+Both paths are one derivation: the C comes from the FEM code itself, run once on symbols. Passive joints that
+follow the motors linearly make an open chain as well, with more coordinates (see `kinematics.tree`).
 """
 
 import ctypes
@@ -15,9 +16,11 @@ from pyident.kinematics import link_forces, robot_structure, source, symbolic, t
 from pyident.kinematics.elements import hinge
 from pyident.kinematics.elements.hinge import Hinge
 from pyident.kinematics.structure import Structure
+from pyident.kinematics.tree import Tree, tree_of
 from pyident.regression.machine.compiled import library
 
 _known: dict[str, "Compiled | None"] = {}  # by content of structure and gravity
+_agreed: dict[str, bool] = {}  # by content of a structure: whether its passive joints follow
 Rates = tuple[np.ndarray, np.ndarray, np.ndarray]  # q, dq, ddq, each (N, n), contiguous rows of floats
 
 
@@ -37,17 +40,23 @@ class LinkColumns:
     def __init__(self, robot: Robot, starts: list[int]):
         self.starts = np.array(starts)
         self.gravity = np.array(robot.gravity)
-        self.structure = robot_structure.of_robot(robot)
-        self.compiled = compiled(self.structure, self.gravity) if self.structure.is_chain else None
+        self.hung = _Hung(tree_of(robot)) if robot.passive else None
+        self.structure = self.hung.tree.loops if self.hung else robot_structure.of_robot(robot)
+        chain = self.structure is not None and self.structure.is_chain
+        self.compiled = compiled(self.structure, self.gravity) if self.structure and chain else None
 
     def fill(self, Phi: np.ndarray, rates: Rates) -> None:
         """Write into Phi (N, n, P), of any strides. Entries that are zero in every motion stay as they are.
 
         Raises ValueError for a hinge bent too far, StructureError for a loop that does not close.
         """
+        if self.hung is not None and self.hung.agrees(rates[0]):
+            self.hung.fill(Phi, rates, self.starts)
+            return
         if self.compiled is None:
             self._fill_by_numpy(Phi, rates)
             return
+        assert self.structure is not None
         check_bends(self.structure, rates[0])
         per_sample, per_row, per_column = (stride // Phi.itemsize for stride in Phi.strides)
         columns = self.starts[self.compiled.bodies] + self.compiled.parameters
@@ -56,6 +65,7 @@ class LinkColumns:
         self.compiled.fill(len(Phi), *pointers, per_sample)
 
     def _fill_by_numpy(self, Phi: np.ndarray, rates: Rates) -> None:
+        assert self.structure is not None  # what gears turn always follows
         q, dq, ddq = (np.ascontiguousarray(rate.T) for rate in rates)
         found = transfer.nodes(self.structure, q, dq, ddq)
         for start, (DF, reaction) in zip(
@@ -63,6 +73,31 @@ class LinkColumns:
         ):
             block = Phi[:, :, start : start + len(LINK_PARAMETERS)]
             np.matmul(DF.transpose(2, 1, 0), reaction.transpose(2, 0, 1), out=block)
+
+
+class _Hung:
+    """The columns of a robot whose passive joints follow, from those of its tree."""
+
+    def __init__(self, tree: Tree):
+        self.tree = tree
+        width = len(LINK_PARAMETERS)
+        self.columns = LinkColumns(tree.robot, [width * k for k in range(len(tree.robot.links))])
+
+    def agrees(self, q: np.ndarray) -> bool:
+        """As of `Tree`, asked once for all motions of a structure."""
+        place = "" if self.tree.loops is None else f"{self.tree.loops.content} {self.tree.turns.tolist()}"
+        if place not in _agreed:
+            _agreed[place] = self.tree.agrees(q)
+        return _agreed[place]
+
+    def fill(self, Phi: np.ndarray, rates: Rates, starts: np.ndarray) -> None:
+        """As of LinkColumns; starts (links,): of each link's parameters in Phi."""
+        width, turns = len(LINK_PARAMETERS), self.tree.turns
+        hung = np.zeros((len(rates[0]), len(turns), width * len(starts)))
+        q, dq, ddq = (np.ascontiguousarray(rate @ turns.T) for rate in rates)
+        self.columns.fill(hung, (q, dq, ddq))
+        for k, start in enumerate(starts):
+            Phi[:, :, start : start + width] = turns.T @ hung[:, :, width * k : width * (k + 1)]
 
 
 def compiled(structure: Structure, gravity: np.ndarray) -> Compiled | None:

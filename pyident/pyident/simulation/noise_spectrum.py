@@ -23,6 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import nnls
+from scipy.special import digamma, polygamma
 from scipy.stats import chi2
 
 from pyident.simulation.repetition import unrepeated
@@ -57,12 +58,14 @@ class NoiseSpectrum:
 
     frequencies, density   (F,) Hz, and unit² per Hz, of positive frequencies alone
     continued              Hz: below, it was not measured but continued
+    freedom                (F,) degrees of freedom with which each density was measured; none: it is known
     """
 
     frequencies: np.ndarray
     density: np.ndarray
     period: float
     continued: float = 0.0
+    freedom: np.ndarray | None = None
 
     @staticmethod
     def white(sigma: float, period: float) -> "NoiseSpectrum":
@@ -81,10 +84,20 @@ class NoiseSpectrum:
         return replace(self, density=np.maximum(self.density - rounding, 0.0))
 
     def draw(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """(count,) samples."""
+        """(count,) samples, of one of the spectra that may be what was measured."""
         white = np.fft.rfft(rng.standard_normal(count))
         f = np.fft.rfftfreq(count, self.period)
-        return np.fft.irfft(white * np.sqrt(self._at(f) / (2 * self.period)), count)
+        return np.fft.irfft(white * np.sqrt(self._drawn(rng)._at(f) / (2 * self.period)), count)
+
+    def _drawn(self, rng: np.random.Generator) -> "NoiseSpectrum":
+        """Densities as few bins tell them: logarithms with mean and variance of a scaled inverse χ²."""
+        if self.freedom is None:
+            return self
+        half = self.freedom / 2
+        chance = np.sqrt(polygamma(1, half)) * rng.standard_normal(len(half))
+        return replace(
+            self, density=self.density * np.exp(np.log(half) - digamma(half) + chance), freedom=None
+        )
 
     def _at(self, f: np.ndarray) -> np.ndarray:
         return np.interp(f, self.frequencies, self.density)
@@ -104,7 +117,7 @@ def bridged(left: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseSpectrum:
     """Of what a model leaves (N,) along a motion that repeats after so many samples."""
-    noise, step = unrepeated(left, repeats)
+    noise, step, kept = unrepeated(left, repeats)
     window = np.hanning(len(noise))
     S = np.abs(np.fft.rfft((noise - noise.mean()) * window)) ** 2 / np.sum(window**2) * 2 * period * step
     narrowest = max(_BINS, round(len(noise) * step / repeats))  # a harmonic of the motion in every band
@@ -114,7 +127,8 @@ def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseS
     bins = 1 / (len(noise) * step * period)
     middle = np.array([0.5 * (a + b - 1) * bins for a, b in pairwise(edges)])
     density = np.array([S[a:b].mean() for a, b in pairwise(edges)])
-    return NoiseSpectrum(middle, density, period, continued=edges[0] * bins)
+    freedom = 2 * kept / _NEWS * np.diff(edges)
+    return NoiseSpectrum(middle, density, period, continued=edges[0] * bins, freedom=freedom)
 
 
 def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum | None:

@@ -66,9 +66,9 @@ def period_of(q: np.ndarray, noise: np.ndarray) -> float | None:
     return None
 
 
-def unrepeated(x: np.ndarray, period: float) -> tuple[np.ndarray, float]:
-    """What of a signal (N,) differs between its periods, with the power of its noise; and its sampling
-    period over that of the signal."""
+def unrepeated(x: np.ndarray, period: float) -> tuple[np.ndarray, float, float]:
+    """What of a signal (N,) differs between its periods, with the power of its noise; its sampling period
+    over that of the signal; and the share of it that is independent."""
     length = round(period)
     count = int(len(x) / period + 1e-3)  # the last one may end with the log
     at = np.minimum(np.arange(count * length) * (period / length), len(x) - 1)
@@ -78,7 +78,7 @@ def unrepeated(x: np.ndarray, period: float) -> tuple[np.ndarray, float]:
     basis = np.linalg.qr(course)[0]
     kept = 1 - np.square(basis).sum(axis=1)  # of the noise's power in each period
     left = (rows - basis @ (basis.T @ rows)) / np.sqrt(kept)[:, None]
-    return left.ravel(), period / length
+    return left.ravel(), period / length, float(kept.mean())
 
 
 def _difference(x: np.ndarray) -> np.ndarray:

@@ -73,10 +73,10 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
 
 
 def _kin_of(step: Step, others: Sequence[Step], among: Search, held: HeldOut) -> Step:
-    """An error along another axis beside one that is named, where it takes as much as a law; else the law.
+    """An error along another axis than one that is named, where it takes as much as a law; else the law.
 
-    A base that is tilted about two axes is two errors; a spring at its first joint takes what that joint shows of
-    both.
+    A base that is tilted about two axes is two errors; a spring at its first joint takes what that joint
+    shows of both.
     """
     named = [s.best.candidate for s in others if s.best.candidate.describes]
     law = step.best.candidate
@@ -149,7 +149,7 @@ def _told_apart(named: Sequence[Step]) -> list[Step]:
 
 
 def _alike(step: Step, pending: Sequence[Step]) -> bool:
-    """Whether an error is of the kind of those that leave something together: the same, or of one quantity."""
+    """Whether an error is of the kind of those that leave something together, or of one quantity."""
     own = step.best.candidate
     return all(own.effect == s.best.candidate.effect or _of_one_place(own, s.best.candidate) for s in pending)
 
