@@ -19,7 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.forces import as_they_are, link_forces_along
-from pyident.regression.outside_file import BEND, GAIN, LAG, Outside
+from pyident.regression.outside_file import BEND, GAIN, LAG, RATIO, Outside
 
 DRIVE = "drive_compliance"
 _STEP = 1e-6  # m, rad
@@ -113,6 +113,9 @@ DESCRIPTIONS: Mapping[str, Description] = {
             for i, a in enumerate("xyz")
         ),
         Description("encoder_zero", "where the encoder reads zero", "rad", 0.1, _zero, turning=True),
+        Description(
+            "gear_ratio", "how far the joint turns per unit that it logs", "1", 0.2, RATIO, least=0.002
+        ),
         Description("torque_gain", "the gain of the logged torque", "1", 0.2, GAIN, least=0.01),
         Description(
             "torque_lag", "how late the logged torque comes", "s", 0.02, LAG, measured=True, least=5e-4

@@ -1,4 +1,4 @@
-"""What may be wrong that no robot file states: a logged torque's gain and time, a drive that bends."""
+"""What may be wrong that no robot file states: the scales of a log, a torque's time, a drive that bends."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.loads.forces import as_they_are, link_forces_along
 from pyident.regression.regressor import generalised_forces
 
-_STEP = 1e-6  # rad, the largest bend
+_STEP = 1e-6  # rad, the largest bend; and of a position's scale
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,12 @@ def _off(gain: float) -> float:
     return 100 * abs(1 / (1 + gain) - 1)
 
 
+def _ratio_said(joint: str, value: float) -> str:
+    """The true position is the logged one times 1 + value."""
+    which = "small" if value > 0 else "large"
+    return f"the gear ratio of {joint}, its logged position is {_off(value):.2g} % too {which}"
+
+
 def _lag_said(joint: str, value: float) -> str:
     return f"the logged torque of {joint}, about {1e3 * abs(value):.2g} ms {'late' if value > 0 else 'early'}"
 
@@ -57,6 +63,16 @@ def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
 
 def _scaled(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
     return {k - 1: -_torque(robot, motion, k)}
+
+
+def _stretched(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
+    """The links' torques where joint k turns further than it logs; its own laws only change their values."""
+    moved = {}
+    for name in ("q", "dq", "ddq"):
+        moved[name] = getattr(motion, name).copy()
+        moved[name][:, k - 1] *= 1 + _STEP
+    other = link_forces_along(robot, replace(motion, **moved))
+    return dict(enumerate((other - as_they_are(robot, motion)) / _STEP))
 
 
 def _later(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
@@ -106,6 +122,12 @@ GAIN = Outside(
     "multiply joint{k}.tau by 1 + the correction that `diagnose` finds, in the mapping of the log",
     lambda k, value: f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs",
     _gain_said,
+)
+RATIO = Outside(
+    _stretched,
+    "multiply joint{k}.e by 1 + the correction that `diagnose` finds, in the mapping of the log",
+    lambda k, value: f"multiply joint{k}.e by about {1 + value:.4g}, in the mapping of the logs",
+    _ratio_said,
 )
 LAG = Outside(
     _later,
