@@ -205,3 +205,16 @@ def test_noise_is_not_diluted_by_what_is_not_known(share):
         found.append(spectrum)
     f = np.array([0.3, 3.0, 40.0])
     assert mean_of(found, f) == pytest.approx(true(f), rel=0.4)
+
+
+def test_a_quick_log_shows_noise_as_far_down_as_a_slow_one():
+    """Of stretches of about a second, not of a quarter, at 1 kHz."""
+    rng = np.random.default_rng(0)
+    white, moving = rng.standard_normal(24000), np.ones(24000, bool)
+    quick, slow = (
+        between_reversals(x, moving[: len(x)], T) for x, T in ((white, 1e-3), (white[:6000], 4e-3))
+    )
+    assert quick is not None
+    assert slow is not None
+    assert quick.continued == pytest.approx(slow.continued, rel=0.05)
+    assert quick.std == pytest.approx(1.0, rel=0.05)

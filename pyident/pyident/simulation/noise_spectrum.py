@@ -29,6 +29,7 @@ from scipy.stats import chi2
 from pyident.simulation.repetition import unrepeated
 
 _WINDOWS = (256, 128, 64, 32)  # samples of a stretch without reversals, the longest first
+_LONG, _QUICK = (1024, 512), 1.1  # the same of quick logs, where they last no longer [s]
 _ENOUGH = 12  # stretches
 _SMOOTH = 3  # degree of what a law may leave within one
 _FIRST = 4  # bin from which on nothing of it is left
@@ -133,7 +134,7 @@ def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseS
 
 def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum | None:
     """Of what a model leaves (N,), where a joint keeps its direction (N,); None where it hardly does."""
-    for length in _WINDOWS:
+    for length in (*(n for n in _LONG if n * period <= _QUICK), *_WINDOWS):
         starts = range(0, len(left) - length + 1, length // 2)
         pieces = np.array([left[a : a + length] for a in starts if moving[a : a + length].all()])
         if len(pieces) >= _ENOUGH:
