@@ -65,6 +65,15 @@ def test_what_the_data_say_nothing_of_keeps_its_prior_and_is_named(fitted):
     np.testing.assert_array_equal(close.solution.p, found.solution.p)
 
 
+def test_friction_that_the_data_tell_is_not_held_by_a_placeholder(fitted):
+    robot, found = fitted
+    names = [f"joint{k}.{law}" for k in range(1, 7) for law in ("viscous", "coulomb")]
+    close = near(found, cad(robot).with_parameters(dict.fromkeys(names, 0.003)))
+    np.testing.assert_allclose(
+        [close.robot.parameters[n] for n in names], [found.robot.parameters[n] for n in names], rtol=0.02
+    )
+
+
 def with_equal_bodies():
     body = {"m": 2.0, "ms[x]": 0.1, "ms[z]": 0.2, "J[xx]": 0.3, "J[yy]": 0.3, "J[zz]": 0.2}
     robot = arm()
@@ -73,7 +82,7 @@ def with_equal_bodies():
 
 
 def distance(values, names, robot):
-    found = _distance(cp.Constant(values), names, robot).value
+    found = _distance(cp.Constant(values), names, robot, names).value
     assert found is not None
     return float(found)
 

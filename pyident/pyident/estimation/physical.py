@@ -4,12 +4,12 @@ Every link keeps a positive pseudo-inertia (Wensing, Kim and Slotine 2018), ever
 friction level and motor inertia stays non-negative; so the model's mass matrix is positive definite
 whatever the data left open. Where a prior is given, directions that the data leave open stay near it: bodies
 in the Bregman distance of the log-determinant, which is that of mass distributions whatever the units (Lee,
-Wensing and Park 2020), what belongs to a joint in shares of its prior value.
+Wensing and Park 2020), what belongs to a joint in shares of its prior value, unless data tell it alone.
 """
 
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _OPEN = 1e-3  # standard deviations that undetermined directions may cost, per length of the parameters
 _TRUSTED = 0.5  # of a prior's values: standard deviation that is conceded to them
+_ALONE = 1e-6  # share of a parameter in what the data leave open: less is rounding
 _EXTENT = 0.01  # m: least radius of gyration of a prior's body
 _EXACT = 1e-9  # of the parameters' length: the least standard deviation
 _NONE = "no physically consistent parameters were found"
@@ -67,7 +68,12 @@ def consistent(
     if prior is None:
         cost = cp.norm(u) + _OPEN * cp.norm(t)
     else:
-        cost = cp.sum_squares(u) / 2 + _distance(p, names, prior) / _TRUSTED**2
+        shared = {
+            name
+            for name, row in zip(names, solution.null, strict=True)
+            if np.abs(row).max(initial=0) > _ALONE
+        }
+        cost = cp.sum_squares(u) / 2 + _distance(p, names, prior, shared) / _TRUSTED**2
     problem = cp.Problem(cp.Minimize(cost), limits)
     try:
         with _warnings_held, warnings.catch_warnings():
@@ -133,8 +139,12 @@ def misfit(reduced: Reduced, solution: Solution, p: np.ndarray, prior: Robot) ->
     return float(u @ u / max(solution.rank, 1))
 
 
-def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Expression":
-    """Convex distance of parameters to a prior's: half the summed squares of small relative changes."""
+def _distance(p: "cp.Expression", names: list[str], prior: Robot, shared: Container[str]) -> "cp.Expression":
+    """Convex distance of parameters to a prior's: half the summed squares of small relative changes.
+
+    shared   names of those that data tell together with others, if at all: of a joint's parameters the prior
+             holds these alone, as a friction in a robot file may be a placeholder that is far too small
+    """
     import cvxpy as cp
 
     known, terms = prior.parameters, []
@@ -145,7 +155,11 @@ def _distance(p: "cp.Expression", names: list[str], prior: Robot) -> "cp.Express
         body = L @ _body(p, names, k) @ L.T
         terms.append(cp.trace(body) - cp.log_det(body) - 4)
     positive = {name for name, bound in lower_bounds(prior).items() if bound == 0}
-    of_joints = [i for i, name in enumerate(names) if not name.startswith("link") and known.get(name)]
+    of_joints = [
+        i
+        for i, name in enumerate(names)
+        if not name.startswith("link") and known.get(name) and name in shared
+    ]
     for bounded in (True, False):
         at = [i for i in of_joints if (names[i] in positive) == bounded]
         if at:
