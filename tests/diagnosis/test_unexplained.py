@@ -227,6 +227,9 @@ def test_what_is_left_unexplained_and_not_looked_at_is_named(states, said):
     three: Any = SimpleNamespace(q=[SimpleNamespace(joint=k, side="motor") for k in (1, 2, 3)])
     places = [Place(f"joint{k}", "motor", state, (3.0, 3.0), 1.0) for k, state in enumerate(states, start=1)]
     assert _not_looked_at(three, places, (1, 0)) == said
+    alone = _not_looked_at(three, places, ())
+    assert all(line.endswith("as they exceed their floors in some frequencies only") for line in alone)
+    assert "motor side of joint 1 and motor side of joint 2" in alone[0]
 
 
 def test_an_equation_below_its_floor_takes_nothing_from_another():

@@ -111,6 +111,26 @@ def test_a_torque_read_too_small(robot, motion):
         corrected(robot, 3, "torque_gain", 0.02)
 
 
+def test_a_joint_that_turns_further_than_it_logs(robot, motion):
+    """The torques of the true motion less those of the logged one, but for other values of its own laws."""
+    k = 2
+    ends = []
+    for side in (1, -1):
+        scale = np.ones(motion.q.shape[1])
+        scale[k - 1] += side * H
+        ends.append(
+            torques(robot, replace(motion, q=motion.q * scale, dq=motion.dq * scale, ddq=motion.ddq * scale))
+        )
+    expected = (ends[0] - ends[1]) / (2 * H)
+    own = [i for i, name in enumerate(robot.linear_parameters) if name.startswith(f"joint{k}.")]
+    Phi = regressor(robot, motion).matrix[:, :, own].reshape(-1, len(own))
+    difference = (expected - column(robot, k, "gear_ratio", motion)).ravel()
+    left = difference - Phi @ np.linalg.lstsq(Phi, difference, rcond=None)[0]
+    assert np.linalg.norm(left) < 1e-5 * np.linalg.norm(expected)
+    with pytest.raises(RobotError, match=r"multiply joint2.e by 1 \+ the correction"):
+        corrected(robot, k, "gear_ratio", 0.01)
+
+
 def test_a_torque_that_comes_late(robot, motion):
     time, k, late = np.linspace(0, 2, 2001), 3, 4e-3
     rates = np.linspace(2.0, 4.0, motion.q.shape[1])

@@ -111,7 +111,11 @@ def with_dependences(search: Search, found: Diagnosis, open_pool: OpenPool, draf
 
 
 def _not_looked_at(robot: Robot, places: Sequence[Place], rows: Sequence[int]) -> list[str]:
-    """Of equations that are left unexplained, too, but by less. places: in the order of the equations."""
+    """Of equations that are left unexplained, too, but by less. places: in the order of the equations.
+
+    rows   that were looked at
+    """
     left = [row for row, place in enumerate(places) if place.state == "unexplained" and row not in rows]
     listed = " and ".join(side_of(robot, row) for row in left)
-    return [f"{listed}: not looked at further, as less exceeds the floor there"] if left else []
+    why = "less exceeds the floor there" if rows else "they exceed their floors in some frequencies only"
+    return [f"{listed}: not looked at further, as {why}"] if left else []
