@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import combinations
 from math import pi
 
@@ -12,6 +13,9 @@ from flexmodels.robot import Robot
 from pyident.rules.equation_checks import EQUATIONS
 
 _MOST_PAIRS = 8  # joints: of more, only neighbours are exchanged
+_RATIOS = tuple(
+    Fraction(p, q) for p, q in ((1, 2), (2, 3), (3, 4), (3, 5), (4, 5), (5, 8))
+)  # and their inverses
 
 
 @dataclass(frozen=True)
@@ -40,11 +44,12 @@ class Transformation:
 
 
 def transformations(robot: Robot, q: np.ndarray) -> Iterator[Transformation]:
-    """Orders, signs, zeros and units, of single joints and of all, that positions q (M, n) allow."""
+    """Orders, signs, zeros, units and ratios, of single joints and of all, that positions q (M, n) allow."""
     yield from _orders(robot)
     yield from _turned(robot)
     yield from _zeros(robot)
     yield from _units(robot, np.abs(q).max(axis=0))
+    yield from _ratios(robot)
     yield from _sums(robot)
 
 
@@ -132,6 +137,16 @@ def _units(robot: Robot, reach: np.ndarray) -> Iterator[Transformation]:
             listed = ", ".join(motor_of(k + 1) for k in joints)
             yield _made(robot, "unit", motor_of(joints[0] + 1),
                         f"{listed} taken as {unit} fits; give its unit in the mapping", motion)  # fmt: skip
+
+
+def _ratios(robot: Robot) -> Iterator[Transformation]:
+    """Gears with other teeth than somebody reckoned with. Smaller errors are left to a diagnosis."""
+    for k in range(len(robot.joints)):
+        for ratio in (*_RATIOS, *(1 / r for r in _RATIOS)):
+            motion = np.eye(len(robot.joints))
+            motion[k, k] = float(ratio)
+            mend = f"{motor_of(k + 1)} times {ratio} fits; correct its gear ratio in the mapping"
+            yield _made(robot, "ratio", motor_of(k + 1), mend, motion)
 
 
 def _sums(robot: Robot) -> Iterator[Transformation]:

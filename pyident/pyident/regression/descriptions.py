@@ -114,7 +114,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
         ),
         Description("encoder_zero", "where the encoder reads zero", "rad", 0.1, _zero, turning=True),
         Description(
-            "gear_ratio", "how far the joint turns per unit that it logs", "1", 0.2, RATIO, least=0.002
+            "gear_ratio", "how far the joint turns per unit that it logs", "1", 1.0, RATIO, least=0.002
         ),
         Description("torque_gain", "the gain of the logged torque", "1", 0.2, GAIN, least=0.01),
         Description(
