@@ -211,6 +211,7 @@ def test_the_next_equation_is_looked_at_where_the_worst_one_shows_nothing(monkey
     found = depends_on(examination, cast(Any, None))
     assert found.rows == (1, 0)
     assert [s.split(":")[0] for s in found.sentences] == ["motor side of joint 2", "motor side of joint 1"]
+    assert depends_on(examination, cast(Any, None), among=[0, 2]).rows == (0,)  # of the third too little
 
 
 @pytest.mark.parametrize(

@@ -98,7 +98,8 @@ def with_dependences(search: Search, found: Diagnosis, open_pool: OpenPool, draf
     """An unexplained residual with the signals that it depends on; draft: and a formula for it."""
     examination = search.examination
     with workers_of(examination.setting, open_pool) as workers:
-        leads = depends_on(examination, workers, search.base)
+        open_rows = [row for row, place in enumerate(found.places) if place.state == "unexplained"]
+        leads = depends_on(examination, workers, search.base, open_rows or None)
     told = (*found.depends_on, *leads.sentences, *_not_looked_at(search.robot, found.places, leads.rows))
     if not draft or not leads.dependences:
         return replace(found, depends_on=told)

@@ -5,7 +5,7 @@ compete; the best joins the base and the rest compete again. Replicas, analysed 
 method itself pretends of the splines; a peak counts against its own neighbours.
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,11 +37,14 @@ class Unexplained:
     rows: tuple[int, ...]
 
 
-def depends_on(examination: Examination, workers: Workers, base: Base | None = None) -> Unexplained:
+def depends_on(
+    examination: Examination, workers: Workers, base: Base | None = None, among: Container[int] | None = None
+) -> Unexplained:
     """What the residual of an examination depends on.
 
     base      the examination's own, or with accepted candidates joined to it
     workers   processes that hold the fitted robot's FMU
+    among     equations that are asked about; none: all
     """
     base, rules = base or examination.base, examination.setting.rules.unexplained
     replicas = examination.setting.rules.replicas.splines
@@ -53,7 +56,7 @@ def depends_on(examination: Examination, workers: Workers, base: Base | None = N
     rows: list[int] = []
     while len(rows) < rules.equations:
         beyond = excess(base, floor)
-        beyond[rows] = 0.0
+        beyond[[i for i in range(len(beyond)) if i in rows or not (among is None or i in among)]] = 0.0
         row = int(np.argmax(beyond))
         if beyond[row] <= rules.equation * total:
             break
