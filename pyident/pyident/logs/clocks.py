@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from pyident.logs.gaps import in_short_gaps
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping
 from pyident.logs.steps import repeated, unrounded
@@ -41,6 +42,10 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
         stamps = stamps * (mapping.signals["time"].gain if mapping.rate is None else 1.0)
         column = mapping.signals[name].column
         stamps, own_values = _on_own(stamps, values[name], source, f"{clock} is no clock of {column}")
+        missing = in_short_gaps(stamps, own_values)
+        if missing.any():
+            notes.append(f"{name} lacks {missing.sum()} of its own samples: passed over")
+            stamps, own_values = stamps[~missing], own_values[~missing]
         if not np.isfinite(own_values).all():
             raise LogError(f"{source}: column {column} holds values that are not finite")
         beside[name] = CubicSpline(stamps, own_values)(np.clip(time, stamps[0], stamps[-1]))
