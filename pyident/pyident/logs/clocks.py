@@ -11,6 +11,7 @@ from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping
 from pyident.logs.steps import repeated, unrounded
 from pyident.logs.turns import unwrapped, whole_turn
+from pyident.logs.units import without_unit
 
 _ANGLES = (".e", ".q", ".link", ".r")
 
@@ -98,8 +99,9 @@ def _on_own(stamps: np.ndarray, values: np.ndarray, source: str, wrong: str) -> 
 
 
 def _column(raw: dict[str, np.ndarray], column: str, source: str) -> np.ndarray:
-    if column not in raw:
+    bare, _ = without_unit(column)  # a file's own name may hold it, and is read without
+    if column not in raw and bare not in raw:
         stem = re.split(r"[\[:.]", column)[0]
         near = [name for name in raw if stem in name][:5] or list(raw)[:5]
         raise LogError(f"{source}: there is no column {column}; there are {', '.join(near)} ...")
-    return np.asarray(raw[column], dtype=float)
+    return np.asarray(raw[column if column in raw else bare], dtype=float)
