@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.coordinate import motor_of, reference_of
-from flexmodels.robot import Robot
+from flexmodels.robot import Robot, RobotError
 from pyident.checks.another_machine import another_machine
 from pyident.checks.balances import Balances, balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
@@ -21,7 +21,7 @@ from pyident.checks.timing import all_late, timing
 from pyident.checks.twists import bends, twists
 from pyident.checks.whole_log import whole_log
 from pyident.estimation.lock_unlogged import locked
-from pyident.kinematics.structure import StructureError
+from pyident.kinematics.structure import ReachError, StructureError
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log, LogError
 from pyident.rules.channel_checks import CHANNELS
@@ -45,7 +45,7 @@ class CheckedLogs:
 
 
 def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) -> CheckedLogs:
-    """The defects of logs. Raises LogError for a gross one unless `force`."""
+    """The defects of logs. Raises LogError for a gross one unless `force`, RobotError as `check_log`."""
     looked = [_looked_at(robot, _in_memory(robot, log)) for log in logs]
     defects = tuple(defect for one in looked for defect in one.defects)
     gross = [defect for defect in defects if defect.severity == "gross"]
@@ -62,7 +62,7 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
 
     robot   whose joints the log should show: its limits, rates and equations are held against it
     Of torques and deformations only what is logged is judged, of a long log on disk its first rows.
-    Raises LogError for a log without positions.
+    Raises LogError for a log without positions, RobotError for a robot whose closures do not fit together.
     """
     return _looked_at(robot, _in_memory(robot, log)).defects
 
@@ -91,9 +91,11 @@ def _looked_at(robot: Robot, log: Log) -> _Looked:
     if not any(d.severity == "gross" and d.kind in _BREAKING for d in defects):
         try:
             of = _balances(robot, log)
-        except StructureError as error:
+        except ReachError as error:
             sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
             defects.append(Defect("gross", "unit", "", sentence))
+        except StructureError as error:
+            raise RobotError(f"robot {robot.name}: {error}") from None
     if of is not None:
         defects += _of_the_fit(robot, log, of)
     return _Looked(log, tuple(sorted(defects, key=lambda d: d.severity != "gross")), robot, of)
