@@ -1,7 +1,8 @@
 """Everything that is checked of a log before it is believed, by every command alike."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ from pyident.logs.log import Log, LogError
 from pyident.rules.channel_checks import CHANNELS
 
 _WINDOW = 20_000  # rows of a log on disk that are looked at
+_NAMED = 3  # logs or channels in a refusal
 _BREAKING = ("jump", "wrapped", "stuck", "rows", "rate", "constant", "same", "time")
 
 
@@ -50,11 +52,39 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
     defects = tuple(defect for one in looked for defect in one.defects)
     gross = [defect for defect in defects if defect.severity == "gross"]
     if gross and not force:
-        more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
-        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
+        wrong = [[defect for defect in one.defects if defect.severity == "gross"] for one in looked]
+        of = dict(zip(_short([one.log.source for one in looked]), wrong, strict=True))
+        raise LogError(f"{gross[0].sentence}{_beside(of)}; --force (force=True) uses the log as it is")
     if not gross and len(logs) > 1:
         defects += tuple(another_machine(_all_balances(robot, looked)))
     return CheckedLogs(defects)
+
+
+def _short(sources: Sequence[str]) -> list[str]:
+    """What tells logs apart: the names of their files, or their numbers where these are not all different."""
+    names = [Path(source).name for source in sources]
+    return names if len(set(names)) == len(names) else [f"log {i}" for i in range(1, len(names) + 1)]
+
+
+def _beside(of: Mapping[str, Sequence[Defect]]) -> str:
+    """What is grossly wrong beside the first defect: the logs that have it, too, and other channels."""
+    first = next(defect for found in of.values() for defect in found)
+    listed = [(log, defect) for log, found in of.items() for defect in found][1:]
+    alike = [log for log, d in listed if (d.kind, d.channel) == (first.kind, first.channel)]
+    others = [
+        (d.channel or d.kind) + (f" in {log}" if len(of) > 1 else "")
+        for log, d in listed
+        if (d.kind, d.channel) != (first.kind, first.channel)
+    ]
+    said = [("the same in ", list(dict.fromkeys(alike))), ("wrong, too: ", list(dict.fromkeys(others)))]
+    parts = [what + _some(names) for what, names in said if names]
+    return f" ({'; '.join(parts)})" if parts else ""
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are beside."""
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
