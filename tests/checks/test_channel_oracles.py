@@ -67,6 +67,27 @@ def test_a_jump_is_told_with_its_size_and_time(size, severity):
     assert f"jumps by {size:.2g} at 4.8 s; a count was lost" in defect.sentence
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("jitter", [2e-5, 1.5e-4, 1e-3])
+def test_the_jitter_of_stamps_is_no_jump_of_a_fast_axis(jitter, seed):
+    """Slow but for one fast stroke, as a slider that is mostly positioned: it is off by v times jitter."""
+    rng, stamps = np.random.default_rng(seed), 0.004 * np.arange(10_000)
+    time = stamps + rng.normal(0, jitter, len(stamps))
+    stroke = 0.1 * np.sin(time) + 0.5 * np.tanh((time - 24.0) / 0.15) + rng.normal(0, 1e-6, len(time))
+    log = Log(pd.DataFrame({"time": stamps, "joint1.e": stroke}), "a log")
+    assert not list(jumps(one_joint(), log, "joint1.e", stroke))
+    lost = stroke - 0.05 * (stamps[700] <= stamps)  # while it is slow
+    (defect,) = jumps(one_joint(), log, "joint1.e", lost)
+    assert " at 2.8 s; a count was lost" in defect.sentence
+
+
+@pytest.mark.parametrize("at", [850, 1000, 1100])
+def test_a_lost_count_of_a_fast_axis_with_even_stamps_is_told(at):
+    stroke = 0.5 * np.tanh((TIME - 4.0) / 0.2) + np.random.default_rng(at).normal(0, 1e-6, len(TIME))
+    (defect,) = jumps(one_joint(), logged(), "joint1.e", stroke + 1e-3 * (TIME[at] <= TIME))
+    assert f" at {TIME[at]:.9g} s; a count was lost" in defect.sentence
+
+
 def test_a_wrapped_angle_is_told():
     wrapped = np.mod(6 * ANGLE, 2 * np.pi)
     (defect,) = jumps(one_joint(), logged(), "joint1.e", wrapped)

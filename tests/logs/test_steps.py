@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pyident.inspection.inspect_log import inspect_log
+from pyident.logs.clocks import on_one_clock
 from pyident.logs.foreign import map_frame
-from pyident.logs.log import LogError
+from pyident.logs.log import Log, LogError
 from pyident.logs.mapping import Mapping, Source
 from pyident.logs.steps import unrounded, usual_step
 
@@ -91,3 +92,82 @@ def test_a_clock_with_repeats_is_recognised_and_the_stamp_of_the_measurement_pre
     guesses = {c.column: c.name for c in inspect_log([tmp_path / "raw.csv"]).channels}
     assert guesses["field.header.stamp"] == "time"
     assert guesses["time"] is None
+
+
+@pytest.mark.parametrize("jitter", [0.0, 2e-4])
+def test_cells_that_are_missing_are_filled_as_rows_are(jitter):
+    """A log that lacks cells is the one that lacks the rows, but for the other column of those rows."""
+    true = 0.008 * COUNT
+    frame = recording(true + jitter * np.random.default_rng(0).uniform(-1, 1, len(true)))
+    lost = [30, 31, 200, 301, 302, 303, 304]
+    log = map_frame(frame.assign(tau=frame["tau"].drop(lost)), MAPPING, "raw")
+    said = f"joint1.tau lacks 7 samples, first at {frame['time'][30]:.6g} s: filled in by splines"
+    assert log.notes[0] == said
+    assert len(log.notes) == (2 if jitter else 1)
+    without = map_frame(frame.drop(lost), MAPPING, "raw").frame
+    splines = np.interp(log.frame["time"], without["time"], without["joint1.tau"])
+    assert log.frame["joint1.tau"].to_numpy() == pytest.approx(splines, abs=3e-5 if jitter else 1e-9)
+    assert log.frame["joint1.tau"].to_numpy() == pytest.approx(3 * np.cos(log.frame["time"]), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("lost", "row"),
+    [([10, *range(100, 105)], 101), ([10, 0, 1], 1), ([10, 498, 499], 499), ([10, *range(60, 62)], 60)],
+)
+def test_long_gaps_of_a_column_and_those_at_an_end_are_refused(lost, row):
+    """The last: two cells beside three rows that are missing altogether are one gap of five samples."""
+    frame = recording(0.008 * COUNT)
+    frame = frame.assign(tau=frame["tau"].drop(lost))
+    frame = frame.drop([62, 63, 64]) if 60 in lost else frame
+    said = (
+        rf"joint1.tau is not finite in {len(lost) - 1} rows, first in row {row} .*; cut the log there or fill"
+    )
+    with pytest.raises(LogError, match=said if row != 60 else "joint1.tau is not finite in 2 rows"):
+        map_frame(frame, MAPPING, "raw")
+
+
+def test_commands_and_switches_that_lack_cells_do_not_swing():
+    step = np.where(COUNT < 250, 0.0, 1.0)
+    frame = recording(0.008 * COUNT).assign(r=step, on=step)
+    frame.loc[249:251, ["r", "on"]] = np.nan
+    signals = MAPPING.signals | {"joint1.r": Source("r"), "joint1.on": Source("on")}
+    log = map_frame(frame, Mapping(signals), "raw")
+    assert log.frame["joint1.r"].to_numpy()[248:253].tolist() == pytest.approx([0, 0.25, 0.5, 0.75, 1])
+    assert log.frame["joint1.on"].to_numpy()[248:253].tolist() == [0, 0, 0, 0, 1]
+    assert log.notes == (
+        "joint1.r lacks 3 samples, first at 1.992 s: filled in by lines",
+        "joint1.on lacks 3 samples, first at 1.992 s: filled in by what was held",
+    )
+
+
+def test_a_wrapped_angle_is_joined_over_an_empty_cell():
+    frame = recording(0.008 * COUNT)
+    frame["q"] = np.mod(2 * frame["time"], 2 * np.pi)
+    frame.loc[100, "q"] = np.nan
+    signals = MAPPING.signals | {"joint1.e": Source("q", turn=2 * np.pi)}
+    log = map_frame(frame, Mapping(signals), "raw")
+    assert log.frame["joint1.e"].to_numpy() == pytest.approx(2 * frame["time"].to_numpy())
+    assert "jumps by whole turns" in map_frame(frame, MAPPING, "raw").notes[0]
+
+
+def test_a_column_of_its_own_clock_passes_over_empty_cells():
+    raw = {"t": 0.008 * COUNT, "q": np.sin(0.008 * COUNT), "t2": 0.004 * np.arange(1000)}
+    tau = 3 * np.cos(raw["t2"])
+    tau[[20, 21, 500]] = np.nan
+    mapping = Mapping({"time": Source("t"), "joint1.e": Source("q"), "joint1.tau": Source("tau", clock="t2")})
+    frame, notes = on_one_clock(raw | {"tau": tau}, mapping, "a.csv")
+    assert notes[0] == "joint1.tau lacks 3 of its own samples: passed over"
+    assert frame["joint1.tau"].to_numpy() == pytest.approx(3 * np.cos(frame["time"]), abs=1e-6)
+    tau[600:605] = np.nan
+    with pytest.raises(LogError, match="column tau holds values that are not finite"):
+        on_one_clock(raw | {"tau": tau}, mapping, "a.csv")
+
+
+def test_a_log_of_our_own_names_is_sent_to_the_import_where_that_fills_it():
+    frame = recording(0.008 * COUNT).rename(columns={"q": "joint1.e", "tau": "joint1.tau"})
+    frame.loc[7, "joint1.tau"] = np.nan
+    with pytest.raises(LogError, match=r"row 8 .*; cut the log there or let `pyident log import` fill it"):
+        Log.from_frame(frame)
+    frame.loc[7:20, "joint1.tau"] = np.nan
+    with pytest.raises(LogError, match=r"row 8 .*; cut the log there or fill the gap"):
+        Log.from_frame(frame)

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from scipy import constants
 
 from pyident.logs.foreign import import_log
+from pyident.logs.formats.delimited import read_delimited
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping, Source
-from pyident.logs.units import FACTORS, factor
+from pyident.logs.units import FACTORS, factor, known_unit
 
 # Unit -> value in SI, from SciPy's CODATA tables or by definition of its prefix.
 KNOWN = {
@@ -56,6 +57,44 @@ def test_every_unit_is_one_of_ours_and_right():
 def test_an_unknown_unit_names_its_place():
     with pytest.raises(LogError, match=r"signals\.q\.unit = 'degrees' is not a known unit"):
         factor("degrees", "signals.q.unit")
+
+
+@pytest.mark.parametrize(
+    ("unit", "ours"),
+    [
+        ("grd", "deg"),
+        ("Grad", "deg"),
+        ("GRD", "deg"),
+        ("[grd]", "deg"),
+        ("grd/s", "deg/s"),
+        ("Grad/s", "deg/s"),
+    ],
+)
+def test_degrees_are_known_as_german_controllers_write_them(unit, ours):
+    assert known_unit(unit) == ours
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["as in the file", "without units"])
+def test_units_in_the_names_are_read_and_a_mapping_may_repeat_them(own, tmp_path):
+    (tmp_path / "a.csv").write_text(
+        "t[ms];A1_ist[grd];A1_strom [A]\n" + "".join(f"{4 * i};{90 + i};{i / 2}\n" for i in range(9))
+    )
+    recording = read_delimited(tmp_path / "a.csv")
+    assert list(recording.columns) == ["t", "A1_ist", "A1_strom"]
+    assert recording.units == {"t": "ms", "A1_ist": "grd", "A1_strom": "A"}
+    names = ("t[ms]", "A1_ist[grd]", "A1_strom [A]") if own else ("t", "A1_ist", "A1_strom")
+    mapping = Mapping(
+        {
+            "time": Source(names[0], 1e-3),
+            "joint1.e": Source(names[1], factor("deg", "")),
+            "joint1.tau": Source(names[2]),
+        }
+    )
+    frame = import_log([tmp_path / "a.csv"], mapping).frame
+    assert frame["joint1.e"].to_numpy() == pytest.approx(np.deg2rad(90.0 + np.arange(9)))
+    assert frame["joint1.tau"].to_numpy() == pytest.approx(np.arange(9) / 2)
+    with pytest.raises(LogError, match=r"there is no column A2_ist\[V\]"):
+        import_log([tmp_path / "a.csv"], Mapping(mapping.signals | {"joint1.e": Source("A2_ist[V]")}))
 
 
 @settings(max_examples=25, deadline=None)

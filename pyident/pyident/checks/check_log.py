@@ -1,13 +1,14 @@
 """Everything that is checked of a log before it is believed, by every command alike."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from flexmodels.coordinate import motor_of, reference_of
-from flexmodels.robot import Robot
+from flexmodels.robot import Robot, RobotError
 from pyident.checks.another_machine import another_machine
 from pyident.checks.balances import Balances, balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
@@ -21,12 +22,13 @@ from pyident.checks.timing import all_late, timing
 from pyident.checks.twists import bends, twists
 from pyident.checks.whole_log import whole_log
 from pyident.estimation.lock_unlogged import locked
-from pyident.kinematics.structure import StructureError
+from pyident.kinematics.structure import ReachError, StructureError
 from pyident.logs.disk import LogFile
 from pyident.logs.log import Log, LogError
 from pyident.rules.channel_checks import CHANNELS
 
 _WINDOW = 20_000  # rows of a log on disk that are looked at
+_NAMED = 3  # logs or channels in a refusal
 _BREAKING = ("jump", "wrapped", "stuck", "rows", "rate", "constant", "same", "time")
 
 
@@ -45,16 +47,44 @@ class CheckedLogs:
 
 
 def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) -> CheckedLogs:
-    """The defects of logs. Raises LogError for a gross one unless `force`."""
+    """The defects of logs. Raises LogError for a gross one unless `force`, RobotError as `check_log`."""
     looked = [_looked_at(robot, _in_memory(robot, log)) for log in logs]
     defects = tuple(defect for one in looked for defect in one.defects)
     gross = [defect for defect in defects if defect.severity == "gross"]
     if gross and not force:
-        more = "" if len(gross) == 1 else f" ({len(gross) - 1} more like it)"
-        raise LogError(f"{gross[0].sentence}{more}; --force (force=True) uses the log as it is")
+        wrong = [[defect for defect in one.defects if defect.severity == "gross"] for one in looked]
+        of = dict(zip(_short([one.log.source for one in looked]), wrong, strict=True))
+        raise LogError(f"{gross[0].sentence}{_beside(of)}; --force (force=True) uses the log as it is")
     if not gross and len(logs) > 1:
         defects += tuple(another_machine(_all_balances(robot, looked)))
     return CheckedLogs(defects)
+
+
+def _short(sources: Sequence[str]) -> list[str]:
+    """What tells logs apart: the names of their files, or their numbers where these are not all different."""
+    names = [Path(source).name for source in sources]
+    return names if len(set(names)) == len(names) else [f"log {i}" for i in range(1, len(names) + 1)]
+
+
+def _beside(of: Mapping[str, Sequence[Defect]]) -> str:
+    """What is grossly wrong beside the first defect: the logs that have it, too, and other channels."""
+    first = next(defect for found in of.values() for defect in found)
+    listed = [(log, defect) for log, found in of.items() for defect in found][1:]
+    alike = [log for log, d in listed if (d.kind, d.channel) == (first.kind, first.channel)]
+    others = [
+        (d.channel or d.kind) + (f" in {log}" if len(of) > 1 else "")
+        for log, d in listed
+        if (d.kind, d.channel) != (first.kind, first.channel)
+    ]
+    said = [("the same in ", list(dict.fromkeys(alike))), ("wrong, too: ", list(dict.fromkeys(others)))]
+    parts = [what + _some(names) for what, names in said if names]
+    return f" ({'; '.join(parts)})" if parts else ""
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are beside."""
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
@@ -62,7 +92,7 @@ def check_log(robot: Robot, log: Log | LogFile) -> tuple[Defect, ...]:
 
     robot   whose joints the log should show: its limits, rates and equations are held against it
     Of torques and deformations only what is logged is judged, of a long log on disk its first rows.
-    Raises LogError for a log without positions.
+    Raises LogError for a log without positions, RobotError for a robot whose closures do not fit together.
     """
     return _looked_at(robot, _in_memory(robot, log)).defects
 
@@ -91,9 +121,11 @@ def _looked_at(robot: Robot, log: Log) -> _Looked:
     if not any(d.severity == "gross" and d.kind in _BREAKING for d in defects):
         try:
             of = _balances(robot, log)
-        except StructureError as error:
+        except ReachError as error:
             sentence = f"{log.source}: {error}; check the units, signs and zeros of its positions"
             defects.append(Defect("gross", "unit", "", sentence))
+        except StructureError as error:
+            raise RobotError(f"robot {robot.name}: {error}") from None
     if of is not None:
         defects += _of_the_fit(robot, log, of)
     return _Looked(log, tuple(sorted(defects, key=lambda d: d.severity != "gross")), robot, of)

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
+from pyident.inspection.letters import LETTERS, lettered
 from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.steps import usual_step
@@ -36,8 +37,11 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
     said = {name: meaning(name, joints) for name in recording.columns}
     clock = _time_column(recording, said)
-    numbers, ordered = _numbers(said, robot)
+    of_letters, by_letters = lettered(said, robot)
+    said |= of_letters
+    numbers, ordered = _numbers({name: m for name, m in said.items() if name not in of_letters}, robot)
     numbers, ranked = _ranked(numbers, said, ordered, len(robot.joints) if robot else None)
+    numbers |= {name: m.joint for name, m in of_letters.items() if isinstance(m.joint, int)}
     times = set(recording.clocks.values()) | ({clock} if clock else set())
     found = []
     for name, values in recording.columns.items():
@@ -54,10 +58,8 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
         why = [f"{NAME} {name!r}"] if signal not in ("unknown",) and recording.header else []
         if unit:
             why.append(f"the unit {unit} that the file gives")
-        if name in ordered:
-            why.append(ORDER)
-        if name in ranked:
-            why.append(RANK)
+        placed = ((ordered, ORDER), (ranked, RANK), (by_letters, LETTERS))
+        why += [reason for names, reason in placed if name in names]
         side, doubt = m.side, ""
         if side == "motor" and robot is not None and robot.transmission is None:
             side, doubt = "joint", f"{name}{MOTOR_SIDE}"

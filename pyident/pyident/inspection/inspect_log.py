@@ -11,6 +11,7 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
 from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, ORDER, RANK, first_guesses
+from pyident.inspection.letters import LETTERS
 from pyident.inspection.motion import (
     DERIVATIVE,
     PLACE,
@@ -155,10 +156,10 @@ def _explained(channels: list[Channel]) -> bool:
 
 def _placed(c: Channel) -> Channel:
     """With a question where only a column's place says what it is, or of which joint."""
-    guess = (PLACE in c.why and DERIVATIVE not in c.why) or ORDER in c.why or RANK in c.why
-    if not guess or c.name is None:
+    guessed = {why for why in (PLACE, ORDER, RANK, LETTERS) if why in c.why}
+    if c.name is None or not guessed - ({PLACE} if DERIVATIVE in c.why else set()):
         return c
-    witness = next(why for why in (PLACE, ORDER, RANK) if why in c.why)
+    witness = next(why for why in (PLACE, ORDER, RANK, LETTERS) if why in guessed)
     asked = f"is {c.column} really {c.name}? only {witness} says so"
     further = c.doubt and not c.doubt.startswith(f"is {c.column} really")
     return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if further else asked)

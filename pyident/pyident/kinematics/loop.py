@@ -10,7 +10,7 @@ from pyident.kinematics import assembly
 from pyident.kinematics.elements.beam import Beam
 from pyident.kinematics.elements.nodes import Nodes, Orientation, Position, Shape, at_rest, upright
 from pyident.kinematics.elements.triads import compose, turn
-from pyident.kinematics.structure import GROUND, Structure, StructureError
+from pyident.kinematics.structure import GROUND, ReachError, Structure
 
 STEP = 0.5  # largest change of a coordinate between two converged configurations [rad or m]
 NEAR, CLOSE = 1e-2, 1e-7  # errors from which to step on, and to stop: the last update squares the error
@@ -21,7 +21,7 @@ SPARSE = 16
 def nodes(structure: Structure, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Nodes:
     """Eqs (5)-(7) for N samples: q, dq, ddq (n, N). With ddq = 0 the accelerations are (D²F dq) dq.
 
-    Raises StructureError where the loop cannot close or what is held does not determine the nodes.
+    Raises ReachError where the loop cannot close or what is held does not determine the nodes.
     """
     n, samples = q.shape
     shape = configuration(structure, q)
@@ -68,7 +68,7 @@ def _follow(structure: Structure, shape: Shape, start: np.ndarray, end: np.ndarr
                 break
         else:
             at = ", ".join(f"{value:.4g}" for value in q[:, np.argmax(error)])
-            raise StructureError(f"the structure does not close at q = ({at}); keep q within its reach")
+            raise ReachError(f"the structure does not close at q = ({at}); keep q within its reach")
     return shape
 
 
@@ -112,6 +112,6 @@ def _solve(J: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         return np.linalg.solve(J, right)
     except np.linalg.LinAlgError:
-        raise StructureError(
+        raise ReachError(
             "the held deformations do not determine the nodes there (singular); release others or move q"
         ) from None

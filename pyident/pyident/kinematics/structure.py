@@ -19,6 +19,10 @@ class StructureError(ValueError):
     """A structure whose deformations do not determine its nodes; the message says what to change."""
 
 
+class ReachError(StructureError):
+    """Coordinates at which a structure that is sound elsewhere does not close."""
+
+
 @dataclass(frozen=True)
 class Structure:
     """Elements listed from the ground outwards; translational and rotational nodes 0 are the ground.

@@ -6,10 +6,12 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from pyident.logs.gaps import in_short_gaps
 from pyident.logs.log import LogError
 from pyident.logs.mapping import Mapping
 from pyident.logs.steps import repeated, unrounded
 from pyident.logs.turns import unwrapped, whole_turn
+from pyident.logs.units import without_unit
 
 _ANGLES = (".e", ".q", ".link", ".r")
 
@@ -41,6 +43,10 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
         stamps = stamps * (mapping.signals["time"].gain if mapping.rate is None else 1.0)
         column = mapping.signals[name].column
         stamps, own_values = _on_own(stamps, values[name], source, f"{clock} is no clock of {column}")
+        missing = in_short_gaps(stamps, own_values)
+        if missing.any():
+            notes.append(f"{name} lacks {missing.sum()} of its own samples: passed over")
+            stamps, own_values = stamps[~missing], own_values[~missing]
         if not np.isfinite(own_values).all():
             raise LogError(f"{source}: column {column} holds values that are not finite")
         beside[name] = CubicSpline(stamps, own_values)(np.clip(time, stamps[0], stamps[-1]))
@@ -93,8 +99,9 @@ def _on_own(stamps: np.ndarray, values: np.ndarray, source: str, wrong: str) -> 
 
 
 def _column(raw: dict[str, np.ndarray], column: str, source: str) -> np.ndarray:
-    if column not in raw:
+    bare, _ = without_unit(column)  # a file's own name may hold it, and is read without
+    if column not in raw and bare not in raw:
         stem = re.split(r"[\[:.]", column)[0]
         near = [name for name in raw if stem in name][:5] or list(raw)[:5]
         raise LogError(f"{source}: there is no column {column}; there are {', '.join(near)} ...")
-    return np.asarray(raw[column], dtype=float)
+    return np.asarray(raw[column if column in raw else bare], dtype=float)

@@ -16,7 +16,7 @@ from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
-from pyident.logs.steps import evened
+from pyident.logs.steps import evened, filled
 
 
 def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | None = None) -> Log:
@@ -47,8 +47,9 @@ def map_columns(raw: dict[str, np.ndarray], mapping: Mapping, source: str, robot
         many = "a question" if len(mapping.asked) == 1 else f"{len(mapping.asked)} questions"
         open_ones = f"the mapping still asks {many} (lines that begin with # ?)"
         notes = [f"{open_ones}: what they are about is guessed; correct it and delete them", *notes]
+    frame, lacked = filled(frame)
     frame, resampled = evened(frame, source)
-    notes += resampled
+    notes += lacked + resampled
     delays = {name: s.delay for name, s in mapping.signals.items() if s.delay}
     frame = delayed(frame, delays)
     notes += [f"{name} was moved by {1e3 * d:g} ms" for name, d in delays.items()]

@@ -17,8 +17,8 @@ from scipy.io import loadmat, savemat
 from flexmodels.atomic import replacing
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Column
+from pyident.logs.gaps import WIDEST_GAP, in_short_gaps
 
-WIDEST_GAP = 5.5  # periods: over more, nothing is known of a motion
 _JITTER = 0.01  # of one period: what still counts as uniform
 
 
@@ -203,13 +203,16 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
     for name in frame:
         if not pd.api.types.is_numeric_dtype(frame[name]):
             raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
-        bad = np.flatnonzero(~np.isfinite(frame[name].to_numpy(dtype=float)))
+        values = frame[name].to_numpy(dtype=float)
+        bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
-            time = frame["time"].iloc[bad[0]]
-            when = "" if name == "time" else f" (time {time:.6g} s)"
+            time = frame["time"].to_numpy(dtype=float)
+            when = "" if name == "time" else f" (time {time[bad[0]]:.6g} s)"
+            short = name != "time" and in_short_gaps(time, values)[bad].all()
+            cure = "let `pyident log import` fill it" if short else "fill the gap"
             raise LogError(
                 f"{source}: column {name} is not finite in {len(bad)} rows, first in row "
-                f"{first + bad[0] + 1}{when}; cut the log there or fill the gap"
+                f"{first + bad[0] + 1}{when}; cut the log there or {cure}"
             )
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from pyident.logs.log import WIDEST_GAP, LogError
+from pyident.logs.gaps import WIDEST_GAP, in_short_gaps
+from pyident.logs.log import LogError
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
@@ -16,7 +17,7 @@ _JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
 
 def repeated(columns: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N,) that are the row before them again, in every one of some columns (N,), time among them."""
-    same = np.logical_and.reduce([np.diff(x) == 0 for x in columns])
+    same = np.logical_and.reduce([(np.diff(x) == 0) | (np.isnan(x[1:]) & np.isnan(x[:-1])) for x in columns])
     return np.concatenate([[False], same])
 
 
@@ -48,6 +49,23 @@ def usual_step(time: np.ndarray) -> float:
     even = unrounded(time)
     steps = np.diff(time if even is None else even)
     return float(np.median(steps[steps != 0])) if (steps != 0).any() else 0.0
+
+
+def filled(frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Empty cells in a column's short gaps are filled as missing rows are; and a note on each such column."""
+    time = frame["time"].to_numpy(float)
+    out, notes = {}, []
+    for name in map(str, frame):
+        values = frame[name].to_numpy(float)
+        empty = in_short_gaps(time, values)
+        if name != "time" and empty.any():
+            there = np.isfinite(values)
+            out[name] = values.copy()
+            out[name][empty] = _at_times(name, time[there], values[there], time[empty])
+            many = "1 sample," if empty.sum() == 1 else f"{empty.sum()} samples, first"
+            said = f"{name} lacks {many} at {time[empty][0]:.6g} s"
+            notes.append(f"{said}: filled in by {_how(name)}")
+    return frame.assign(**out), notes
 
 
 def evened(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
@@ -103,3 +121,8 @@ def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray)
     if name.endswith(".on"):
         return values[np.maximum(np.searchsorted(time, even, side="right") - 1, 0)]
     return np.interp(even, time, values) if name.endswith(".r") else CubicSpline(time, values)(even)
+
+
+def _how(name: str) -> str:
+    """What `_at_times` does between the samples of a signal."""
+    return "what was held" if name.endswith(".on") else "lines" if name.endswith(".r") else "splines"

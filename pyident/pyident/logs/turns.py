@@ -10,8 +10,10 @@ _RARE = 0.05  # of the steps: jumps beyond are no wraps
 def whole_turn(x: np.ndarray) -> float | None:
     """Units of a column (N,) per turn, where it was wrapped to one; None where it was not.
 
-    It stays within a turn, jumps by nearly the whole of it, and but for these jumps is smooth.
+    It stays within a turn, jumps by nearly the whole of it, and but for these jumps is smooth; empty cells do
+    not count.
     """
+    x = x[~np.isnan(x)]
     if len(x) < 4 or not np.isfinite(x).all():
         return None
     steps = np.abs(np.diff(x))
@@ -25,5 +27,12 @@ def whole_turn(x: np.ndarray) -> float | None:
 
 
 def unwrapped(x: np.ndarray, turn: float | None) -> np.ndarray:
-    """A column (N,) without its jumps of whole turns; as it is where `turn`, its units per turn, is None."""
-    return x if turn is None else np.unwrap(x, period=turn)
+    """A column (N,) without its jumps of whole turns; as it is where `turn`, its units per turn, is None.
+
+    Empty cells stay, and are passed over.
+    """
+    if turn is None:
+        return x
+    out, there = np.array(x, float), ~np.isnan(x)
+    out[there] = np.unwrap(x[there], period=turn)
+    return out

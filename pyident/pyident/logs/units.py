@@ -1,5 +1,6 @@
 """Units that logs come in, as factors to SI."""
 
+import re
 from math import pi
 
 from pyident.logs.log import LogError
@@ -48,9 +49,10 @@ def factor(unit: str, place: str) -> float:
 KINDS = {unit: kind for kind, group in _FACTORS.items() for unit in group}
 _PLAIN = {"Nm": "N.m", "mNm": "mN.m", "kNm": "kN.m", "Ncm": "N.cm"}
 _SPELLINGS = {
-    "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "grad": "deg",
+    "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "grd": "deg",
     "radian": "rad", "radians": "rad",
-    "°/s": "deg/s", "º/s": "deg/s", "dps": "deg/s", "rad/sec": "rad/s", "deg/sec": "deg/s", "1/min": "rpm",
+    "°/s": "deg/s", "º/s": "deg/s", "dps": "deg/s", "grad/s": "deg/s", "grd/s": "deg/s",
+    "rad/sec": "rad/s", "deg/sec": "deg/s", "1/min": "rpm",
     "u/min": "rpm", "min-1": "rpm", "µs": "us", "μs": "us", "sec": "s", "seconds": "s", "msec": "ms",
     "n*m": "N.m", "n·m": "N.m", "n m": "N.m", "nm": "N.m", "n.m": "N.m", "newton-metre": "N.m",
     "mn*m": "mN.m", "mn·m": "mN.m", "mn m": "mN.m", "mnm": "mN.m", "kn*m": "kN.m", "kn·m": "kN.m",
@@ -71,3 +73,13 @@ def known_unit(text: str) -> str | None:
     return _SPELLINGS.get(low) or next(
         (unit for unit in FACTORS if unit.lower() == low and unit != "1"), None
     )
+
+
+_IN_NAME = re.compile(r"^(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
+
+
+def without_unit(name: str) -> tuple[str, str]:
+    """A column's name and the unit that it ends with in brackets (A1_ist[grd]); as it is without one."""
+    parts = _IN_NAME.match(name)
+    unit = parts[2] if parts and known_unit(parts[2]) else ""
+    return (parts[1], unit) if parts and unit else (name, "")

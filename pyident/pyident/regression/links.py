@@ -48,7 +48,7 @@ class LinkColumns:
     def fill(self, Phi: np.ndarray, rates: Rates) -> None:
         """Write into Phi (N, n, P), of any strides. Entries that are zero in every motion stay as they are.
 
-        Raises ValueError for a hinge bent too far, StructureError for a loop that does not close.
+        Raises ValueError for a hinge bent too far, ReachError for a loop that does not close.
         """
         if self.hung is not None and self.hung.agrees(rates[0]):
             self.hung.fill(Phi, rates, self.starts)

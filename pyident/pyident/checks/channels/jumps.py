@@ -32,10 +32,8 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         high = high[~_near([_odd_places(log.frame[c].to_numpy(float)) for c in motors], high)]
     if not len(high):
         return
-    from scipy.ndimage import median_filter  # here and below: much memory, for few logs
-
     increment = np.diff(x)
-    odd = increment - median_filter(increment, 7, mode="nearest")
+    odd = increment - _smooth(increment)
     places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
     sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
     first = float(time[places[0] + 1])
@@ -54,14 +52,37 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
 def _odd_places(x: np.ndarray) -> np.ndarray:
     """Where fourth differences of x (N,) stick out."""
     fourth = np.abs(np.diff(x, 4))
-    scale = 1.4826 * float(np.median(fourth))
-    bound = max(
-        LOG_CHECKS.odd * scale,
-        LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)),
-        CHANNELS.encoder_steps * step_of(x),
+    bound = np.maximum(
+        LOG_CHECKS.odd * _usual(fourth, np.abs(_smooth(np.diff(x)))[1:-2]),
+        max(LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)), CHANNELS.encoder_steps * step_of(x)),
     )
     bent = CHANNELS.bent_ends
-    return bent + np.flatnonzero(fourth[bent:-bent] > bound)
+    return bent + np.flatnonzero((fourth > bound)[bent:-bent])
+
+
+def _usual(fourth: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """(M,) deviations of fourth differences (M,) at speeds (M,), in steps per sample.
+
+    A sample that was not taken when its stamp says is off by the speed times the time between: by what half
+    of the way (not of the time) has more than half of the samples, the speed's share is measured.
+    """
+    scale, on_the_way = (1.4826 * _median(fourth, weight) for weight in (np.ones(len(fourth)), speed))
+    jitter = np.sqrt(max(on_the_way**2 - scale**2, 0.0)) / max(_median(speed, speed), 1e-300)
+    return np.hypot(scale, jitter * speed)
+
+
+def _median(x: np.ndarray, weight: np.ndarray) -> float:
+    """Of x (N,), each counted by its weight (N,)."""
+    order = np.argsort(x)
+    counted = np.cumsum(weight[order])
+    return float(x[order[np.searchsorted(counted, counted[-1] / 2)]])
+
+
+def _smooth(increment: np.ndarray) -> np.ndarray:
+    """Steps (N,) from sample to sample without those that stick out."""
+    from scipy.ndimage import median_filter  # here and below: much memory, for few logs
+
+    return median_filter(increment, 7, mode="nearest")
 
 
 def _near(events: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:

@@ -3,7 +3,6 @@
 import codecs
 import csv
 import io
-import re
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,12 +11,11 @@ import numpy as np
 
 from pyident.logs.formats.cells import COMMA, NUMBER, is_list, is_stamp
 from pyident.logs.log import LogError
-from pyident.logs.units import known_unit
+from pyident.logs.units import known_unit, without_unit
 
 _LOOK = 200  # lines
 _HEAD = 1 << 18  # bytes
 _SEPARATORS = (",", ";", "\t", "|", " ")
-_IN_NAME = re.compile(r"^(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 
 
 @dataclass(frozen=True)
@@ -123,12 +121,7 @@ def _heads(
     if len(fitting) > 1 and _is_units(fitting[-1]):
         units = tuple(cell.lstrip("#%").strip("[]() ") for cell in fitting.pop())
     heads = [cell.lstrip("#%").strip() or str(i) for i, cell in enumerate(fitting[-1], start=1)]
-    names, inside = [], []
-    for cell in heads:
-        parts = _IN_NAME.match(cell)
-        unit = parts[2] if parts and known_unit(parts[2]) else ""
-        names.append(parts[1] if parts and unit else cell)
-        inside.append(unit)
+    names, inside = ([without_unit(cell)[part] for cell in heads] for part in (0, 1))
     if len(set(names)) < len(names):
         names = [cell if names.count(n) > 1 else n for cell, n in zip(heads, names, strict=True)]
     return tuple(names), units or (tuple(inside) if any(inside) else None), tuple(fitting[-1])

@@ -1,0 +1,22 @@
+"""Cells of a column that hold no number where its other rows go on."""
+
+import numpy as np
+
+WIDEST_GAP = 5.5  # periods: over more, nothing is known of a motion
+
+
+def in_short_gaps(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Empty cells (N,) of a column (N,) between filled ones that are no farther apart than rows may be.
+
+    time   (N,) of its rows; where it does not rise throughout, no cell counts
+    """
+    empty = np.isnan(values)
+    filled = np.flatnonzero(~empty)
+    found = np.zeros(len(values), bool)
+    if not empty.any() or len(filled) < 4 or not np.isfinite(time).all() or (np.diff(time) <= 0).any():
+        return found
+    wide = np.diff(time[filled]) > WIDEST_GAP * np.median(np.diff(time))
+    after = np.searchsorted(filled, np.arange(len(values)))
+    inside = empty & (after > 0) & (after < len(filled))
+    found[inside] = ~wide[after[inside] - 1]
+    return found
