@@ -4,12 +4,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 from one_joint import one_joint
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.notes import of_gears, of_what_is_shared, warnings
+from pyident.diagnosis.notes import of_ends, of_gears, of_what_is_shared, warnings
 from pyident.diagnosis.result import Finding, Named, Place
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, separating, verdict_of
 from pyident.rules.rules import RULES
@@ -102,6 +103,15 @@ def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
     sentence = sentence_of("cannot_tell", [both], [], ("joint1", "motor"))
     large = "the gain (torque constant) of joint1, its logged torque is 2.1 % too large"
     assert sentence.startswith(f"Missing or wrong: {large} or stribeck")
+
+
+@pytest.mark.parametrize(("ratio", "said"), [(0.99, True), (0.6, False)])
+def test_a_value_at_the_end_of_its_range_is_told(ratio, said):
+    spring = Named(
+        "gravity_spring", "joint2", {"stiffness": 3.0, "ratio": ratio, "phase": np.pi}, {}, {}, 97.0
+    )
+    notes = list(of_ends(two_link(), [Finding((spring,), 0.05, 50.0, 97.0, 88.0)]))
+    assert [note.split(",")[0] for note in notes] == ["gravity_spring at joint2: its ratio"] * said
 
 
 @pytest.mark.parametrize(("joint", "said"), [("joint2", True), ("joint3", False)])

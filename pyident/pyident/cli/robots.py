@@ -45,14 +45,14 @@ def _list(json_file: str | None) -> None:
 @click.option("--twist", default="", metavar="K,...", help="Joints that only twist.")
 @click.option(
     "--fixed",
-    default="",
+    multiple=True,
     metavar="NAME,...",
-    help="Joints of a URDF that stand still at zero, such as a gripper's fingers.",
+    help="Joints of a URDF that stand still at zero, such as a gripper's fingers; may be repeated.",
 )
 @json_option
 @reported
 def import_command(
-    file: str, output: str, flexible: str, twist: str, fixed: str, json_file: str | None
+    file: str, output: str, flexible: str, twist: str, fixed: tuple[str, ...], json_file: str | None
 ) -> None:
     """Write the robot of a URDF or of an MJCF (.xml) as a robot file.
 
@@ -62,7 +62,7 @@ def import_command(
     from flexmodels.files.robot_file import check_readable
 
     bent, twisted = _numbers(flexible, "--flexible"), _numbers(twist, "--twist")
-    robot, notes = imported(file, bent, twisted, _words(fixed))
+    robot, notes = imported(file, bent, twisted, _words(",".join(fixed)))
     check_readable(robot)
     pi.save_robot(robot, output)
     names = ", ".join(f"{k} {joint.name}" for k, joint in robot.numbered)

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexmodels.coordinate import joint_name, joint_number
+from flexmodels.robot import Robot
 from pyident.conditioning.alignment import OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
@@ -21,6 +22,7 @@ from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import outside_file
 
 _MANY, _MOST = 3, 2 / 3  # joints, and of those that move: more are seldom wrong each by itself
+_AT_END = 0.01  # of a value's range
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
@@ -197,6 +199,20 @@ def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
                 f"{joint} has friction under its load: a gear that loses more while it drives than while it "
                 "is driven looks like a gain of its logged torque"
             )
+
+
+def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
+    """Where a law has a value that it may hardly have: a force of another form stretches it there."""
+    for n in (n for f in findings for n in f.tie if not n.describes):
+        law = robot.joints[joint_number(n.joint) - 1].law(n.effect)
+        for p in law.nonlinear:
+            width, value = p.upper - p.lower, n.values.get(p.name, np.nan)
+            near = min(abs(value - p.lower), abs(p.upper - value)) < _AT_END * width
+            if np.isfinite(width) and not np.isclose(width, 2 * np.pi) and near:
+                yield (
+                    f"{n.effect} at {n.joint}: its {p.name}, {value:.3g}, lies at the end of what it may be; "
+                    "so the law may stand in for a force of another form"
+                )
 
 
 def of_mends(findings: Sequence[Finding]) -> Iterator[str]:

@@ -35,6 +35,11 @@ class Tree:
     def structure(self) -> Structure:
         return of_robot(self.robot)
 
+    @property
+    def pinned(self) -> Structure:
+        """Its loops; the tree itself where there are none to ask."""
+        return self.loops or self.structure
+
     def agrees(self, q: np.ndarray) -> bool:
         """Whether the pins turn the passive joints likewise at some of q (N, n)."""
         if self.loops is None:

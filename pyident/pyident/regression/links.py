@@ -41,9 +41,9 @@ class LinkColumns:
         self.starts = np.array(starts)
         self.gravity = np.array(robot.gravity)
         self.hung = _Hung(tree_of(robot)) if robot.passive else None
-        self.structure = self.hung.tree.loops if self.hung else robot_structure.of_robot(robot)
-        chain = self.structure is not None and self.structure.is_chain
-        self.compiled = compiled(self.structure, self.gravity) if self.structure and chain else None
+        self.structure = self.hung.tree.pinned if self.hung else robot_structure.of_robot(robot)
+        chain = self.hung is None and self.structure.is_chain
+        self.compiled = compiled(self.structure, self.gravity) if chain else None
 
     def fill(self, Phi: np.ndarray, rates: Rates) -> None:
         """Write into Phi (N, n, P), of any strides. Entries that are zero in every motion stay as they are.
@@ -56,7 +56,6 @@ class LinkColumns:
         if self.compiled is None:
             self._fill_by_numpy(Phi, rates)
             return
-        assert self.structure is not None
         check_bends(self.structure, rates[0])
         per_sample, per_row, per_column = (stride // Phi.itemsize for stride in Phi.strides)
         columns = self.starts[self.compiled.bodies] + self.compiled.parameters
@@ -65,7 +64,6 @@ class LinkColumns:
         self.compiled.fill(len(Phi), *pointers, per_sample)
 
     def _fill_by_numpy(self, Phi: np.ndarray, rates: Rates) -> None:
-        assert self.structure is not None  # what gears turn always follows
         q, dq, ddq = (np.ascontiguousarray(rate.T) for rate in rates)
         found = transfer.nodes(self.structure, q, dq, ddq)
         for start, (DF, reaction) in zip(

@@ -84,6 +84,19 @@ def test_an_mjcf_becomes_a_robot_file(tmp_path):
     assert len(load_robot(tmp_path / "legs.toml").joints) == 9
 
 
+def test_several_joints_of_a_urdf_stand_still_however_they_are_given(tmp_path):
+    links = "".join(f'<link name="l{k}"><inertial><mass value="1"/></inertial></link>' for k in range(4))
+    ends = '<parent link="l{1}"/><child link="l{0}"/><axis xyz="0 0 1"/>'
+    joint = f'<joint name="j{{0}}" type="revolute">{ends}</joint>'
+    joints = "".join(joint.format(k, k - 1) for k in (1, 2, 3))
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    for given in (("--fixed", "j2,j3"), ("--fixed", "j2", "--fixed", "j3")):
+        out = tmp_path / "arm.toml"
+        ran = _pyident("robots", "import", tmp_path / "arm.urdf", *given, "-o", out, "--overwrite")
+        assert ran.exit_code == 0, ran.output
+        assert [j.name for j in load_robot(out).joints] == ["j1"]
+
+
 def test_an_unknown_ending_writes_nothing(stribeck, tmp_path):
     ran = _pyident("robots", "export", stribeck[0] / "robot.toml", "-o", tmp_path / "robot.sdf")
     assert ran.exit_code == 2
