@@ -54,8 +54,9 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
             imitators[f"{law.effect} at joint{law.joint}"] = takes
         steps[steps.index(step)] = rivals
     further, notes = _beside(among, steps, held, selection.first.best)
-    told = [_kin_of(s, [*(t for t in steps if t is not s), *further], among, held) for s in steps]
-    return replace(selection, steps=(*told, *further), imitators=imitators, notes=notes)
+    for at, step in enumerate(steps):
+        steps[at] = _kin_of(step, [*steps[:at], *steps[at + 1 :], *further], among, held)
+    return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
 
 
 def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
