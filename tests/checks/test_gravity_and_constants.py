@@ -1,4 +1,4 @@
-"""Torques without their weight, of an arm on a wall, and with a constant: recorded by Pinocchio."""
+"""Torques without their weight, of an arm on a wall, with a constant; positions by other gears: by Pinocchio."""
 
 from dataclasses import replace
 
@@ -53,3 +53,13 @@ def test_a_spring_that_outweighs_the_arm_is_not_unrelated():
     assert "unrelated" not in defects(frame)
     frame["joint1.tau"] = frame["joint1.tau"].sample(frac=1, random_state=1).to_numpy()
     assert "unrelated" in defects(frame)
+
+
+@pytest.mark.parametrize(("ratio", "said"), [(1.6, "8/5"), (0.75, "3/4"), (1.01, "")])
+def test_a_joint_with_the_teeth_of_another_gear_is_refused_with_the_ratio(ratio, said):
+    """A hundredth is left to a diagnosis."""
+    frame = recorded_under(ARM.gravity)
+    found = defects(frame.assign(**{"joint2.e": frame["joint2.e"] / ratio}))
+    assert ("ratio" in found) == bool(said)
+    if said:
+        assert f"joint2.e times {said} fits; correct its gear ratio" in found["ratio"].sentence
