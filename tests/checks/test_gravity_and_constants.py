@@ -1,4 +1,4 @@
-"""Torques without their weight, of an arm on a wall, with a constant; positions by other gears: by Pinocchio."""
+"""Torques without their weight, on a wall, or with a constant; positions by other gears: by Pinocchio."""
 
 from dataclasses import replace
 
