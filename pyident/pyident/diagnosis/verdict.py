@@ -52,7 +52,7 @@ def sentence_of(
         return f"Something is missing at {where}, but no effect of the catalogue explains it."
     brief = len(findings) > _MANY
     each = _by_law(findings) if brief else [f"{_names(f)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
-    plain = len(each) < 3 and not any("," in name for name in each[:-1])
+    plain = len(each) < 3 and not each[0].endswith((_UNTOLD, _ALIKE))
     names = (" and " if plain else "; ").join(each)
     left = [f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in open_places]
     rest = f" Unexplained remains {', '.join(left)}." if left else ""

@@ -15,9 +15,9 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot
 from pyident.kinematics import chain, loop
 from pyident.kinematics.robot_structure import of_robot
-from pyident.kinematics.structure import Structure
+from pyident.kinematics.structure import ReachError, Structure
 
-_SAMPLES = 8
+_POSES, _SWING = 8, 0.3  # that are tried, and how far every coordinate goes there [rad, m]
 _EQUAL = 1e-6  # m, and of a unit vector
 
 
@@ -40,14 +40,20 @@ class Tree:
         """Its loops; the tree itself where there are none to ask."""
         return self.loops or self.structure
 
-    def agrees(self, q: np.ndarray) -> bool:
-        """Whether the pins turn the passive joints likewise at some of q (N, n)."""
+    def agrees(self) -> bool:
+        """Whether the pins turn the passive joints likewise, wherever joints and hinges stand.
+
+        A motion is no proof: one that hardly bends a hinge hides that its bend would tilt a rod.
+        """
         if self.loops is None:
             return True
-        some = q[np.linspace(0, len(q) - 1, min(_SAMPLES, len(q))).astype(int)].T
-        still, at_rest = np.zeros_like(some), np.zeros((len(self.turns), some.shape[1]))
-        pinned = loop.nodes(self.loops, some, still, still)
-        hung = chain.nodes(self.structure, self.turns @ some, at_rest, at_rest)
+        q = np.random.default_rng(0).uniform(-_SWING, _SWING, (self.turns.shape[1], _POSES))
+        still, at_rest = np.zeros_like(q), np.zeros((len(self.turns), _POSES))
+        try:
+            pinned = loop.nodes(self.loops, q, still, still)
+        except ReachError:
+            return False
+        hung = chain.nodes(self.structure, self.turns @ q, at_rest, at_rest)
         return all(
             np.allclose(pinned.positions[x].x, hung.positions[tx].x, atol=_EQUAL, rtol=0)
             and np.allclose(pinned.orientations[R].R, hung.orientations[tR].R, atol=_EQUAL, rtol=0)

@@ -7,6 +7,7 @@ follow the motors linearly make an open chain as well, with more coordinates (se
 import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class LinkColumns:
 
         Raises ValueError for a hinge bent too far, ReachError for a loop that does not close.
         """
-        if self.hung is not None and self.hung.agrees(rates[0]):
+        if self.hung is not None and self.hung.follows:
             self.hung.fill(Phi, rates, self.starts)
             return
         if self.compiled is None:
@@ -81,12 +82,13 @@ class _Hung:
         width = len(LINK_PARAMETERS)
         self.columns = LinkColumns(tree.robot, [width * k for k in range(len(tree.robot.links))])
 
-    def agrees(self, q: np.ndarray) -> bool:
-        """As of `Tree`, asked once for all motions of a structure."""
-        place = "" if self.tree.loops is None else f"{self.tree.loops.content} {self.tree.turns.tolist()}"
-        if place not in _agreed:
-            _agreed[place] = self.tree.agrees(q)
-        return _agreed[place]
+    @cached_property
+    def follows(self) -> bool:
+        """Whether its tree agrees with its pins, tried once for all robots of a structure."""
+        content = f"{self.tree.pinned.content} {self.tree.turns.tolist()}"
+        if content not in _agreed:
+            _agreed[content] = self.tree.agrees()
+        return _agreed[content]
 
     def fill(self, Phi: np.ndarray, rates: Rates, starts: np.ndarray) -> None:
         """As of LinkColumns; starts (links,): of each link's parameters in Phi."""

@@ -67,11 +67,8 @@ def _scaled(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndar
 
 def _stretched(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
     """The links' torques where joint k turns further than it logs; its own laws only change their values."""
-    moved = {}
-    for name in ("q", "dq", "ddq"):
-        moved[name] = getattr(motion, name).copy()
-        moved[name][:, k - 1] *= 1 + _STEP
-    other = link_forces_along(robot, replace(motion, **moved))
+    own = (_STEP * rate[:, k - 1] for rate in (motion.q, motion.dq, motion.ddq))
+    other = link_forces_along(robot, _further(motion, k, *own))
     return dict(enumerate((other - as_they_are(robot, motion)) / _STEP))
 
 
@@ -110,11 +107,15 @@ def _behind(motion: Motion, k: int, bend: np.ndarray) -> Motion:
     """The motion with the angle of joint k behind by a bend (N,) [rad]."""
     assert motion.time is not None
     rate = np.gradient(bend, motion.time)
-    moved = {}
-    for name, own in (("q", bend), ("dq", rate), ("ddq", np.gradient(rate, motion.time))):
-        moved[name] = getattr(motion, name).copy()
-        moved[name][:, k - 1] -= own
-    return replace(motion, **moved)
+    return _further(motion, k, -bend, -rate, -np.gradient(rate, motion.time))
+
+
+def _further(motion: Motion, k: int, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Motion:
+    """The motion with joint k further by an angle, a speed and an acceleration, each (N,)."""
+    moved = [rate.copy() for rate in (motion.q, motion.dq, motion.ddq)]
+    for rate, own in zip(moved, (q, dq, ddq), strict=True):
+        rate[:, k - 1] += own
+    return replace(motion, q=moved[0], dq=moved[1], ddq=moved[2])
 
 
 GAIN = Outside(
