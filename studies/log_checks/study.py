@@ -19,6 +19,7 @@ from . import (  # their kinds register themselves
     wrong_rows,  # noqa: F401
 )
 from .good_logs import Case, foreign, good_logs, scara, unseen
+from .lacking import lacking
 from .swings import Motion, recorded, six_axes
 from .wrong_logs import KINDS
 
@@ -35,15 +36,16 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     wrong = pd.DataFrame(list(_tried([*bases, *judges], len(bases), lambda share: progress(0.7 * share))))
     good = pd.DataFrame([_judged(*case) for case in _seen(good_logs(), progress)])
     fresh = pd.DataFrame([_judged(*case) for case in unseen()])
-    tables = {"wrong": wrong, "good": good, "unseen": fresh}
+    lawless = pd.DataFrame([_judged(*case) for case in lacking()])
+    tables = {"wrong": wrong, "good": good, "unseen": fresh, "lacking": lawless}
     for name, table_of in tables.items():
         table_of.to_csv(folder / f"{name}.csv", index=False)
-    (folder / "table.md").write_text(table(wrong, pd.concat([good, fresh])), encoding="utf-8")
+    (folder / "table.md").write_text(table(wrong, pd.concat([good, fresh, lawless])), encoding="utf-8")
     return StudyResult(
         [*_flagged(wrong.loc[wrong["fixed"]], "fixed on"), *_flagged(wrong.loc[~wrong["fixed"]], "judged by"),
-         _alarms(good, "fixed on"), _alarms(fresh, "judged by")],
+         _alarms(good, "fixed on"), _alarms(fresh, "judged by"), *_of_lacking(lawless)],
         [*(folder / f"{name}.csv" for name in tables), folder / "table.md"],
-        [*_missed(wrong), *_false(good), *_false(fresh)],
+        [*_missed(wrong), *_false(good), *_false(fresh), *_false(lawless)],
     )  # fmt: skip
 
 
@@ -74,6 +76,15 @@ def _flagged(wrong: pd.DataFrame, role: str) -> list[dict[str, str]]:
 def _alarms(good: pd.DataFrame, role: str) -> dict[str, str]:
     false = int((good["outcome"] != "missed").sum())  # pyright: ignore[reportArgumentType]
     return row(f"good logs flagged ({role}: {len(good)})", str(false), "0", false == 0)
+
+
+def _of_lacking(cases: pd.DataFrame) -> Iterator[dict[str, str]]:
+    """A strong law that a model lacks is no reason to refuse a log, nor to doubt its channels."""
+    refused, outcomes = int((cases["outcome"] == "refused").sum()), cases["outcome"].to_numpy()
+    yield row(
+        f"logs of arms that lack a strong law: refused (of {len(cases)})", str(refused), "0", refused == 0
+    )
+    yield row("of these warned of", str(int(np.sum(outcomes == "warned"))))
 
 
 def judging_bases() -> Iterator[tuple[Robot, Log]]:

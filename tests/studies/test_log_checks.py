@@ -6,6 +6,7 @@ pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes the logs"
 
 from pyident.sweep.studies.log_checks import study  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.log_checks.good_logs import HONEST, scara  # pyright: ignore[reportMissingImports]
+from pyident.sweep.studies.log_checks.lacking import lacking  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.log_checks.swings import Motion, recorded, six_axes  # pyright: ignore[reportMissingImports]
 from pyident.sweep.studies.log_checks.wrong_logs import KINDS  # pyright: ignore[reportMissingImports]
 
@@ -54,3 +55,12 @@ def test_an_axis_at_rest_is_exchanged_with_none(data):
     for robot, motion, seed in ((six_axes(), at_rest, 3006), (scara(), slow, 7034)):
         assert robot is not None
         assert check_log(robot, Log(recorded(robot, motion, seed), "log.csv")) == ()
+
+
+def test_a_strong_law_that_a_model_lacks_is_not_refused(data):
+    """Hoses and end stops were told as joints of the wrong sign or order."""
+    told = {case: check_log(robot, log) for case, robot, log in lacking(1, seed=91)}
+    assert len(told) > 20
+    assert not [case for case, defects in told.items() if any(d.severity == "gross" for d in defects)]
+    confused = {"sign", "order", "zero", "gravity", "unit", "ratio", "sum"}
+    assert not [case for case, defects in told.items() if confused & {d.kind for d in defects}]

@@ -20,6 +20,7 @@ from pyident.regression.regressor import regressor
 from pyident.rules.equation_checks import EQUATIONS
 
 _ROWS = 1500  # samples at which Φ is evaluated
+_HOSE = 3  # powers of its angle in the torque of a hose at a joint
 
 
 @dataclass(frozen=True)
@@ -114,11 +115,26 @@ class Balances:
         y = (self.torque[:, k] if torque is None else torque)[self.samples.use[:, k] > 0]
         return float(np.square(y - y.mean()).sum()) if len(y) else 0.0
 
-    def beside_spring(self, k: int) -> np.ndarray:
-        """(M, P + 1) the balance of joint k (from 0) where it is used, and its own angle about the mean."""
+    def beside_hose(self, k: int) -> np.ndarray:
+        """(M, P + 3) the balance of joint k (from 0) where it is used, and a hose at the joint."""
         used = self.samples.use[:, k] > 0
-        angle = self.samples.q[used, k]
-        return np.column_stack([self.Phi[used, k], angle - angle.mean()])
+        return np.column_stack([self.Phi[used, k], self.hose(k)[used]])
+
+    def hose(self, k: int) -> np.ndarray:
+        """(M, 3) what a spring, a hose or a counterweight at joint k holds: powers of its angle."""
+        angle = self.samples.q[:, k]
+        way = (angle - angle.mean()) / max(np.ptp(angle), 1e-300)
+        return way[:, None] ** np.arange(1, _HOSE + 1)
+
+    @cached_property
+    def beside_hoses(self) -> "Balances":
+        """With one at every joint."""
+        M, n = self.samples.use.shape
+        hoses = np.zeros((M, self.Phi.shape[1], n * _HOSE))
+        for k in range(n):
+            hoses[:, k, k * _HOSE : (k + 1) * _HOSE] = self.hose(k)
+        names = tuple(f"hose{power} of {k + 1}" for k in range(n) for power in range(1, _HOSE + 1))
+        return balances_of(self.samples, np.concatenate([self.Phi, hoses], axis=2), self.columns + names)
 
     def left(self, k: int, torques: np.ndarray, without: str = "") -> np.ndarray:
         """(C,) energies of candidates (M, C) that the balance of joint k alone does not explain.

@@ -74,8 +74,12 @@ def best_change(of: Balances) -> Better | None:
     tried.sort(key=lambda shares: (shares[0] - shares[1], shares[2]))
     best = [(*_beside(of, change), i, change) for _, _, i, change in tried[:_JUDGED]]
     left, now_so, _, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
-    far = left < LOG_CHECKS.better * now_so and now_so - left > LOG_CHECKS.material**2
+    far = _far(left, now_so) and _far(*_beside(of, change, hoses=True))
     return Better(change, left, now_so) if far else None
+
+
+def _far(left: float, now: float) -> bool:
+    return left < LOG_CHECKS.better * now and now - left > LOG_CHECKS.material**2
 
 
 def better_channels(of: Balances, source: str) -> Iterator[Defect]:
@@ -93,7 +97,7 @@ def better_channels(of: Balances, source: str) -> Iterator[Defect]:
 
 def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     """Torques that no parameters at all connect with the motion, nor a spring or a hose at the joint."""
-    left = {k: _left_beside_spring(of, k) for k in of.joints}
+    left = {k: _left_beside_hose(of, k) for k in of.joints}
     lost = [k for k, energy in left.items() if _lost(of, k, energy)]
     if lost and len(lost) == len(left):
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
@@ -125,9 +129,9 @@ def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
                      f"{joint_name(k + 1)}")  # fmt: skip
 
 
-def _left_beside_spring(of: Balances, k: int) -> float:
-    """Energy of the torque of joint k (from 0) that neither its balance nor its own angle explains."""
-    A, y = of.beside_spring(k), of.torque[of.samples.use[:, k] > 0, k]
+def _left_beside_hose(of: Balances, k: int) -> float:
+    """Energy of the torque of joint k (from 0) that neither its balance nor a hose at the joint explains."""
+    A, y = of.beside_hose(k), of.torque[of.samples.use[:, k] > 0, k]
     b = A.T @ y
     p, _ = solved(A.T @ A, b[:, None])
     return max(float(y @ y - b @ p[:, 0]), 0.0)
@@ -140,10 +144,12 @@ def _lost(of: Balances, k: int, left: float) -> bool:
     return left > max(LOG_CHECKS.unexplained * of.variance(k), LOG_CHECKS.material**2 * whole)
 
 
-def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
+def _beside(of: Balances, change: Transformation, hoses: bool = False) -> tuple[float, float]:
     """Shares left with the change and without it, both over the joints that move either way.
 
     Otherwise a change that brings a joint to rest would be better by leaving out what is hard to explain.
+
+    hoses   with a hose at every joint: what that explains, too, asks for no other channels
     """
     samples = of.samples
     moved = samples.moved(change.motion, change.offset) if change.moves else samples
@@ -151,6 +157,8 @@ def _beside(of: Balances, change: Transformation) -> tuple[float, float]:
         other = balances(moved) if change.moves else of
     except StructureError:  # a loop that does not close there
         return float("inf"), 0.0
+    if hoses:
+        other, of = other.beside_hoses, of.beside_hoses
     tau = of.torque @ change.torque.T
     both = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
     if not both:

@@ -2,7 +2,7 @@
 
 Many drives report what is left after their own compensation of the weight. Masses cannot make up for that:
 what falls with them also has inertia. Φ is linear in gravity, so that every other direction is tried by one
-least squares of all joints.
+least squares of all joints. What a hose at a joint explains as well speaks for no other gravity.
 """
 
 from collections.abc import Iterator
@@ -30,16 +30,22 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     if size == 0 or len(of.joints) < 2 or not misfit(of).material:
         return
     few = of.samples.every(max(1, len(of.samples.at) // _ROWS))
-    now = misfit(balances(few))
+    as_is = balances(few)
+    now = misfit(as_is)
     none = balances(replace(few, robot=_with(robot, np.zeros(3))))
     per_axis = [balances(replace(few, robot=_with(robot, size * e))).Phi - none.Phi for e in np.eye(3)]
-    tried = {"": np.zeros(3)} | _AXES
-    left = {}
-    for name, direction in tried.items():
+
+    def turned(direction: np.ndarray) -> Balances:
         Phi = none.Phi + sum(part * along for part, along in zip(per_axis, direction, strict=True))
-        left[name] = misfit(balances_of(few, Phi, of.columns))
+        return balances_of(few, Phi, of.columns)
+
+    tried = {name: turned(direction) for name, direction in ({"": np.zeros(3)} | _AXES).items()}
+    left = {name: misfit(one) for name, one in tried.items()}
     best = min(left, key=lambda name: left[name].share)
-    if left[best].share >= LOG_CHECKS.far_better * now.share:
+    beside_hoses = misfit(tried[best].beside_hoses), misfit(as_is.beside_hoses)
+    if not all(
+        new.share < LOG_CHECKS.far_better * old.share for new, old in ((left[best], now), beside_hoses)
+    ):
         return
     without = "gravity along " + best if best else "no gravity"
     cure = "its direction (gravity in the robot file)" if best else (

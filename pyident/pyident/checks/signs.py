@@ -1,7 +1,8 @@
 """Friction that would feed energy in, inertia or stiffness below zero: a channel has the wrong sign.
 
-A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency. So an inertia
-speaks for a wrong sign only if it would be negative beside a spring, too.
+A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency, and what a
+model without it leaves may look like friction that drives. So neither speaks for a wrong sign unless it would
+be negative beside a hose, too.
 """
 
 from collections.abc import Iterator
@@ -38,17 +39,18 @@ def against(of: Balances, k: int) -> str | None:
     """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
     used = of.samples.use[:, k] > 0
     de, dde, y = of.samples.dq[used, k], of.samples.ddq[used, k], of.torque[used, k]
-    own = _solution(of.Phi[used, k], y)
+    alone = _solution(of.Phi[used, k], y)
+    hose = _solution(np.column_stack([of.beside_hose(k), np.ones(len(y))]), y)
     power, torque = float(np.mean(np.abs(y * de))), float(np.sqrt(np.mean(np.square(y))))
-    if own.negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
+
+    def negative(row: np.ndarray, least: float) -> bool:
+        padded = np.pad(row, (0, len(hose.p) - len(row)))
+        return alone.negative(row, least) and hose.negative(padded, least)
+
+    if negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
         return "friction would feed energy in"
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
-    row = inertia(of, k)
-    if not own.negative(row, least):
-        return None
-    beside_spring = _solution(np.column_stack([of.beside_spring(k), np.ones(len(y))]), y)
-    negative = beside_spring.negative(np.append(row, [0.0, 0.0]), least)
-    return "its inertia would be negative" if negative else None
+    return "its inertia would be negative" if negative(inertia(of, k), least) else None
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def select(search: Search, held: HeldOut) -> Selection:
         lead = next((f for f in step.ranked if _may_lead(view, f, chosen, refusals)), None)
         if lead is None:
             break
-        group, refusal, faults = _group(view, step, lead, chosen, held)
+        group, refusal, faults = _of_either_form(view, step, lead, chosen, held)
         imitators |= faults
         if refusal is not None:
             refusals[_worst(view, lead)] = refusal  # of the lead's own: it may have been exchanged
@@ -100,6 +100,20 @@ def _worst(view: Search, lead: Found) -> Region:
     region = region_of(view, lead.candidate)
     cells = [Region((row,), (band,)) for row in region.rows for band in region.bands]
     return max(cells, key=view.remaining_in)
+
+
+def _of_either_form(
+    view: Search, step: Step, lead: Found, chosen: Sequence[Step], held: HeldOut
+) -> tuple[list[Step], Refusal | None, dict[str, str]]:
+    """As `_group`; where a wave with a size of its own at every speed fails, the one without is asked, too:
+    its many parameters take up what another law leaves, and then hold on no other log.
+    """
+    group, refusal, faults = _group(view, step, lead, chosen, held)
+    plain = next((f for f in step.ranked if f.other_form_of(lead) and not f.candidate.speeds), None)
+    if group or plain is None or not counts(view, plain):
+        return group, refusal, faults
+    group, _, further = _group(view, step, plain, chosen, held)
+    return group, None if group else refusal, faults | further
 
 
 def _group(
