@@ -83,10 +83,11 @@ def creeping(position: np.ndarray, speed: np.ndarray, period: float) -> np.ndarr
     usual = float(np.sqrt(np.mean(speed[fast] ** 2))) if fast.any() else 0.0
     out = np.zeros(len(speed), bool)
     limit, pace = _CREEP * usual, np.abs(np.diff(speed)) / period
+    nowhere = _NOWHERE * np.ptp(position)
     for start, stop in stretches(np.abs(speed) < limit):
         ends = [pace[i] for i in (start - 1, stop - 1) if 0 <= i < len(pace)]
         lingers = (stop - start - 1) * period > _LINGERS * sum(limit / max(a, 1e-300) for a in ends)
-        if lingers and np.ptp(position[start:stop]) < _NOWHERE * np.ptp(position):
+        if lingers and np.ptp(position[start:stop]) < nowhere:
             out[start:stop] = True
     return out
 

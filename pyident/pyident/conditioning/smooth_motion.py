@@ -8,9 +8,12 @@ value, the second and the fourth derivative of the motion at both ends: its odd 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebvander
+from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.conditioning.motion import Motion
 
@@ -28,12 +31,14 @@ _SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
 
 def smooth(x: np.ndarray, corner: float) -> np.ndarray:
     """(N,) what a motion x (N,) is below a corner, over the Nyquist frequency, as of `reached`."""
-    course = _course(x, int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3))))
-    left = x - course
-    S = np.fft.rfft(np.concatenate([left, -left[-2:0:-1]]))
+    count = int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3)))
+    whole = _continued(x, count)
+    course = _course(whole, count)
+    left = whole - course
+    S = np.asarray(rfft(np.concatenate([left, -left[-2:0:-1]])))
     beyond = (np.linspace(0, 1, len(S)) / corner - 1) / (_NOTHING - 1)
     gain = np.cos(np.pi / 2 * np.clip(beyond, 0, 1)) ** 2
-    return course + np.fft.irfft(S * gain, 2 * len(x) - 2)[: len(x)]
+    return (course + np.asarray(irfft(S * gain, 2 * len(whole) - 2))[: len(whole)])[: len(x)]
 
 
 def all_smooth(values: np.ndarray, corners: Sequence[float]) -> np.ndarray:
@@ -110,14 +115,38 @@ def _course(x: np.ndarray, count: int) -> np.ndarray:
     count   samples of an end from which they are found
     """
     s = np.linspace(0, 1, len(x))
-    back = 1 - s
-    (v0, a0, b0), (v1, a1, b1) = (_at_the_end(end[:count], len(x)) for end in (x, x[::-1]))
-    curved = a0 * (back**3 - back) / 6 + a1 * (s**3 - s) / 6
-    fourth = sum(b * (3 * u**5 - 10 * u**3 + 7 * u) / 360 for b, u in ((b0, back), (b1, s)))
-    return v0 * back + v1 * s + curved + fourth
+    weights = _derivatives_at_the_end(min(count, len(x)), len(x))
+    first, last = weights @ x[:count], weights @ x[::-1][:count]
+    return _from_end(1 - s, *first) + _from_end(s, *last)
 
 
-def _at_the_end(x: np.ndarray, whole: int) -> tuple[float, float, float]:
-    """Value, second and fourth derivative at the first of samples x, by a time that is 1 after `whole`."""
-    fitted = Chebyshev.fit(np.arange(len(x)) / (whole - 1), x, min(_DEGREE, len(x) - 1))
-    return float(fitted(0.0)), float(fitted.deriv(2)(0.0)), float(fitted.deriv(4)(0.0))
+def _continued(x: np.ndarray, count: int) -> np.ndarray:
+    """x with samples behind its end, up to a length that is quick to transform: odd about the end, beside the
+    even polynomial of the derivatives there."""
+    more = int(next_fast_len(len(x) - 1, real=True) or 0) + 1 - len(x)
+    if not 0 < more <= len(x) // 50:
+        return x
+    u = np.arange(1, more + 1) / (len(x) - 1)
+    value, second, fourth = _derivatives_at_the_end(min(count, len(x)), len(x)) @ x[::-1][:count]
+    even = value + u * u * (second / 2 + u * u * fourth / 24)
+    return np.concatenate([x, 2 * even - x[-2 : -2 - more : -1]])
+
+
+def _from_end(u: np.ndarray, value: float, second: float, fourth: float) -> np.ndarray:
+    """(N,) polynomial in u (N,) with these where u is 1, and without any of them where it is 0."""
+    square = u * u
+    return u * (value + second * (square - 1) / 6 + fourth * ((3 * square - 10) * square + 7) / 360)
+
+
+@lru_cache(256)
+def _derivatives_at_the_end(count: int, whole: int) -> np.ndarray:
+    """(3, count) weights of samples that give the value, second and fourth derivative at the first of them,
+    by a time that is 1 after `whole` samples: those of a polynomial that fits best."""
+    degree = min(_DEGREE, count - 1)
+    fitted = np.linalg.pinv(chebvander(np.linspace(-1, 1, count), degree))
+    faster = 2 * (whole - 1) / (count - 1)
+    basis = [Chebyshev.basis(n) for n in range(degree + 1)]
+    return (
+        np.array([[faster**order * wave.deriv(order)(-1.0) for wave in basis] for order in (0, 2, 4)])
+        @ fitted
+    )

@@ -192,6 +192,15 @@ def test_a_wave_that_is_none_beside_others_ends_no_diagnosis():
     assert found.verdict == "unexplained"
 
 
+def test_a_ripple_is_named_where_one_of_another_size_at_every_speed_takes_friction_for_itself():
+    """That holds on no other log; friction that falls with the speed was then missed as well."""
+    machine = made(case_list(2461, 118)[117], 7)
+    fitted, unseen = (as_log(machine.robot, frame, "log") for frame in (machine.fit, machine.heldout))
+    found = concluded(searched(machine.robot, [fitted], runs_here), runs_here, [unseen])
+    assert {f.tie[0].effect for f in found.findings} == {"torque_ripple", "stribeck"}
+    assert {tuple(truth.names[0]) for truth in machine.truth} == {("torque_ripple", 1), ("stribeck", 1)}
+
+
 def test_a_law_at_its_limit_is_put_into_a_quiet_log(tmp_path):
     """Whether it is named or not, the sentence and the table say the same."""
     result = put_to_the_proof(tmp_path, lambda _: None, seed=2101, cases=1, laws=1)
