@@ -1,12 +1,14 @@
 """Bins of a residual whose excess was put where it is: in a band, or on one side of a reversal."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
 from scipy.signal import butter, sosfiltfilt
 
 from pyident.comparison.bins import breakdown, mean_square_over_floor
-from pyident.comparison.model_against_replicas import Part
+from pyident.comparison.model_against_replicas import Part, loads_of
 from pyident.conditioning.weak_form import condition
 
 PERIOD = 0.004
@@ -25,7 +27,7 @@ def _part(conditioned, seed, excess=None):
     if excess is not None:
         residual = residual + excess(part, rng)[:, None]
     residual = residual * part.use
-    return Part(part, PERIOD, residual, residual, np.zeros(0), {})
+    return Part(part, PERIOD, residual, residual, np.zeros(0), {}, loads_of(conditioned[0], part))
 
 
 def _bins(conditioned, excess):
@@ -73,5 +75,5 @@ def test_mean_square(conditioned):
     alike = mean_square_over_floor([_part(conditioned, 50)], replicas, [0])
     assert alike == pytest.approx(1.0, abs=0.1)
     louder = _part(conditioned, 50)
-    louder = Part(louder.part, PERIOD, 3 * louder.residual, louder.refitted, louder.time, {})
+    louder = replace(louder, residual=3 * louder.residual)
     assert mean_square_over_floor([louder], replicas, [0]) == pytest.approx(9 * alike)

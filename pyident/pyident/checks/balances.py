@@ -123,7 +123,7 @@ class Balances:
     def hose(self, k: int) -> np.ndarray:
         """(M, 3) what a spring, a hose or a counterweight at joint k holds: powers of its angle."""
         angle = self.samples.q[:, k]
-        way = (angle - angle.mean()) / max(np.ptp(angle), 1e-300)
+        way = (angle - angle.mean()) / (np.ptp(angle) or 1.0)
         return way[:, None] ** np.arange(1, _HOSE + 1)
 
     @cached_property

@@ -15,8 +15,6 @@ from scipy.fft import irfft, next_fast_len, rfft
 from flexmodels.coordinate import Coordinate, Side, deformation_of, joint_name, joint_number, motor_of
 from flexmodels.robot import Robot
 from pyident.comparison.model_against_replicas import Part
-from pyident.conditioning.motion import Motion
-from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.spectrum import Band, Floor, floor
 from pyident.rules.bins import BINS
 
@@ -183,12 +181,13 @@ def _states(robot: Robot, c: int, parts: Sequence[Part]) -> dict[str, np.ndarray
     found = []
     for number, p in enumerate(parts):
         used = p.part.use[:, c] > 0
-        listed = _states_of(robot, c, p.part.motion) | {"log": np.full(len(used), float(number))}
+        listed = _states_of(robot, c, p) | {"log": np.full(len(used), float(number))}
         found.append({key: values[used] for key, values in listed.items()})
     return {key: np.concatenate([f[key] for f in found]) for key in found[0]}
 
 
-def _states_of(robot: Robot, c: int, motion: Motion) -> dict[str, np.ndarray]:
+def _states_of(robot: Robot, c: int, part: Part) -> dict[str, np.ndarray]:
+    motion = part.part.motion
     assert motion.time is not None
     coordinates = robot.coordinates
     k = joint_number(coordinates[c])
@@ -200,7 +199,7 @@ def _states_of(robot: Robot, c: int, motion: Motion) -> dict[str, np.ndarray]:
         found["load"] = np.abs(joint.values["stiffness"]["k[1]"] * motion.q[:, twist])
         found["deformation"] = motion.q[:, twist if c == motor else c]
     else:
-        found["load"] = np.abs(carried_loads(robot, motion)[:, k - 1])
+        found["load"] = np.abs(part.loads[:, k - 1])
     return found | {"time": motion.time - motion.time[0]}
 
 

@@ -23,6 +23,7 @@ from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
+from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import residual_of
 from pyident.simulation import replica
@@ -44,6 +45,7 @@ class Part:
     residual   (N, n) of the equations, 0 where they are not used
     refitted   (N, n) the same under what the regression finds
     time, missed   (S,) [s] and signal -> (S,), log less simulation
+    loads      (N, joints) as of `loads_of`
     """
 
     part: Conditioned
@@ -52,6 +54,7 @@ class Part:
     refitted: np.ndarray
     time: np.ndarray
     missed: dict[str, np.ndarray]
+    loads: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -203,12 +206,18 @@ def _judged(
     for robot, refit in zip(robots, refits, strict=True):
         fitted = refit.robot(robot, refit.solution.p)
         each = zip(refit.judged, trial.judged, trial.since, strict=True)
-        found.append([_part(robot, fitted, log, r, next(frames), since) for log, r, since in each])
+        found.append([_part((trial.robot, robot, fitted), log, r, next(frames), s) for log, r, s in each])
     return found
 
 
-def _part(robot: Robot, fitted: Robot, log: Log, r: Repeat, simulated: pd.DataFrame, since: float) -> Part:
-    """fitted: the robot with what the regression finds; simulated: the plan of `r` by the robot."""
+def _part(
+    robots: tuple[Robot, Robot, Robot], log: Log, r: Repeat, simulated: pd.DataFrame, since: float
+) -> Part:
+    """robots: the model, the one that is judged, and this with what the regression finds.
+
+    simulated   the plan of `r` by the second
+    """
+    model, robot, fitted = robots
     frame = r.cut(simulated)
     time = frame["time"].to_numpy()
     late = time >= since
@@ -221,7 +230,14 @@ def _part(robot: Robot, fitted: Robot, log: Log, r: Repeat, simulated: pd.DataFr
     missed |= {n: missed[n] - missed[n].mean() for n in log.up_to_constant if n in missed}
     part = condition(replace(log, frame=log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True)), robot)
     left = residual(robot, part), residual(fitted, part)
-    return Part(part, log.period, *left, time[late], missed)
+    return Part(part, log.period, *left, time[late], missed, loads_of(model, part))
+
+
+def loads_of(robot: Robot, part: Conditioned) -> np.ndarray:
+    """(N, joints) what the robot's bodies ask of its motors; zero where every joint shows it by its twist."""
+    if all(joint.flexible for joint in robot.joints):
+        return np.zeros((len(part.target), len(robot.joints)))
+    return carried_loads(robot, part.motion)
 
 
 def residual(robot: Robot, part: Conditioned) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from flexmodels.coordinate import is_motor, joint_name, joint_number
 from pyident.comparison.errors import LogErrors
-from pyident.comparison.model_against_replicas import Part, Trial, residual
+from pyident.comparison.model_against_replicas import Part, Trial, loads_of, residual
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
 from pyident.regression.equations import Problem
@@ -20,7 +20,15 @@ def parts_without_simulation(trial: Trial) -> list[Part]:
     best = weighted(Problem(robot, tuple(conditioned)))
     refitted, p = best.problem.robot, best.solution.p
     return [
-        Part(part, log.period, residual(robot, part), residual_of(refitted, part, p), np.zeros(0), {})
+        Part(
+            part,
+            log.period,
+            residual(robot, part),
+            residual_of(refitted, part, p),
+            np.zeros(0),
+            {},
+            loads_of(robot, part),
+        )
         for part, log in zip(conditioned, logs, strict=True)
     ]
 

@@ -40,8 +40,11 @@ class Band:
 
     def transform(self, columns: np.ndarray) -> np.ndarray:
         """(N, ...) -> (2 bins, ...): real over imaginary parts, white noise keeps its variance."""
-        spectrum = np.asarray(rfft(columns, self.length, axis=0))[: self.bins] / np.sqrt(self.length / 2)
-        return np.concatenate([spectrum.real, spectrum.imag])
+        spectrum, scale = np.asarray(rfft(columns, self.length, axis=0)), 1 / np.sqrt(self.length / 2)
+        out = np.empty((2 * self.bins, *spectrum.shape[1:]))
+        np.multiply(spectrum.real[: self.bins], scale, out=out[: self.bins])
+        np.multiply(spectrum.imag[: self.bins], scale, out=out[self.bins :])
+        return out
 
 
 @dataclass(frozen=True)
