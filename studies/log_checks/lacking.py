@@ -12,7 +12,7 @@ from .swings import Motion, recorded, six_axes
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-def lacking(draws: int = 6, seed: int = 91) -> Iterator[Case]:
+def lacking(draws: int = 3, seed: int = 91) -> Iterator[Case]:
     """Every law at joints and in sizes drawn at random, of rigid arms by Pinocchio."""
     for robot in filter(None, (six_axes(), scara())):
         for i, (name, law) in enumerate(LAWS.items()):

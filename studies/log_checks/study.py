@@ -23,6 +23,7 @@ from .lacking import lacking
 from .swings import Motion, recorded, six_axes
 from .wrong_logs import KINDS
 
+_AT_MOST = 80  # good logs of one origin
 SHARE = 95.0  # [%] of the wrong logs that must be flagged
 
 
@@ -33,10 +34,12 @@ def run(folder: Path, progress: Callable[[float], None]) -> StudyResult:
     rigid arm, and good logs of motions drawn at random, came when they stood, and only judge them.
     """
     bases, judges = list(sound_bases()), list(judging_bases())
-    wrong = pd.DataFrame(list(_tried([*bases, *judges], len(bases), lambda share: progress(0.7 * share))))
-    good = pd.DataFrame([_judged(*case) for case in _seen(good_logs(), progress)])
-    fresh = pd.DataFrame([_judged(*case) for case in unseen()])
-    lawless = pd.DataFrame([_judged(*case) for case in lacking()])
+    wrong = pd.DataFrame(list(_tried([*bases, *judges], len(bases), lambda share: progress(0.6 * share))))
+    shares = ((0.6, 0.8), (0.8, 0.87), (0.87, 1.0))
+    good, fresh, lawless = (
+        pd.DataFrame([_judged(*case) for case in _seen(cases, progress, *share)])
+        for cases, share in zip((good_logs(), unseen(), lacking()), shares, strict=True)
+    )
     tables = {"wrong": wrong, "good": good, "unseen": fresh, "lacking": lawless}
     for name, table_of in tables.items():
         table_of.to_csv(folder / f"{name}.csv", index=False)
@@ -141,9 +144,11 @@ def _row(name: str, robot: Robot, what: str, why: tuple[Defect, ...] | str) -> d
     return {"case": name, "robot": robot.name, "outcome": what, "sentence": said}
 
 
-def _seen(cases: Iterator[Case], progress: Callable[[float], None]) -> Iterator[Case]:
+def _seen(
+    cases: Iterator[Case], progress: Callable[[float], None], start: float, end: float
+) -> Iterator[Case]:
     for i, case in enumerate(cases):
-        progress(min(0.7 + 0.005 * i, 1.0))
+        progress(min(start + (end - start) * i / _AT_MOST, end))
         yield case
 
 

@@ -103,7 +103,7 @@ class _Law:
     def _piecewise(self, law: sympy.Expr) -> Callable[[slice], np.ndarray]:
         """The law at some samples, the mean of both held torques' where it depends on them."""
         after = self._function(law)
-        if not (self.known.held and self._has_torque(law)):
+        if not (self.known.held and _has_torque(law)):
             return after
         before = self._function(law, before=True)
         return lambda part: (after(part) + before(part)) / 2
@@ -132,7 +132,7 @@ class _Law:
         for law in state.coefficients:
             left = self._function(law)(_WHOLE) + np.zeros(self.known.size)
             right = left
-            if self.known.held and self._has_torque(law):
+            if self.known.held and _has_torque(law):
                 right = self._function(law, before=True)(_WHOLE) + np.zeros(self.known.size)
             ends.append(np.array([left[:-1], right[1:]]))
             first.append(float(left[0]))
@@ -141,13 +141,15 @@ class _Law:
         z = law_states.filtered(a, b, h, start)
         return law_states.hat_means(z, a, b, h) if self.known.held else z
 
-    def _has_torque(self, law: sympy.Expr) -> bool:
-        return signals.tau in law.free_symbols
-
     def _fixed(self, values: Mapping[str, float], name: str) -> float:
         if name not in values:
             raise ValueError(f"effect {self.effect.name} at joint {self.k} needs a value of its {name}")
         return float(values[name])
+
+
+@cache
+def _has_torque(law: sympy.Expr) -> bool:
+    return signals.tau in law.free_symbols
 
 
 @cache
