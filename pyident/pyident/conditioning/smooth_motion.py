@@ -2,7 +2,7 @@
 
 That is read from the spectrum under a window. Without one, a motion that does not end as it began leaks
 into all frequencies, seems to exceed the noise there, and keeps noise that differences raise to accelerations
-many times too rough. For the same reason the low pass works on what is left beside a polynomial that has the
+many times too rough. For the same reason the low pass works on what is left beside a curve that has the
 value, the second and the fourth derivative of the motion at both ends: its odd continuation is smooth.
 """
 
@@ -26,12 +26,14 @@ _SETTLED = 3  # times what the low pass blurs: beside an end of a motion just be
 WHITE_FROM = 0.6  # of the Nyquist frequency: above, a feed-forward torque has nothing
 _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
+_LENGTHS = (2.0, 4.0)  # of the samples of an end's derivatives: over which curves with these fade
+_BEYOND = 0.25  # of these samples: so far the polynomial goes on without their noise growing
 _SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
 
 
 def smooth(x: np.ndarray, corner: float) -> np.ndarray:
     """(N,) what a motion x (N,) is below a corner, over the Nyquist frequency, as of `reached`."""
-    count = int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3)))
+    count = min(int(np.clip(1 / corner, _FEWEST, max(_FEWEST, len(x) // 3))), len(x))
     whole = _continued(x, count)
     course = _course(whole, count)
     left = whole - course
@@ -110,43 +112,49 @@ def top_power(values: np.ndarray) -> np.ndarray:
 
 
 def _course(x: np.ndarray, count: int) -> np.ndarray:
-    """(N,) polynomial with the value, second and fourth derivative that x has at both ends.
+    """(N,) smooth curve with the value, second and fourth derivative that x has at both ends.
 
     count   samples of an end from which they are found
     """
-    s = np.linspace(0, 1, len(x))
-    weights = _derivatives_at_the_end(min(count, len(x)), len(x))
-    first, last = weights @ x[:count], weights @ x[::-1][:count]
-    return _from_end(1 - s, *first) + _from_end(s, *last)
+    s, weights = np.linspace(0, 1, len(x)), _derivatives_at_the_end(count)
+    unit = (count - 1) / (len(x) - 1)
+    return _from_end(1 - s, unit, *(weights @ x[:count])) + _from_end(s, unit, *(weights @ x[::-1][:count]))
+
+
+def _from_end(u: np.ndarray, unit: float, value: float, second: float, fourth: float) -> np.ndarray:
+    """(N,) curve in u (N,) with these where u is 1, by times of a unit, and none of them where u is 0.
+
+    Of a line and two hyperbolic sines, which stay near the end: a polynomial of the whole motion's length
+    would be as large as the fourth power of what it has in units, and leave its rounding for noise.
+    """
+    p, q = (1 / length**2 for length in _LENGTHS)
+    first, other = (fourth - q * second) / (p * (p - q)), (fourth - p * second) / (q * (q - p))
+    short, long = (_sinh(u, length * unit) for length in _LENGTHS)
+    return (value - first - other) * u + first * short + other * long
+
+
+def _sinh(u: np.ndarray, length: float) -> np.ndarray:
+    """sinh(u / length) / sinh(1 / length)."""
+    return np.exp((u - 1) / length) * np.expm1(-2 * u / length) / np.expm1(-2 / length)
 
 
 def _continued(x: np.ndarray, count: int) -> np.ndarray:
     """x with samples behind its end, up to a length that is quick to transform: odd about the end, beside the
-    even polynomial of the derivatives there."""
-    more = int(next_fast_len(len(x) - 1, real=True) or 0) + 1 - len(x)
-    if not 0 < more <= len(x) // 50:
+    even polynomial of the derivatives there, of which no more is asked than `count` samples tell well."""
+    more = int(next_fast_len(len(x) - 1) or 0) + 1 - len(x)
+    if not 0 < more <= _BEYOND * count:
         return x
-    u = np.arange(1, more + 1) / (len(x) - 1)
-    value, second, fourth = _derivatives_at_the_end(min(count, len(x)), len(x)) @ x[::-1][:count]
+    u = np.arange(1, more + 1) / (count - 1)
+    value, second, fourth = _derivatives_at_the_end(count) @ x[::-1][:count]
     even = value + u * u * (second / 2 + u * u * fourth / 24)
     return np.concatenate([x, 2 * even - x[-2 : -2 - more : -1]])
 
 
-def _from_end(u: np.ndarray, value: float, second: float, fourth: float) -> np.ndarray:
-    """(N,) polynomial in u (N,) with these where u is 1, and without any of them where it is 0."""
-    square = u * u
-    return u * (value + second * (square - 1) / 6 + fourth * ((3 * square - 10) * square + 7) / 360)
-
-
 @lru_cache(256)
-def _derivatives_at_the_end(count: int, whole: int) -> np.ndarray:
+def _derivatives_at_the_end(count: int) -> np.ndarray:
     """(3, count) weights of samples that give the value, second and fourth derivative at the first of them,
-    by a time that is 1 after `whole` samples: those of a polynomial that fits best."""
+    by a time that is 1 at the last: those of a polynomial that fits best."""
     degree = min(_DEGREE, count - 1)
     fitted = np.linalg.pinv(chebvander(np.linspace(-1, 1, count), degree))
-    faster = 2 * (whole - 1) / (count - 1)
     basis = [Chebyshev.basis(n) for n in range(degree + 1)]
-    return (
-        np.array([[faster**order * wave.deriv(order)(-1.0) for wave in basis] for order in (0, 2, 4)])
-        @ fitted
-    )
+    return np.array([[2**order * wave.deriv(order)(-1.0) for wave in basis] for order in (0, 2, 4)]) @ fitted
