@@ -2,7 +2,8 @@
 
 A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency, and what a
 model without it leaves may look like friction that drives. So neither speaks for a wrong sign unless it would
-be negative beside a hose, too.
+be negative beside a hose, too; and a torque whose friction brakes has the right one, whatever its inertia
+seems to be: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it.
 """
 
 from collections.abc import Iterator
@@ -47,8 +48,11 @@ def against(of: Balances, k: int) -> str | None:
         padded = np.pad(row, (0, len(hose.p) - len(row)))
         return alone.negative(row, least) and hose.negative(padded, least)
 
-    if negative(_friction(of, k, de), LOG_CHECKS.friction_share * power):
+    rubbing, lost = _friction(of, k, de), LOG_CHECKS.friction_share * power
+    if negative(rubbing, lost):
         return "friction would feed energy in"
+    if alone.negative(-rubbing, lost):
+        return None
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
     return "its inertia would be negative" if negative(inertia(of, k), least) else None
 

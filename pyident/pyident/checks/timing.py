@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from flexmodels.coordinate import torque_of
-from pyident.checks.balances import Balances
+from pyident.checks.balances import Balances, solved
 from pyident.checks.defect import Defect
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
@@ -19,6 +19,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 _FINE = 9  # half samples on either side that are looked at first
 _NEAR = 6  # samples on either side in which a delay of all torques is sought
 _SURE = 3.0  # standard deviations
+_TRAVELS = np.array([1e-3, 3e-3, 1e-2, 3e-2])  # of the joint's way, over which friction turns round
 _TELLS = 1.0  # samples: of a joint whose delay is less certain, nothing is asked
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
@@ -56,7 +57,30 @@ def delay(of: Balances, k: int) -> Delay | None:
     material = now - left[best] > LOG_CHECKS.delay_material**2
     if not inside or abs(shift) < LOG_CHECKS.delay or not material or left[best] > LOG_CHECKS.better * now:
         return None
-    return Delay(shift, float(left[best]), now) if _shows_in_motion(of, k, shift) else None
+    by_bristles = _left_by_bristles(of, k)
+    if left[best] > LOG_CHECKS.better * by_bristles or not _shows_in_motion(of, k, shift):
+        return None
+    return Delay(shift, float(left[best]), now)
+
+
+def _left_by_bristles(of: Balances, k: int) -> float:
+    """What the balance of joint k (from 0) leaves over its torque's variance, where its dry friction turns
+    round over a travel (Dahl 1968), which comes late, too: of the travel that leaves least."""
+    from scipy.ndimage import uniform_filter1d  # much memory, for few logs
+
+    signals = of.samples
+    e, used = signals.q[:, k], signals.use[:, k] > 0
+    step, tau, left = np.diff(e), of.torque[used, k], []
+    blurs = max(round(signals.blurred / (signals.period * float(np.median(np.diff(signals.at))))), 1)
+    for travel in _TRAVELS * max(float(np.ptp(e)), 1e-300):
+        held, z = np.exp(-np.abs(step) / travel), np.zeros(len(e))
+        for i, (kept, towards) in enumerate(zip(held, np.sign(step), strict=True)):
+            z[i + 1] = towards + (z[i] - towards) * kept
+        z = uniform_filter1d(z, blurs)  # as the torques are
+        A = np.column_stack([of.Phi[used, k], z[used]])
+        b = A.T @ tau
+        left.append(float(tau @ tau - b @ solved(A.T @ A, b[:, None])[0][:, 0]))
+    return max(min(left), 0.0) / max(of.variance(k), 1e-300)
 
 
 def _shows_in_motion(of: Balances, k: int, shift: float) -> bool:
