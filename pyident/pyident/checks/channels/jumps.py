@@ -100,6 +100,7 @@ def _turn(log: Log, name: str, at: int) -> Defect:
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Single samples of a torque x (N,) far off those beside them, beyond its noise and its own steps.
 
+    What lies beside a larger step of the torque is none: friction of a second motor may jump anywhere.
     Where the joint reverses, stops or starts, its dry friction jumps, and may jump twice: only what is larger
     than the range of all the rest is a spike there.
     """
@@ -109,7 +110,9 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     odd = np.abs(x - median_filter(x, 5, mode="nearest"))
     odd[x == 0] = 0
     usual = max(float(np.quantile(odd, 0.98)), noise_of(x), 2 * step_of(x))
-    alone = np.flatnonzero(odd > max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)))
+    beside, step = median_filter(x, 3, mode="nearest"), np.zeros(len(x))
+    step[2:-2] = np.abs(beside[4:] - beside[:-4])
+    alone = np.flatnonzero(odd > np.maximum(max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)), step))
     if not len(alone) or len(alone) > 0.02 * len(x):
         return
     largest = CHANNELS.wide_spike * np.ptp(np.delete(x, alone))
