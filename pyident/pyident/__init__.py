@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from flexmodels.inputs import Experiment as Experiment
     from flexmodels.robot import Robot as Robot
     from flexmodels.robot import RobotError as RobotError
-    from pyident.checks.check_log import check_log as check_log
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from pyident.verbs.fmu.results import FmuCompared as FmuCompared
     from pyident.verbs.fmu.results import FmuDiagnosed as FmuDiagnosed
     from pyident.verbs.fmu.results import FmuFit as FmuFit
+    from pyident.verbs.inputs import check_log as check_log
     from pyident.verbs.inputs import read_log as read_log
     from pyident.verbs.judge import add_effect as add_effect
     from pyident.verbs.judge import compare as compare
@@ -70,7 +70,7 @@ _HOME = {
     "Planned": "pyident.verbs.planned",
     "RobotError": "flexmodels.robot",
     "add_effect": "pyident.verbs.judge",
-    "check_log": "pyident.checks.check_log",
+    "check_log": "pyident.verbs.inputs",
     "check_plan": "pyident.verbs.excite",
     "compare": "pyident.verbs.judge",
     "compare_fmu": "pyident.verbs.fmu.model",

@@ -31,9 +31,10 @@ class Outside:
 
 
 def _gain_said(joint: str, value: float) -> str:
-    """The true torque is the logged one times 1 + value."""
+    """The true torque is the logged one times 1 + value; a factor of all torques is one of all bodies."""
     which = "small" if value > 0 else "large"
-    return f"the gain (torque constant) of {joint}, its logged torque is {_off(value):.2g} % too {which}"
+    off = f"its logged torque is {_off(value):.2g} % too {which} against the other joints'"
+    return f"the gain (torque constant) of {joint}, {off}"
 
 
 def _off(gain: float) -> float:

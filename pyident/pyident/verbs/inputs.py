@@ -10,7 +10,9 @@ import pandas as pd
 from flexmodels.files.robot_file import load_robot
 from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
+from pyident.checks.check_log import check_log as defects_of
 from pyident.checks.check_log import checked
+from pyident.checks.defect import Defect
 from pyident.conditioning.standing import standing
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
@@ -66,6 +68,20 @@ def read_log(
     if robot is not None:
         return robot_log(path, robot_of(robot, allow_effects=allow_effects), columns)
     return import_log([path], columns) if columns else read_plain(path)
+
+
+def check_log(
+    model: Model, logs: Logs, *, mapping: Columns | None = None, allow_effects: bool = False
+) -> tuple[Defect, ...]:
+    """Defects of logs, gross ones of each first; none for sound ones.
+
+    model   whose joints the logs should show: its limits, rates and equations are held against them
+    The others as in `identify`; of torques and deformations only what is logged is judged. Raises LogError for
+    a log without positions, RobotError for a robot whose closures do not fit together.
+    """
+    robot = robot_of(model, allow_effects=allow_effects)
+    read = read_logs(robot, logs, mapping_of(mapping))
+    return tuple(defect for log in read for defect in defects_of(robot, log))
 
 
 def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_effects: bool = False) -> Robot:

@@ -161,9 +161,11 @@ def payload(
     )
     if without.identified.reduced.columns != having.identified.reduced.columns:
         raise LogError("the logs without and with the load do not hold the same signals; record them alike")
-    if any(np.isnan(np.diag(one.identified.solution.covariance)).all() for one in (without, having)):
-        raise LogError(
-            "the logs are too long to be held in memory, so that no intervals follow; give shorter ones"
-        )
+    for which, one in (("without", without), ("with", having)):
+        if np.isnan(np.diag(one.identified.solution.covariance)).all():
+            raise LogError(
+                f"the fit of the logs {which} the load has no intervals to hold a load against: "
+                f"{'; '.join(one.notes) or 'they are too long to be held in memory, so give shorter ones'}"
+            )
     load = carried(without.robot, without.identified, having.identified)
     return Payload(robot, load, tuple(dict.fromkeys((*without.notes, *having.notes))))
