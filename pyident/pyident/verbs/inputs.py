@@ -76,8 +76,8 @@ def check_log(
     """Defects of logs, gross ones of each first; none for sound ones.
 
     model   whose joints the logs should show: its limits, rates and equations are held against them
-    The others as in `identify`; of torques and deformations only what is logged is judged. Raises LogError for
-    a log without positions, RobotError for a robot whose closures do not fit together.
+    The others as in `identify`; of torques and deformations only what is logged is judged. Raises LogError
+    for a log without positions, RobotError for a robot whose closures do not fit together.
     """
     robot = robot_of(model, allow_effects=allow_effects)
     read = read_logs(robot, logs, mapping_of(mapping))
@@ -116,6 +116,7 @@ def given(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
         raise LogError("there is no log; give one or more")
+    _apart(logs, heldout)
     robot, notes = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
     return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled))
@@ -130,6 +131,7 @@ def opened(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not read:
         raise LogError("there is no log; give one or more")
+    _apart(logs, heldout)
     robot, notes = _reduced(robot, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     whole, modelled = with_loop_torque(robot, in_memory)
@@ -158,6 +160,15 @@ def mapping_of(mapping: Columns | None) -> Mapping | None:
 
 def _listed(logs: Logs) -> list[Data]:
     return [logs] if isinstance(logs, Log | LogFile | pd.DataFrame | str | Path) else list(logs)
+
+
+def _apart(logs: Logs, heldout: Logs) -> None:
+    """Raises LogError for a file that is to be fitted and held out as well."""
+    fitted, unseen = (
+        {Path(log).resolve() for log in _listed(of) if isinstance(log, str | Path)} for of in (logs, heldout)
+    )
+    if twice := sorted(fitted & unseen):
+        raise LogError(f"{twice[0].name} is fitted and held out; hold out a log that is not fitted")
 
 
 def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:
