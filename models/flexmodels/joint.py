@@ -81,4 +81,4 @@ def unit_at(joint: Joint, unit: str) -> str:
     """A hinge's unit as it reads at the joint."""
     if joint.kind == "revolute":
         return unit
-    return unit.replace("kg.m2", "kg").replace("N.m", "N").replace("rad", "m")
+    return unit.replace("kg.m2", "kg").replace("(N m)", "N").replace("N.m", "N").replace("rad", "m")

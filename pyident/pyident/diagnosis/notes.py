@@ -219,7 +219,8 @@ def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
     """Where an error is put right that no robot file states."""
     for n in (n for f in findings for n in f.tie):
         if (outside := outside_file(n.effect)) is not None:
-            yield f"{n.effect} at {n.joint}: {outside.by(joint_number(n.joint), n.values['correction'])}"
+            value, unit = n.values["correction"], n.units["correction"]
+            yield f"{n.effect} at {n.joint}: {outside.by(joint_number(n.joint), value, unit)}"
 
 
 def orders_of(step: Step) -> str:

@@ -132,7 +132,7 @@ def _said(named: Named) -> str:
     ((name, value),) = named.values.items()
     outside = outside_file(named.effect)
     if outside is not None:
-        return outside.said(named.joint, value)
+        return outside.said(named.joint, value, named.units[name])
     place = place_name(joint_number(named.joint), named.effect)
     return f"{place} of the robot file by about {value:.2g} {named.units[name]}"
 

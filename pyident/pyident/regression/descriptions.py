@@ -126,7 +126,6 @@ DESCRIPTIONS: Mapping[str, Description] = {
             "rad/(N m)",
             1.0,
             BEND,
-            turning=True,
             rigid=True,
             positive=True,
         ),

@@ -21,16 +21,16 @@ class Outside:
     column    row -> (N,), what the correction changes in the torques, per unit; of a robot, a motion, a joint
               (from 1), and the correction about which it is asked for, 0: the slope
     mend      where it is put right instead;  by: the same of a joint and a correction that was found
-    said      of a joint's name and a correction
+    said      of a joint's name and a correction, with its unit there, as `by`
     """
 
     column: Callable[[Robot, Motion, int, float], dict[int, np.ndarray]]
     mend: str
-    by: Callable[[int, float], str]
-    said: Callable[[str, float], str]
+    by: Callable[[int, float, str], str]
+    said: Callable[[str, float, str], str]
 
 
-def _gain_said(joint: str, value: float) -> str:
+def _gain_said(joint: str, value: float, _: str) -> str:
     """The true torque is the logged one times 1 + value; a factor of all torques is one of all bodies."""
     which = "small" if value > 0 else "large"
     off = f"its logged torque is {_off(value):.2g} % too {which} against the other joints'"
@@ -42,18 +42,21 @@ def _off(gain: float) -> float:
     return 100 * abs(1 / (1 + gain) - 1)
 
 
-def _ratio_said(joint: str, value: float) -> str:
+def _ratio_said(joint: str, value: float, _: str) -> str:
     """The true position is the logged one times 1 + value."""
     which = "small" if value > 0 else "large"
     return f"the gear ratio of {joint}, its logged position is {_off(value):.2g} % too {which}"
 
 
-def _lag_said(joint: str, value: float) -> str:
+def _lag_said(joint: str, value: float, _: str) -> str:
     return f"the logged torque of {joint}, about {1e3 * abs(value):.2g} ms {'late' if value > 0 else 'early'}"
 
 
-def _bend_said(joint: str, value: float) -> str:
-    return f"that {joint} is rigid: its drive bends, by about {value:.2g} rad/(N m)"
+def _bend_said(joint: str, value: float, unit: str) -> str:
+    """How far a slider's belt stretches hangs on how much of the mass is its motor's, which no log tells."""
+    if not unit.startswith("rad"):
+        return f"that {joint} is rigid: its belt or spindle stretches"
+    return f"that {joint} is rigid: its drive bends, by about {value:.2g} {unit}"
 
 
 def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
@@ -122,27 +125,28 @@ def _further(motion: Motion, k: int, q: np.ndarray, dq: np.ndarray, ddq: np.ndar
 GAIN = Outside(
     _scaled,
     "multiply joint{k}.tau by 1 + the correction that `diagnose` finds, in the mapping of the log",
-    lambda k, value: f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs",
+    lambda k, value, _: f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs",
     _gain_said,
 )
 RATIO = Outside(
     _stretched,
     "multiply joint{k}.e by 1 + the correction that `diagnose` finds, in the mapping of the log",
-    lambda k, value: f"multiply joint{k}.e by about {1 + value:.4g}, in the mapping of the logs",
+    lambda k, value, _: f"multiply joint{k}.e by about {1 + value:.4g}, in the mapping of the logs",
     _ratio_said,
 )
 LAG = Outside(
     _later,
     "give joint{k}.tau the delay that `diagnose` finds, in the mapping of the log",
-    lambda k, value: f"give joint{k}.tau a delay of about {value:.2g} s, in the mapping of the logs",
+    lambda k, value, _: f"give joint{k}.tau a delay of about {value:.2g} s, in the mapping of the logs",
     _lag_said,
 )
 BEND = Outside(
     _bent,
-    "log where the link is, by an encoder behind the gear, or make joint{k} flexible",
-    lambda k, value: (
-        f"log where the link is, by an encoder behind the gear, and make joint{k} flexible"
-        + (f", with about {1 / value:.2g} N m/rad" if value > 0 else "")
+    "log where the link is, by an encoder behind the drive, or make joint{k} flexible",
+    lambda k, value, unit: (
+        "log where the link is, by an encoder behind the drive"
+        + (f", and make joint{k} flexible" if unit.startswith("rad") else "")
+        + (f", with about {1 / value:.2g} N m/rad" if unit.startswith("rad") and value > 0 else "")
     ),
     _bend_said,
 )

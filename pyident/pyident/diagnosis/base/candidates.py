@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect, Parameter
-from flexmodels.joint import parameter_name
+from flexmodels.joint import parameter_name, unit_at
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
@@ -140,7 +140,8 @@ def law_of(robot: Robot, candidate: Candidate) -> Effect:
     """The law as it would act at its joint; of a description one without forces that corrects it."""
     if candidate.describes:
         d = DESCRIPTIONS[candidate.effect]
-        parameter = Parameter("correction", d.unit, lower=0.0 if d.positive else -d.largest, upper=d.largest)
+        unit = unit_at(robot.joints[candidate.joint - 1], d.unit) if d.name == DRIVE else d.unit
+        parameter = Parameter("correction", unit, lower=0.0 if d.positive else -d.largest, upper=d.largest)
         measure = f"a measurement of {d.words}, or slow motion through poses far apart"
         return Effect(d.name, d.words, {}, (parameter,), citation="", experiment=measure)
     return robot.joints[candidate.joint - 1].law(candidate.effect)
