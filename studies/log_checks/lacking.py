@@ -33,6 +33,14 @@ def _unit(x: np.ndarray) -> np.ndarray:
     return 2 * (x - x.min()) / np.ptp(x) - 1
 
 
+def _rubbing(x: np.ndarray, travel: float) -> np.ndarray:
+    """Friction that turns round over a travel (Dahl 1968)."""
+    z, step = np.zeros(len(x)), np.diff(x)
+    for i, way in enumerate(step):
+        z[i + 1] = np.sign(way) + (z[i] - np.sign(way)) * np.exp(-abs(way) / travel)
+    return z
+
+
 LAWS: dict[str, Law] = {
     "a spring": lambda x, v, tau: x,
     "a hose": lambda x, v, tau: 0.5 * x + x**3,
@@ -46,5 +54,8 @@ LAWS: dict[str, Law] = {
     "friction that depends on the angle": lambda x, v, tau: (1 + x) * np.tanh(30 * v),
     "friction that warms up": lambda x, v, tau: np.linspace(2, 0, len(v)) * np.tanh(30 * v),
     "friction of the cube of the speed": lambda x, v, tau: v**3,
+    "a hose that rubs": lambda x, v, tau: x + 0.6 * _rubbing(x, 0.1),
+    "friction of bristles": lambda x, v, tau: _rubbing(x, 0.004),
+    "friction of bristles that are long": lambda x, v, tau: _rubbing(x, 0.02),
     "a torque ripple": lambda x, v, tau: np.sin(20 * x),
 }

@@ -153,6 +153,16 @@ def test_dry_friction_that_jumps_where_its_joint_turns_is_no_spike(late):
     assert list(spikes(logged(**{"joint1.e": shifted}), "joint1.tau", torque))
 
 
+def test_a_step_whose_flanks_bend_is_no_spike():
+    """Friction of a second motor on the shaft, which turns round elsewhere, behind a low pass."""
+    torque = 5 + np.cos(2 * TIME) + 0.01 * np.random.default_rng(4).standard_normal(len(TIME))
+    for at in (300, 700, 1100, 1500):
+        torque[at - 3 : at] += np.array([1.0, 4.0, 9.0])
+        torque[at : at + 3] -= np.array([21.0, 16.0, 12.0])
+        torque[at + 3 :] -= 10.0
+    assert not list(spikes(logged(), "joint1.tau", torque))
+
+
 def test_spikes_elsewhere_are_counted_without_those_of_friction_and_large_ones_are_everywhere():
     between = (TURNS[2:8:2] + TURNS[3:9:2]) // 2
     torque = with_dry_friction()
