@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from pyident.conditioning.smooth_motion import smooth
 
@@ -28,7 +29,7 @@ def test_only_noise_below_the_corner_is_left(samples, corner):
     w = np.pi * corner * np.linspace(0, 2.5, 1000)
     # of the passed noise, differenced twice: the gain falls from 1 to 2.5 corners
     gain = np.cos(np.pi / 2 * np.clip((w / (np.pi * corner) - 1) / 1.5, 0, 1)) ** 2
-    passed = np.sqrt(np.trapezoid((gain * (2 - 2 * np.cos(w))) ** 2, w) / np.pi / 6)
+    passed = np.sqrt(trapezoid((gain * (2 - 2 * np.cos(w))) ** 2, w) / np.pi / 6)
     assert bent / of_noise == pytest.approx(passed, rel=0.25)
 
 

@@ -65,7 +65,9 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         remaining=stages[-1].over_floor,
         ranking=tuple(_beside(search, beside, f) for f in selection.first.ranked),
         depends_on=tuple(
-            f"{name} fits in part, but {why}: it only imitates" for name, why in selection.imitators.items()
+            f"{name} fits in part, but {why}: it only imitates"
+            for name, why in selection.imitators.items()
+            if name not in {f"{n.effect} at {n.joint}" for f in findings for n in f.tie}
         ),
         notes=(
             *of_time(ex.setting),
