@@ -114,6 +114,12 @@ def test_a_value_at_the_end_of_its_range_is_told(ratio, said):
     assert [note.split(",")[0] for note in notes] == ["gravity_spring at joint2: its ratio"] * said
 
 
+@pytest.mark.parametrize(("travel", "said"), [(0.045, True), (0.03, False)])
+def test_the_largest_value_that_is_tried_is_an_end_too(travel, said):
+    law = Named("presliding", "joint1", {"level": 3.0, "travel": travel}, {}, {}, 97.0)
+    assert len(list(of_ends(two_link(), [Finding((law,), 0.05, 50.0, 97.0, 88.0)]))) == said
+
+
 @pytest.mark.parametrize(("joint", "said"), [("joint2", True), ("joint3", False)])
 def test_a_gear_that_drives_with_more_losses_looks_like_a_gain(joint, said):
     found = [_finding(("load_dependent_friction", "joint2")), _finding(("torque_gain", joint))]

@@ -9,6 +9,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.alignment import OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
+from pyident.diagnosis.base.nonlinear_values import BEYOND
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
@@ -206,8 +207,11 @@ def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
     for n in (n for f in findings for n in f.tie if not n.describes):
         law = robot.joints[joint_number(n.joint) - 1].law(n.effect)
         for p in law.nonlinear:
-            width, value = p.upper - p.lower, n.values.get(p.name, np.nan)
-            near = min(abs(value - p.lower), abs(p.upper - value)) < _AT_END * width
+            value = n.values.get(p.name, np.nan)
+            largest = BEYOND * max(p.grid, default=np.inf) if p.scale is None and not p.periodic else np.inf
+            upper = min(p.upper, largest)
+            width = upper - p.lower
+            near = min(abs(value - p.lower), abs(upper - value)) < _AT_END * width
             if np.isfinite(width) and not np.isclose(width, 2 * np.pi) and near:
                 yield (
                     f"{n.effect} at {n.joint}: its {p.name}, {value:.3g}, lies at the end of what it may be; "

@@ -15,6 +15,7 @@ from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 
+BEYOND = 1.5  # times the grid's ends: so far a value is looked for
 _TRIALS = 60
 _SIMPLICES = (0.2, -0.05)  # of the range: first edges of the simplex
 _PER_TURN = 1.0  # between a periodic law's order and its neighbours: the next period is another law
@@ -113,8 +114,8 @@ def _range(
         others = np.unique(np.append(grid[:, j], value))
         at = int(np.searchsorted(others, value))
         reach = max(float(np.diff(others).max()), 1e-3 * abs(value)) if len(others) > 1 else abs(value) / 2
-        below = others[at - 1] if at > 0 else (value / 1.5 if value > 0 else value - reach)
-        above = others[at + 1] if at + 1 < len(others) else (1.5 * value if value > 0 else value + reach)
+        below = others[at - 1] if at > 0 else (value / BEYOND if value > 0 else value - reach)
+        above = others[at + 1] if at + 1 < len(others) else (BEYOND * value if value > 0 else value + reach)
         if parameter.periodic:
             below, above = max(below, value - _PER_TURN), min(above, value + _PER_TURN)
         if parameter is law.order_of_torque and not candidate.speeds:
