@@ -83,7 +83,8 @@ def _alarms(good: pd.DataFrame, role: str) -> dict[str, str]:
 
 def _of_lacking(cases: pd.DataFrame) -> Iterator[dict[str, str]]:
     """A strong law that a model lacks is no reason to refuse a log, nor to doubt its channels."""
-    refused, outcomes = int((cases["outcome"] == "refused").sum()), cases["outcome"].to_numpy()
+    outcomes = cases["outcome"].to_numpy()
+    refused = int(np.sum(outcomes == "refused"))
     yield row(
         f"logs of arms that lack a strong law: refused (of {len(cases)})", str(refused), "0", refused == 0
     )

@@ -42,8 +42,8 @@ class Band:
         """(N, ...) -> (2 bins, ...): real over imaginary parts, white noise keeps its variance."""
         spectrum, scale = np.asarray(rfft(columns, self.length, axis=0)), 1 / np.sqrt(self.length / 2)
         out = np.empty((2 * self.bins, *spectrum.shape[1:]))
-        np.multiply(spectrum.real[: self.bins], scale, out=out[: self.bins])
-        np.multiply(spectrum.imag[: self.bins], scale, out=out[self.bins :])
+        np.multiply(np.real(spectrum)[: self.bins], scale, out=out[: self.bins])
+        np.multiply(np.imag(spectrum)[: self.bins], scale, out=out[self.bins :])
         return out
 
 
