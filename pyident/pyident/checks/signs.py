@@ -2,8 +2,8 @@
 
 A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency, and what a
 model without it leaves may look like friction that drives. So neither speaks for a wrong sign unless it would
-be negative beside a hose, too; and a torque whose friction brakes has the right one, whatever its inertia
-seems to be: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it.
+be negative beside a hose, too; and a torque whose friction brakes much has the right one, whatever inertia it
+seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it.
 """
 
 from collections.abc import Iterator
@@ -20,6 +20,7 @@ from pyident.regression.regressor import regressor
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
+_BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
@@ -48,10 +49,10 @@ def against(of: Balances, k: int) -> str | None:
         padded = np.pad(row, (0, len(hose.p) - len(row)))
         return alone.negative(row, least) and hose.negative(padded, least)
 
-    rubbing, lost = _friction(of, k, de), LOG_CHECKS.friction_share * power
-    if negative(rubbing, lost):
+    rubbing = _friction(of, k, de)
+    if negative(rubbing, LOG_CHECKS.friction_share * power):
         return "friction would feed energy in"
-    if alone.negative(-rubbing, lost):
+    if alone.negative(-rubbing, _BRAKES * power):
         return None
     least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
     return "its inertia would be negative" if negative(inertia(of, k), least) else None
