@@ -115,10 +115,16 @@ class Balances:
         y = (self.torque[:, k] if torque is None else torque)[self.samples.use[:, k] > 0]
         return float(np.square(y - y.mean()).sum()) if len(y) else 0.0
 
-    def beside_hose(self, k: int) -> np.ndarray:
-        """(M, P + 3) the balance of joint k (from 0) where it is used, and a hose at the joint."""
+    def beside(self, k: int, columns: np.ndarray) -> np.ndarray:
+        """(U, P + C) the balance of joint k (from 0) and further columns (M, C), where it is used."""
         used = self.samples.use[:, k] > 0
-        return np.column_stack([self.Phi[used, k], self.hose(k)[used]])
+        return np.column_stack([self.Phi[used, k], columns[used]])
+
+    def left_beside(self, k: int, columns: np.ndarray) -> float:
+        """Energy of the torque of joint k that neither its balance nor further columns (M, C) explain."""
+        A, y = self.beside(k, columns), self.torque[self.samples.use[:, k] > 0, k]
+        b = A.T @ y
+        return max(float(y @ y - b @ solved(A.T @ A, b[:, None])[0][:, 0]), 0.0)
 
     def hose(self, k: int) -> np.ndarray:
         """(M, 3) what a spring, a hose or a counterweight at joint k holds: powers of its angle."""

@@ -97,7 +97,7 @@ def better_channels(of: Balances, source: str) -> Iterator[Defect]:
 
 def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     """Torques that no parameters at all connect with the motion, nor a spring or a hose at the joint."""
-    left = {k: _left_beside_hose(of, k) for k in of.joints}
+    left = {k: of.left_beside(k, of.hose(k)) for k in of.joints}
     lost = [k for k, energy in left.items() if _lost(of, k, energy)]
     if lost and len(lost) == len(left):
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
@@ -127,14 +127,6 @@ def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
                      f"{source}: {torque_of(k + 1)} holds a constant of {value:.3g} that no motion explains "
                      f"and the model has no place for; take it out of the column, or add effect offset at "
                      f"{joint_name(k + 1)}")  # fmt: skip
-
-
-def _left_beside_hose(of: Balances, k: int) -> float:
-    """Energy of the torque of joint k (from 0) that neither its balance nor a hose at the joint explains."""
-    A, y = of.beside_hose(k), of.torque[of.samples.use[:, k] > 0, k]
-    b = A.T @ y
-    p, _ = solved(A.T @ A, b[:, None])
-    return max(float(y @ y - b @ p[:, 0]), 0.0)
 
 
 def _lost(of: Balances, k: int, left: float) -> bool:

@@ -42,10 +42,9 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     tried = {name: turned(direction) for name, direction in ({"": np.zeros(3)} | _AXES).items()}
     left = {name: misfit(one) for name, one in tried.items()}
     best = min(left, key=lambda name: left[name].share)
-    beside_hoses = misfit(tried[best].beside_hoses), misfit(as_is.beside_hoses)
-    if not all(
-        new.share < LOG_CHECKS.far_better * old.share for new, old in ((left[best], now), beside_hoses)
-    ):
+    if left[best].share >= LOG_CHECKS.far_better * now.share:
+        return
+    if misfit(tried[best].beside_hoses).share >= LOG_CHECKS.far_better * misfit(as_is.beside_hoses).share:
         return
     without = "gravity along " + best if best else "no gravity"
     cure = "its direction (gravity in the robot file)" if best else (

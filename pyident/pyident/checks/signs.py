@@ -42,12 +42,13 @@ def against(of: Balances, k: int) -> str | None:
     used = of.samples.use[:, k] > 0
     de, dde, y = of.samples.dq[used, k], of.samples.ddq[used, k], of.torque[used, k]
     alone = _solution(of.Phi[used, k], y)
-    hose = _solution(np.column_stack([of.beside_hose(k), np.ones(len(y))]), y)
     power, torque = float(np.mean(np.abs(y * de))), float(np.sqrt(np.mean(np.square(y))))
 
     def negative(row: np.ndarray, least: float) -> bool:
-        padded = np.pad(row, (0, len(hose.p) - len(row)))
-        return alone.negative(row, least) and hose.negative(padded, least)
+        if not alone.negative(row, least):
+            return False
+        beside_hose = _solution(of.beside(k, np.column_stack([of.hose(k), np.ones(len(used))])), y)
+        return beside_hose.negative(np.pad(row, (0, len(beside_hose.p) - len(row))), least)
 
     rubbing = _friction(of, k, de)
     if negative(rubbing, LOG_CHECKS.friction_share * power):

@@ -11,8 +11,9 @@ from itertools import combinations
 import numpy as np
 
 from flexmodels.coordinate import torque_of
-from pyident.checks.balances import Balances, solved
+from pyident.checks.balances import Balances
 from pyident.checks.defect import Defect
+from pyident.regression.law_memory import filtered
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
@@ -68,19 +69,14 @@ def _left_by_bristles(of: Balances, k: int) -> float:
     round over a travel (Dahl 1968), which comes late, too: of the travel that leaves least."""
     from scipy.ndimage import uniform_filter1d  # much memory, for few logs
 
-    signals = of.samples
-    e, used = signals.q[:, k], signals.use[:, k] > 0
-    step, tau, left = np.diff(e), of.torque[used, k], []
+    signals, left = of.samples, []
+    step, steps = np.diff(signals.q[:, k]), np.ones(len(signals.q) - 1)
     blurs = max(round(signals.blurred / (signals.period * float(np.median(np.diff(signals.at))))), 1)
-    for travel in _TRAVELS * max(float(np.ptp(e)), 1e-300):
-        held, z = np.exp(-np.abs(step) / travel), np.zeros(len(e))
-        for i, (kept, towards) in enumerate(zip(held, np.sign(step), strict=True)):
-            z[i + 1] = towards + (z[i] - towards) * kept
-        z = uniform_filter1d(z, blurs)  # as the torques are
-        A = np.column_stack([of.Phi[used, k], z[used]])
-        b = A.T @ tau
-        left.append(float(tau @ tau - b @ solved(A.T @ A, b[:, None])[0][:, 0]))
-    return max(min(left), 0.0) / max(of.variance(k), 1e-300)
+    for travel in _TRAVELS * max(float(np.ptp(signals.q[:, k])), 1e-300):
+        drive = step / travel
+        bristles = filtered(-np.abs(drive), np.array([drive, drive]), steps, 0.0)
+        left.append(of.left_beside(k, uniform_filter1d(bristles, blurs)[:, None]))  # as the torques are
+    return min(left) / max(of.variance(k), 1e-300)
 
 
 def _shows_in_motion(of: Balances, k: int, shift: float) -> bool:

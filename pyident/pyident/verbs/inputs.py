@@ -111,12 +111,12 @@ def given(
     force   take logs that are grossly wrong
     Raises LogError.
     """
+    _apart(logs, heldout)
     columns = mapping_of(mapping)
     fitted = [_in_memory(log, robot, columns) for log in _listed(logs)]
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
         raise LogError("there is no log; give one or more")
-    _apart(logs, heldout)
     robot, notes = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
     return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled))
@@ -126,12 +126,12 @@ def opened(
     robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = (), force: bool = False
 ) -> Opened:
     """The same, but long logs stay on disk, except those held out. Raises LogError."""
+    _apart(logs, heldout)
     columns = mapping_of(mapping)
     read = [_on_disk(log, robot, columns) for log in _listed(logs)]
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not read:
         raise LogError("there is no log; give one or more")
-    _apart(logs, heldout)
     robot, notes = _reduced(robot, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     whole, modelled = with_loop_torque(robot, in_memory)
