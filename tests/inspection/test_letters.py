@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from flexmodels.files.robot_file import load_robot
+from pyident.inspection.channel import LETTERS
 from pyident.inspection.inspect_log import inspect_log
-from pyident.inspection.letters import LETTERS, lettered
+from pyident.inspection.letters import lettered
 from pyident.inspection.words import meaning
 
 TIME = 0.005 * np.arange(2000)

@@ -56,8 +56,11 @@ class Better:
     now: float
 
 
-def best_change(of: Balances) -> Better | None:
-    """The change that explains a log far better than its channels as they are, None where there is none."""
+def best_change(of: Balances, placed: bool = True) -> Better | None:
+    """The change that explains a log far better than its channels as they are, None where there is none.
+
+    placed   whether something says which columns are of which joint; else hoses do not excuse their order
+    """
     now = misfit(of)
     if not now.material or len(of.samples.at) * len(of.joints) < EQUATIONS.per_parameter * len(of.columns):
         return None
@@ -74,7 +77,8 @@ def best_change(of: Balances) -> Better | None:
     tried.sort(key=lambda shares: (shares[0] - shares[1], shares[2]))
     best = [(*_beside(of, change), i, change) for _, _, i, change in tried[:_JUDGED]]
     left, now_so, _, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
-    far = _far(left, now_so) and _far(*_beside(of, change, hoses=True))
+    guessed = change.kind == "order" and not placed
+    far = _far(left, now_so) and (guessed or _far(*_beside(of, change, hoses=True)))
     return Better(change, left, now_so) if far else None
 
 

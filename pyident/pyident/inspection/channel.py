@@ -6,6 +6,12 @@ import numpy as np
 
 from pyident.inspection.words import Side, Signal
 
+PLACE = "its place among the columns"  # and nothing else, where no other witness follows
+ORDER = "the order of names without numbers"
+RANK = "the order of the numbers in the names"
+LETTERS = "the order of the letters in the names"
+GUESSED = (PLACE, ORDER, RANK, LETTERS)  # of which joint a column is, where nothing else says so
+
 
 @dataclass(frozen=True)
 class Channel:

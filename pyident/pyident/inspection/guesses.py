@@ -8,16 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.inspection.channel import Channel
-from pyident.inspection.letters import LETTERS, lettered
+from pyident.inspection.channel import LETTERS, ORDER, RANK, Channel
+from pyident.inspection.letters import lettered
 from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
 NAME = "its name"
-ORDER = "the order of names without numbers"
-RANK = "the order of the numbers in the names"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
 _STEADY = 0.15  # of its mean: within it a voltage is a supply
 _EVEN = 0.2  # of the median step: a clock's steps

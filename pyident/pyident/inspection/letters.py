@@ -7,7 +7,6 @@ from dataclasses import replace
 from flexmodels.robot import Robot
 from pyident.inspection.words import Meaning, meaning
 
-LETTERS = "the order of the letters in the names"
 _NO_JOINT = ("time", "other", "unknown")
 
 

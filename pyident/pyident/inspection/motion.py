@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.inspection.channel import Channel
+from pyident.inspection.channel import PLACE, Channel
 from pyident.logs.turns import TURNS, unwrapped, whole_turn
 from pyident.logs.units import FACTORS, KINDS
 
 _AGREES = 0.9  # correlation of a velocity with the derivative of its position
 _CLOSE = 0.15  # relative error of a ratio of units
 _LIKE = 0.98  # correlation of a reference with its position
-PLACE = "its place among the columns"  # and nothing else, where no other witness follows
 DERIVATIVE = "one block of columns is the derivative of another"
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
 _TURN = 1.0  # within a turn either way: if all angles of a recording stay in it, they may be in turns
