@@ -20,7 +20,7 @@ from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
-from pyident.diagnosis.base.standing_out import bands_in_doubt
+from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
@@ -198,8 +198,7 @@ def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -
     search, held, selection = _in_time(search, heldout, open_pool)
     search, selection = _about_bends(search, held, selection)
     beside = search.resting_on(selection.candidates)
-    left = beside.stands_out or bands_in_doubt(search.examination, beside.base).any()
-    by_log = friction_by_log(search) if left else None
+    by_log = friction_by_log(search) if unsettled(search.examination, beside.base) else None
     if by_log is not None:
         again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
         after = by_log.search.resting_on(again.candidates).remaining_on(rows)

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def _searched(
         for x in starts[1:]:
             judged(x)
         options = {"seed": budget.seed + 1, "verbose": -9, "maxfevals": np.inf}
-        evolution = CMAEvolutionStrategy(best.x, step, options)
+        evolution: Any = CMAEvolutionStrategy(best.x, step, options)
         while not evolution.stop():
             asked = evolution.ask()
             values = []

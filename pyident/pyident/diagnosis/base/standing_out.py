@@ -77,6 +77,12 @@ def bands_in_doubt(examination: Examination, base: Base) -> np.ndarray:
     return found.above(1 + more) & ~found.above(1 + more * found.rise)
 
 
+def unsettled(examination: Examination, base: Base) -> bool:
+    """Whether anything stands out, or would but for what slow noise may do."""
+    out = standing_out(examination, base).any() or bands_in_doubt(examination, base).any()
+    return bool(out)
+
+
 def _rises(ex: Examination) -> np.ndarray:
     """(logs, n, bands) how far a noise that rises where it was not measured exceeds the floor."""
     top = max(EDGES[-1], float(ex.floor.frequencies[-1]))

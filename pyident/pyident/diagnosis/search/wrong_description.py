@@ -8,6 +8,8 @@ law is named, an error is that both measure (see `measured`), in a tie with a la
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
+A gain, a ratio or a drive takes a share of whatever the torque holds, and is not named either beside what
+slow noise alone may excuse.
 But one that leaves hardly anything of all that is missing is named, and so are several of one kind, as drives
 that bend, where they explain what a set of laws must: a slope does not describe a large error to the last.
 
@@ -22,6 +24,7 @@ import numpy as np
 
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
+from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
@@ -29,7 +32,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
-from pyident.regression.descriptions import DESCRIPTIONS, place_name
+from pyident.regression.descriptions import DESCRIPTIONS, outside_file, place_name
 
 
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
@@ -127,7 +130,8 @@ def _beside(
         if entry.reason or not entry.region.rows or not _sized(view, step.best) or not _alike(step, pending):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
-        if entry.measured and not steps and not pending:
+        settled = _settled(beside, step.best)
+        if entry.measured and not steps and not pending and settled:
             named.append(_with_law(view, step, law, held) if _instead(beside, law, step.best) else step)
             continue
         doubt = changes_with(beside, step.best.candidate)
@@ -137,7 +141,7 @@ def _beside(
             break
         pending.append(step)
         enough = view.rules.whole if len(pending) == 1 else view.rules.explained[-1]
-        if not beside.stands_out or beside.lacking.sum() <= (1 - enough) * lacking:
+        if settled or beside.lacking.sum() <= (1 - enough) * lacking:
             named, pending, told, lacking = [*named, *pending], [], (), beside.lacking.sum()
     return _told_apart(named), told
 
@@ -153,6 +157,12 @@ def _alike(step: Step, pending: Sequence[Step]) -> bool:
     """Whether an error is of the kind of those that leave something together, or of one quantity."""
     own = step.best.candidate
     return all(own.effect == s.best.candidate.effect or _of_one_place(own, s.best.candidate) for s in pending)
+
+
+def _settled(beside: Search, error: Found) -> bool:
+    """Whether nothing stands out beside an error; of one outside the file, not even what noise may excuse."""
+    outside = outside_file(error.candidate.effect) is not None
+    return not (unsettled(beside.examination, beside.base) if outside else beside.stands_out)
 
 
 def _instead(beside: Search, law: Found, error: Found) -> bool:
