@@ -8,6 +8,7 @@ law is named, an error is that both measure (see `measured`), in a tie with a la
 
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
+Nor is one that takes a small part of what an error of another kind took, whose slope may leave as much.
 A gain, a ratio or a drive takes a share of whatever the torque holds, and is not named either beside what
 slow noise alone may excuse.
 But one that leaves hardly anything of all that is missing is named, and so are several of one kind, as drives
@@ -129,6 +130,8 @@ def _beside(
         entry = admission(view, step.best, [step.best.candidate], held)
         if entry.reason or not entry.region.rows or not _sized(view, step.best) or not _alike(step, pending):
             break
+        if _left_by_slopes(view, step, named):
+            break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         settled = _settled(beside, step.best)
         if entry.measured and not steps and not pending and settled:
@@ -163,6 +166,12 @@ def _settled(beside: Search, error: Found) -> bool:
     """Whether nothing stands out beside an error; of one outside the file, not even what noise may excuse."""
     outside = outside_file(error.candidate.effect) is not None
     return not (unsettled(beside.examination, beside.base) if outside else beside.stands_out)
+
+
+def _left_by_slopes(view: Search, step: Step, named: Sequence[Step]) -> bool:
+    """Whether an error of another kind may be what slopes leave of those that are named."""
+    taken = max((s.best.gain.energy for s in named), default=0.0)
+    return not _alike(step, named) and step.best.gain.energy < view.rules.part * taken
 
 
 def _instead(beside: Search, law: Found, error: Found) -> bool:
