@@ -225,14 +225,17 @@ def _in_time(
 
 
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:
-    """What laws and errors come to about drives that bend far, where that names one and leaves far less."""
+    """What laws and errors come to about drives that bend far, where that names one and leaves far less, or
+    fewer names leave no more.
+    """
     beside = search.resting_on(selection.candidates)
     bent = about_bends(search) if beside.stands_out else None
     if bent is None:
         return search, selection
     again = _selected(bent, held)
     after = bent.resting_on(again.candidates).lacking.sum()
-    less = after <= (1 - search.rules.explained[0]) * beside.lacking.sum()
+    fewer = len(again.steps) < len(selection.steps)
+    less = after <= (1.0 if fewer else 1 - search.rules.explained[0]) * beside.lacking.sum()
     names = any(step.best.candidate.effect == DRIVE for step in again.steps)
     return (bent, again) if less and names else (search, selection)
 

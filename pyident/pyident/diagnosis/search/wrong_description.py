@@ -60,6 +60,13 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     further, notes = _beside(among, steps, held, selection.first.best)
     for at, step in enumerate(steps):
         steps[at] = _kin_of(step, [*steps[:at], *steps[at + 1 :], *further], among, held)
+    for step in [s for s in steps if further and not s.best.candidate.describes]:
+        view = among.resting_on(candidates_of([*(s for s in steps if s is not step), *further]))
+        if _needless(view, step.best, held):
+            steps.remove(step)
+            law = step.best.candidate
+            others = ", ".join(_place(s.best) for s in further)
+            imitators[f"{law.effect} at joint{law.joint}"] = f"errors of {others} take what it took"
     return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
 
 
@@ -75,6 +82,12 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
         return None
     return errors
+
+
+def _needless(view: Search, law: Found, held: HeldOut) -> bool:
+    """Whether errors that were named beside a law take what it took; the view rests on them."""
+    taken = view.gain_of(law.candidate).energy < view.rules.apart * law.gain.energy
+    return taken and bool(admission(view, law, [law.candidate], held).reason)
 
 
 def _kin_of(step: Step, others: Sequence[Step], among: Search, held: HeldOut) -> Step:
