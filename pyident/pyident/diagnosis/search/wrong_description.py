@@ -9,8 +9,8 @@ law is named, an error is that both measure (see `measured`), in a tie with a la
 None is named while anything else stands out: what a model lacks at one joint bends the parameters of all, and
 a gain of another's torque then bends them back. It is a note at most, where its equations exceed the floor.
 Nor is one that takes a small part of what an error of another kind took, whose slope may leave as much.
-A gain, a ratio or a drive takes a share of whatever the torque holds, and is not named either beside what
-slow noise alone may excuse.
+A gain, a ratio or a drive takes a share of whatever the torque holds, and unless it takes most of all that is
+missing it is not named either beside what slow noise alone may excuse.
 But one that leaves hardly anything of all that is missing is named, and so are several of one kind, as drives
 that bend, where they explain what a set of laws must: a slope does not describe a large error to the last.
 
@@ -146,7 +146,7 @@ def _beside(
         if _left_by_slopes(view, step, named):
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
-        settled = _settled(beside, step.best)
+        settled = _settled(beside, step.best, lacking)
         if entry.measured and not steps and not pending and settled:
             named.append(_with_law(view, step, law, held) if _instead(beside, law, step.best) else step)
             continue
@@ -175,10 +175,14 @@ def _alike(step: Step, pending: Sequence[Step]) -> bool:
     return all(own.effect == s.best.candidate.effect or _of_one_place(own, s.best.candidate) for s in pending)
 
 
-def _settled(beside: Search, error: Found) -> bool:
-    """Whether nothing stands out beside an error; of one outside the file, not even what noise may excuse."""
+def _settled(beside: Search, error: Found, lacking: float) -> bool:
+    """Whether nothing stands out beside an error; of one outside the file, not even what noise may excuse,
+    unless the error takes most of all that was lacking.
+    """
     outside = outside_file(error.candidate.effect) is not None
-    return not (unsettled(beside.examination, beside.base) if outside else beside.stands_out)
+    if not outside or beside.lacking.sum() <= beside.rules.apart * lacking:
+        return not beside.stands_out
+    return not unsettled(beside.examination, beside.base)
 
 
 def _left_by_slopes(view: Search, step: Step, named: Sequence[Step]) -> bool:
