@@ -60,14 +60,8 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     further, notes = _beside(among, steps, held, selection.first.best)
     for at, step in enumerate(steps):
         steps[at] = _kin_of(step, [*steps[:at], *steps[at + 1 :], *further], among, held)
-    for step in [s for s in steps if further and not s.best.candidate.describes]:
-        view = among.resting_on(candidates_of([*(s for s in steps if s is not step), *further]))
-        if _needless(view, step.best, held):
-            steps.remove(step)
-            law = step.best.candidate
-            others = ", ".join(_place(s.best) for s in further)
-            imitators[f"{law.effect} at joint{law.joint}"] = f"errors of {others} take what it took"
-    return replace(selection, steps=(*steps, *further), imitators=imitators, notes=notes)
+    steps, needless = _needed(steps, further, among, held)
+    return replace(selection, steps=(*steps, *further), imitators=imitators | needless, notes=notes)
 
 
 def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
@@ -82,6 +76,21 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
         return None
     return errors
+
+
+def _needed(
+    steps: Sequence[Step], errors: Sequence[Step], among: Search, held: HeldOut
+) -> tuple[list[Step], dict[str, str]]:
+    """Without laws that errors beside them have made needless; and why these are gone."""
+    kept, gone = list(steps), {}
+    for step in [s for s in steps if errors and not s.best.candidate.describes]:
+        view = among.resting_on(candidates_of([*(s for s in kept if s is not step), *errors]))
+        if _needless(view, step.best, held):
+            kept.remove(step)
+            places = ", ".join(_place(s.best) for s in errors)
+            name = f"{step.best.candidate.effect} at joint{step.best.candidate.joint}"
+            gone[name] = f"errors of {places} take what it took"
+    return kept, gone
 
 
 def _needless(view: Search, law: Found, held: HeldOut) -> bool:
