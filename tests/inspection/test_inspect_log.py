@@ -172,6 +172,7 @@ def test_the_rate_is_in_the_unit_of_the_time(tmp_path):
         ("qfrc_bias_2", "other", 2, None),
         ("robot0_eef_pos[1]", "other", 1, None),
         ("cartesian_position_3", "other", 3, None),
+        ("speed_scaling_1", "other", 1, None),
     ],
 )
 def test_names_are_understood(name, signal, joint, unit):

@@ -98,6 +98,10 @@ _OTHER = frozenset(
         "rpy",
         "quat",
         "quaternion",
+        "scaling",
+        "override",
+        "fraction",
+        "factor",
     ]
 )
 _MEASURED = frozenset(["act", "actual", "meas", "measured", "ist", "present"])
