@@ -148,11 +148,12 @@ def _beside(
     lacking = among.resting_on(candidates_of(steps)).lacking.sum()
     while len(steps) + len(named) + len(pending) < among.rules.most:
         view = among.resting_on(candidates_of([*steps, *named, *pending]))
-        step = view.step()
+        step = _worth_names(view, view.step())
         entry = admission(view, step.best, [step.best.candidate], held)
-        if entry.reason or not entry.region.rows or not _sized(view, step.best) or not _alike(step, pending):
-            break
-        if _left_by_slopes(view, step, named):
+        beyond = (
+            not _sized(view, step.best) or not _alike(step, pending) or _left_by_slopes(view, step, named)
+        )
+        if entry.reason or not entry.region.rows or beyond:
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         settled = _settled(beside, step.best, lacking)
@@ -169,6 +170,11 @@ def _beside(
         if settled or beside.lacking.sum() <= (1 - enough) * lacking:
             named, pending, told, lacking = [*named, *pending], [], (), beside.lacking.sum()
     return _told_apart(named), told
+
+
+def _worth_names(view: Search, step: Step) -> Step:
+    """Without rivals whose values no slope holds for, or that are too small for a name."""
+    return replace(step, tie=tuple(f for f in step.tie if f is step.best or _sized(view, f)))
 
 
 def _told_apart(named: Sequence[Step]) -> list[Step]:
