@@ -77,7 +77,7 @@ def test_a_base_tilted_about_two_axes_is_no_spring_at_its_first_joint():
     assert ", these logs cannot tell which; base_tilt[" in found.sentence
 
 
-@pytest.mark.parametrize("pace", [1.0, 6.0])
+@pytest.mark.parametrize("pace", [pytest.param(1.0, marks=pytest.mark.slow), 6.0])
 def test_a_right_robot_file_is_not_called_wrong(pace):
     found = found_in(logs_of(arm(), pace))
     assert found.verdict == "nothing_detectable"

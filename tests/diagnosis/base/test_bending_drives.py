@@ -18,6 +18,10 @@ from pyident.logs.log import Log
 PACE = 4.0
 
 
+def slow(springs: dict[int, float]):
+    return pytest.param(springs, marks=pytest.mark.slow)
+
+
 def at_motors(link: Motion, compliance: np.ndarray) -> Motion:
     """The motors' motion that moves the links so: each leads its link by compliance (6,) times the load."""
     load = CubicSpline(link.time, link.load)
@@ -42,7 +46,7 @@ def diagnosed(compliance: dict[int, float]) -> Diagnosis:
     return concluded(searched(arm(), logs[:2], never), never, logs[2:])
 
 
-@pytest.mark.parametrize("springs", [{2: 2e-4}, {3: 1e-3}, {2: 3e-4, 3: 6e-4}])
+@pytest.mark.parametrize("springs", [slow({2: 2e-4}), slow({3: 1e-3}), {2: 3e-4, 3: 6e-4}])
 def test_the_drive_and_its_compliance_are_named(springs):
     found = diagnosed(springs)
     named = {int(f.tie[0].joint[-1]): f.tie[0] for f in found.findings}
@@ -82,7 +86,7 @@ def test_rigid_drives_are_not_said_to_bend():
     assert diagnosed({}).verdict == "nothing_detectable"
 
 
-@pytest.mark.parametrize("springs", [{2: 5e-4}, {2: 1.2e-3}])
+@pytest.mark.parametrize("springs", [slow({2: 5e-4}), {2: 1.2e-3}])
 def test_compliances_of_large_bends_are_those_of_the_springs(springs):
     """Links sag by up to two degrees, and bodies that are fitted without that are far from the arm's."""
     search = searched(arm(), [logged(0, springs)], never)

@@ -55,7 +55,7 @@ def test_laws_behind_it_are_named():
     assert not any(n.effect == "torque_delay" for f in found.findings for n in f.tie)
 
 
-@pytest.mark.parametrize("samples", [0.8, -0.5])
+@pytest.mark.parametrize("samples", [0.8, pytest.param(-0.5, marks=pytest.mark.slow)])
 def test_one_torque_that_comes_late_is_named_with_its_time(samples):
     logs, k = [made(arm(), seed, plain, 20.0, 2.0) for seed in range(3)], 3
     for i, log in enumerate(logs):
