@@ -51,6 +51,11 @@ class Channel:
         return float(np.nanmax(self.values))
 
     @property
+    def guessed(self) -> list[str]:
+        """The witnesses by which alone its joint is guessed."""
+        return [why for why in GUESSED if why in self.why]
+
+    @property
     def name(self) -> str | None:
         """Our name for it, None where it is no signal of a log."""
         if self.signal == "time":

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.inspection.channel import GUESSED, PLACE, Channel
+from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, first_guesses
 from pyident.inspection.motion import (
@@ -154,11 +154,9 @@ def _explained(channels: list[Channel]) -> bool:
 
 def _placed(c: Channel) -> Channel:
     """With a question where only a column's place says what it is, or of which joint."""
-    guessed = {why for why in GUESSED if why in c.why}
-    if c.name is None or not guessed - ({PLACE} if DERIVATIVE in c.why else set()):
+    if c.name is None or not set(c.guessed) - ({PLACE} if DERIVATIVE in c.why else set()):
         return c
-    witness = next(why for why in GUESSED if why in guessed)
-    asked = f"is {c.column} really {c.name}? only {witness} says so"
+    asked = f"is {c.column} really {c.name}? only {c.guessed[0]} says so"
     further = c.doubt and not c.doubt.startswith(f"is {c.column} really")
     return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if further else asked)
 

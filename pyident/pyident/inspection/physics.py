@@ -13,7 +13,7 @@ from pyident.checks.signs import against
 from pyident.checks.timing import delay
 from pyident.checks.transformations import Transformation
 from pyident.estimation.lock_unlogged import locked
-from pyident.inspection.channel import GUESSED, Channel
+from pyident.inspection.channel import Channel
 from pyident.inspection.guesses import MOTOR_SIDE, natural_unit
 from pyident.inspection.motion import by_range, in_degrees, in_parts, in_turns
 from pyident.logs.foreign import map_columns
@@ -50,7 +50,7 @@ def with_physics(
 ) -> tuple[list[Channel], list[str]]:
     """The channels as the equations of motion want them, and what was found; raw: column -> (N,)."""
     channels, said = _angles(channels, raw, robot, rate)
-    placed = not any(why in c.why for c in channels for why in GUESSED)
+    placed = not any(c.guessed for c in channels)
     for _ in range(_ROUNDS):
         of = _balances(channels, raw, robot, rate)
         if of is None:

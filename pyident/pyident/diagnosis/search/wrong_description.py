@@ -49,13 +49,13 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
         rivals = _rivals(view, step, held)
         if rivals is None:
             continue
-        law, (share, of_error) = step.best.candidate, _shares(view, step, rivals.best)
+        share, of_error = _shares(view, step, rivals.best)
         if share >= search.rules.tie * of_error:
             first = step.best.excess >= search.rules.tie * rivals.best.excess  # over all equations
             rivals = replace(step, tie=(*step.tie, *rivals.tie) if first else (*rivals.tie, *step.tie))
         else:
             takes = f"it takes {100 * share:.0f} %, an error of {_place(rivals.best)} {100 * of_error:.0f} %"
-            imitators[f"{law.effect} at joint{law.joint}"] = takes
+            imitators[_named(step)] = takes
         steps[steps.index(step)] = rivals
     further, notes = _beside(among, steps, held, selection.first.best)
     for at, step in enumerate(steps):
@@ -72,8 +72,9 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
         return None
     share, of_error = _shares(view, step, best)
     beside = view.with_further([best.candidate])
-    same = beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
-    if of_error < rules.tie * share or not same or beside.stands_out or changes_with(beside, best.candidate):
+    if of_error < rules.tie * share or not _same(beside, law):
+        return None
+    if beside.stands_out or changes_with(beside, best.candidate):
         return None
     return errors
 
@@ -88,15 +89,13 @@ def _needed(
         if _needless(view, step.best, held):
             kept.remove(step)
             places = ", ".join(_place(s.best) for s in errors)
-            name = f"{step.best.candidate.effect} at joint{step.best.candidate.joint}"
-            gone[name] = f"errors of {places} take what it took"
+            gone[_named(step)] = f"errors of {places} take what it took"
     return kept, gone
 
 
 def _needless(view: Search, law: Found, held: HeldOut) -> bool:
     """Whether errors that were named beside a law take what it took; the view rests on them."""
-    taken = view.gain_of(law.candidate).energy < view.rules.apart * law.gain.energy
-    return taken and bool(admission(view, law, [law.candidate], held).reason)
+    return _same(view, law) and bool(admission(view, law, [law.candidate], held).reason)
 
 
 def _kin_of(step: Step, others: Sequence[Step], among: Search, held: HeldOut) -> Step:
@@ -150,10 +149,10 @@ def _beside(
         view = among.resting_on(candidates_of([*steps, *named, *pending]))
         step = _worth_names(view, view.step())
         entry = admission(view, step.best, [step.best.candidate], held)
-        beyond = (
-            not _sized(view, step.best) or not _alike(step, pending) or _left_by_slopes(view, step, named)
+        nameable = (
+            _sized(view, step.best) and _alike(step, pending) and not _left_by_slopes(view, step, named)
         )
-        if entry.reason or not entry.region.rows or beyond:
+        if entry.reason or not entry.region.rows or not nameable:
             break
         exceeds, beside = _exceeds(view, entry), view.with_further([step.best.candidate])
         settled = _settled(beside, step.best, lacking)
@@ -208,9 +207,12 @@ def _left_by_slopes(view: Search, step: Step, named: Sequence[Step]) -> bool:
 
 def _instead(beside: Search, law: Found, error: Found) -> bool:
     """Whether a law may be what is missing in place of an error: it takes as much, and little beside it."""
-    rules = beside.rules
-    as_much = law.excess >= rules.tie * error.excess
-    return as_much and beside.gain_of(law.candidate).energy < rules.apart * law.gain.energy
+    return law.excess >= beside.rules.tie * error.excess and _same(beside, law)
+
+
+def _same(beside: Search, law: Found) -> bool:
+    """Whether what the view rests on takes most of what a law took."""
+    return beside.gain_of(law.candidate).energy < beside.rules.apart * law.gain.energy
 
 
 def _with_law(view: Search, errors: Step, law: Found, held: HeldOut) -> Step:
@@ -253,6 +255,10 @@ def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:
         f"the robot file may be wrong in {listed}: more than any replica shows, it takes {share} of what "
         f"exceeds the floor there{but}"
     )
+
+
+def _named(step: Step) -> str:
+    return f"{step.best.candidate.effect} at joint{step.best.candidate.joint}"
 
 
 def _place(found: Found) -> str:
