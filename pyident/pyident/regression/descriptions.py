@@ -35,7 +35,8 @@ class Description:
 
     words     what is wrong when it is
     unit      of the correction;  largest: beyond it the linear column means nothing;  least: a smaller one is
-              worth no name, as no data sheet tells it better
+              worth no name, as no data sheet tells it better;  least_samples: of a time, in sample periods,
+              as rows do not tell at which moment of a cycle a drive reads what it logs
     correct   the robot whose quantity is larger by an amount; or what is said where no file states it
     turning   of revolute joints only;  rigid: of joints without hinges that bend
     positive  no correction is below 0
@@ -54,6 +55,11 @@ class Description:
     whole: bool = False
     measured: bool = False
     least: float = 0.0
+    least_samples: float = 0.0
+
+    def worth_name(self, value: np.ndarray, period: float) -> bool:
+        """Whether corrections are large enough in logs of a sample period [s]."""
+        return bool(np.all(np.abs(value) >= max(self.least, self.least_samples * period)))
 
 
 def _origin(axis: int) -> Correct:
@@ -118,7 +124,14 @@ DESCRIPTIONS: Mapping[str, Description] = {
         ),
         Description("torque_gain", "the gain of the logged torque", "1", 0.2, GAIN, least=0.01),
         Description(
-            "torque_lag", "how late the logged torque comes", "s", 0.02, LAG, measured=True, least=5e-4
+            "torque_lag",
+            "how late the logged torque comes",
+            "s",
+            0.02,
+            LAG,
+            measured=True,
+            least=5e-4,
+            least_samples=0.2,
         ),
         Description(
             DRIVE,

@@ -68,12 +68,12 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     rules, region = search.rules, region_of(search, lead.candidate)
     p_value, share = search.p_value(lead), share_in(search, candidates, region)
     unseen = held.share(search, candidates, region)
-    counted = p_value <= rules.level and lead.candidate.describes and measured(search, candidates[0], unseen)
+    counted = lead.candidate.describes and measured(search, candidates[0], unseen)
     reason = ""
-    if p_value > rules.level:
-        reason = f"replicas without it show as much (p = {p_value:.2g})"
-    elif counted:
+    if counted:
         pass
+    elif p_value > rules.level:
+        reason = f"replicas without it show as much (p = {p_value:.2g})"
     elif (over := _over_floor(search, lead.candidate)) < rules.below_floor:
         reason = f"the residual lies below its floor there ({over:.2g} times), which hides what is smaller"
     elif not counts(search, lead):

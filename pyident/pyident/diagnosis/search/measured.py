@@ -5,7 +5,8 @@ samples be certain all the same. Shares of the excess say nothing there; its val
 in the fitted logs, and held-out logs, which move otherwise, find the same one. Either of the two must tell it
 beyond any chance, the other surely. Standard deviations are those of coloured noise, from the residual at the
 very frequencies where the error acts (White 1980), and no less than what replicas, which have no such error,
-show of it: differences of held torques and of noisy angles make one by themselves, alike in every log.
+show of it: differences of held torques and of noisy angles make one by themselves, alike in every log. As
+held-out logs ask for this one error alone, what replicas show of others is no chance that it shared.
 Positions that had to be moved in time are where they belong to a fiftieth of a sample, which is more than
 such an error.
 """
@@ -29,16 +30,20 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     moved = search.examination.setting.alignment.needed
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
-    least = DESCRIPTIONS[candidate.effect].least if candidate.describes else 0.0
-    if least and _size(search, candidate) < least:
+    if candidate.describes and not worth_name(search, candidate, search.gain_of(candidate).coefficients):
         return False
-    fitted = _deviations(search, candidate) / max(_in_replicas(search, candidate), 1.0)
+    energies = _in_replicas(search, candidate)
+    if np.mean(energies >= search.gain_of(candidate).energy) >= rules.level:
+        return False
+    fitted = _deviations(search, candidate) / max(np.sqrt(energies.mean()), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
     return either and unseen.of_one_size(rules, 1 / fitted)
 
 
-def _size(search: Search, candidate: Candidate) -> float:
-    return float(np.abs(search.gain_of(candidate).coefficients).max())
+def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
+    """Whether an error of the robot file is large enough in the slowest log."""
+    period = max(log.period for log in search.examination.setting.logs)
+    return DESCRIPTIONS[error.effect].worth_name(value, period)
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:
@@ -51,10 +56,8 @@ def _deviations(search: Search, candidate: Candidate) -> float:
     return fall / max(np.sqrt(variance), 1e-300)
 
 
-def _in_replicas(search: Search, candidate: Candidate) -> float:
-    """The rms of what replicas show of it, in standard deviations."""
+def _in_replicas(search: Search, candidate: Candidate) -> np.ndarray:
+    """(B,) what it takes of replicas: squares of standard deviations of white noise."""
     base, replicas = search.base, search.examination.replica_residuals
     ends = bounds(search.robot, candidate)
-    return float(
-        np.sqrt(np.mean(gains_over(base, search.columns(candidate), others_of(base, replicas), *ends)))
-    )
+    return np.array(gains_over(base, search.columns(candidate), others_of(base, replicas), *ends))

@@ -30,10 +30,10 @@ from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.measured import measured
+from pyident.diagnosis.search.measured import measured, worth_name
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
-from pyident.regression.descriptions import DESCRIPTIONS, outside_file, place_name
+from pyident.regression.descriptions import outside_file, place_name
 
 
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
@@ -130,8 +130,9 @@ def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
 def _sized(view: Search, error: Found) -> bool:
     """Whether its value lies where its column, a slope, holds, and is worth a name."""
     lower, upper = bounds(view.robot, error.candidate)
-    value, least = error.gain.coefficients, DESCRIPTIONS[error.candidate.effect].least
-    return bool(np.all((value > lower) & (value < upper) & (np.abs(value) >= least)))
+    value = error.gain.coefficients
+    inside = bool(np.all((value > lower) & (value < upper)))
+    return inside and worth_name(view, error.candidate, value)
 
 
 def _beside(
