@@ -57,7 +57,7 @@ def _repeated_rows(log: Log, logged: list[str]) -> Iterator[Defect]:
     if len(alone) >= 3:
         yield Defect("gross" if len(alone) > 0.02 * len(q) else "doubtful", "rows", "",
                      f"{log.source}: {len(alone)} rows repeat the row before in every channel, first at "
-                     f"{time[alone[0] + 1]:.9g} s; unless all axes stood, rows were recorded twice: remove "
+                     f"{time[alone[0] + 1]:.13g} s; unless all axes stood, rows were recorded twice: remove "
                      "them")  # fmt: skip
 
 

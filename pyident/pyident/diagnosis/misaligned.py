@@ -27,7 +27,7 @@ from scipy.optimize import minimize_scalar
 
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.conditioning.samples import Conditioned
-from pyident.diagnosis.base.denoised import corners, denoised_every_sample
+from pyident.diagnosis.base.denoised import denoised_every_sample, in_motion
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -38,6 +38,7 @@ from pyident.diagnosis.base.projection import (
     solve_base,
 )
 from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
+from pyident.diagnosis.base.standing_out import standing_out
 from pyident.regression.spectrum import Equations, Floor, all_over, equations, levels_of
 
 _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
@@ -61,7 +62,7 @@ def alignment_of(ex: Examination) -> Alignment:
     if setting.simulates or len(joints) < _JOINTS:
         return NOTHING
     period = max(log.period for log in setting.logs)
-    moving = _in_motion(ex)
+    moving = in_motion(ex.setting.robot, ex.setting.logs, ex.logs)
     everywhere = [np.ones_like(clear) for clear in moving]
     smeared = Alignment(corner=_HIGHEST * 0.5 / period, twice=True)
     if not (_shows(ex, Alignment(_STEP * period), moving) or _shows(ex, smeared, everywhere)):
@@ -70,7 +71,28 @@ def alignment_of(ex: Examination) -> Alignment:
     data = _aligned(ex, best, ex.floors)
     base = solve_base(data)
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
-    return NOTHING if len(told) < _JOINTS or _belied(ex, best, moving) else best
+    if len(told) >= _JOINTS:
+        return NOTHING if _belied(ex, best, moving) else best
+    return _small(ex, moving, _STEP * period)
+
+
+def _small(ex: Examination, moving: Sequence[np.ndarray], step: float) -> Alignment:
+    """A delay that two joints measure alike, of about the same size, where it hides in the noise.
+
+    step   [s] of the slopes
+    """
+    rules, change = ex.setting.rules.search, _change(ex, Alignment(step), moving)
+    if standing_out(ex, ex.base).any():
+        return NOTHING
+    size = float(gain(ex.base, change).coefficients[0])
+    told = 0
+    for k in range(len(ex.setting.robot.joints)):
+        own: Columns = [{k: log[k]} for log in change]
+        found, others = gain(ex.base, own), others_of(ex.base, ex.replica_residuals)
+        if found.energy > max(rules.chance**2, *gains_over(ex.base, own, others, *_ANY)):
+            told += abs(found.coefficients[0] / size - 1) <= 1 - rules.unseen
+    best = Alignment(-size * step)  # what the change leaves is least where it is taken away
+    return NOTHING if told < _JOINTS or abs(size) > 1 or _belied(ex, best, moving) else best
 
 
 def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Alignment:
@@ -121,15 +143,6 @@ def _left_behind(ex: Examination, alignment: Alignment) -> float:
     return _left(data, [np.ones(e.y.shape, bool) for e in data])
 
 
-def _in_motion(ex: Examination) -> list[np.ndarray]:
-    """Per log (n, E): where an equation's coordinate moves and is not noise alone."""
-    robot = ex.setting.robot
-    return [
-        np.tile(e.band.frequencies, 2) <= corners(robot, log)[:, None]
-        for e, log in zip(ex.logs, ex.setting.logs, strict=True)
-    ]
-
-
 def _aligned(ex: Examination, alignment: Alignment, floors: Sequence[Floor]) -> list[Equations]:
     robot = ex.setting.robot
     return whitened(robot, alignment.of_all(robot, ex.setting.logs), floors)
@@ -146,13 +159,19 @@ def _shows(ex: Examination, step: Alignment, asked: Sequence[np.ndarray]) -> boo
 
     asked   per log (n, E)
     """
+    X = _change(ex, step, asked)
+    return gain(ex.base, X).energy > max(
+        gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)
+    )
+
+
+def _change(ex: Examination, step: Alignment, asked: Sequence[np.ndarray]) -> Columns:
+    """What a small step changes in the equations of all joints, where they are asked; per log (n, E)."""
     X: Columns = []
     for there, here, clear in zip(_aligned(ex, step, ex.floors), ex.logs, asked, strict=True):
         change = ((there.y - there.A @ ex.base.p) - (here.y - here.A @ ex.base.p)) * clear
         X.append({k: change[k][:, None] for k in range(len(ex.setting.robot.joints))})
-    return gain(ex.base, X).energy > max(
-        gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)
-    )
+    return X
 
 
 def _tells(

@@ -228,7 +228,7 @@ def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) ->
         i = int(uneven[0]) if len(uneven) else 0
         short = period <= 0 or np.diff(time).max() <= WIDEST_GAP * period
         raise LogError(
-            f"{source}: time goes from {time[i]:.6g} s to {time[i + 1]:.6g} s at row {first + i + 2} where "
+            f"{source}: time goes from {time[i]:.13g} s to {time[i + 1]:.13g} s at row {first + i + 2} where "
             f"the period is {period:.6g} s; cut the log there"
             f"{', or let `pyident log import` resample it' if short else ''}"
         )

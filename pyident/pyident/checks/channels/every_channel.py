@@ -90,7 +90,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
         repeats = np.mean(np.delete(steps, slice(start, start + length)) == 0)
         natural = torque and step_of(x) > 0 and repeats > CHANNELS.repeats
         severity: Severity = "doubtful" if natural else "gross"
-        where = f"from {time[start]:.9g} s for {length} samples"
+        where = f"from {time[start]:.13g} s for {length} samples"
         said = (
             f"keeps one value {where}, in steps of {step_of(x):.3g}; if its sensor hung, cut the log there"
             if natural

@@ -36,7 +36,7 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     odd = increment - _smooth(increment)
     places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
     sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
-    first = float(time[places[0] + 1])
+    largest = places[int(np.argmax(sizes))]
     others = np.abs(np.delete(increment, places))
     if sizes.max() < CHANNELS.tiny_jump * np.ptp(x):
         return
@@ -45,8 +45,8 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     again = "" if len(places) == 1 else f" and at {len(places) - 1} other samples"
     gross = sizes.max() > CHANNELS.large_jump * np.ptp(x) or len(places) > max(CHANNELS.many * len(x), 3)
     yield Defect("gross" if gross else "doubtful", "jump", name,
-                 f"{log.source}: {name} jumps by {odd[places[0]]:.2g} at {first:.9g} s{again}; a count was "
-                 f"lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
+                 f"{log.source}: {name} jumps by {odd[largest]:.2g} at {time[largest + 1]:.13g} s{again}; a "
+                 f"count was lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
 
 
 def _odd_places(x: np.ndarray) -> np.ndarray:
@@ -94,7 +94,7 @@ def _near(events: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:
 def _turn(log: Log, name: str, at: int) -> Defect:
     time = log.frame["time"].to_numpy(float)
     return Defect("gross", "wrapped", name,
-                  f"{log.source}: {name} jumps by a turn at {time[at + 1]:.9g} s; unwrap it")  # fmt: skip
+                  f"{log.source}: {name} jumps by a turn at {time[at + 1]:.13g} s; unwrap it")  # fmt: skip
 
 
 def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -125,7 +125,7 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     yield Defect("gross" if gross else "doubtful", "spike", name,
                  f"{log.source}: {name} sticks out by {odd[alone].max():.3g} for single samples, "
                  f"{len(alone)} times, first at "
-                 f"{time[alone[0]]:.9g} s; repair the channel or cut the log there")  # fmt: skip
+                 f"{time[alone[0]]:.13g} s; repair the channel or cut the log there")  # fmt: skip
 
 
 def _turns(log: Log, name: str) -> np.ndarray:
@@ -153,7 +153,7 @@ def _dropouts(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
         time = log.frame["time"].to_numpy(float)
         yield Defect("gross" if len(lost) > CHANNELS.many * len(x) else "doubtful", "spike", name,
                      f"{log.source}: {name} drops to zero for single samples, {len(lost)} times, first at "
-                     f"{time[lost[0]]:.9g} s; values were lost: repair the channel")  # fmt: skip
+                     f"{time[lost[0]]:.13g} s; values were lost: repair the channel")  # fmt: skip
 
 
 def _clusters(at: np.ndarray) -> list[np.ndarray]:

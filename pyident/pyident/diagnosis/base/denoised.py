@@ -47,6 +47,17 @@ def corners(robot: Robot, log: Log) -> np.ndarray:
     return 0.5 / log.period * np.array(all_reached(log.signals(robot.coordinates)))
 
 
+def in_motion(robot: Robot, logs: Sequence[Log], transformed: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E): where an equation's coordinate moves and is not noise alone.
+
+    transformed   the same logs' equations
+    Beyond, a column holds what the low pass of the motion left, and a torque the answer of a controller to
+    the noise of encoders.
+    """
+    pairs = zip(logs, transformed, strict=True)
+    return [np.tile(e.band.frequencies, 2) <= corners(robot, log)[:, None] for log, e in pairs]
+
+
 def denoises(robot: Robot) -> bool:
     """Whether the motion loses its noise and a torque's has a spectrum."""
     return robot.controller is None and not any(joint.flexible for joint in robot.joints)

@@ -7,6 +7,8 @@ beyond any chance, the other surely. Standard deviations are those of coloured n
 very frequencies where the error acts (White 1980), and no less than what replicas, which have no such error,
 show of it: differences of held torques and of noisy angles make one by themselves, alike in every log. As
 held-out logs ask for this one error alone, what replicas show of others is no chance that it shared.
+It is asked for at the frequencies of the motion: beyond, a column holds what a low pass left of encoders'
+noise, and the torque a controller's answer to it.
 Positions that had to be moved in time are where they belong to a fiftieth of a sample, which is more than
 such an error.
 """
@@ -14,6 +16,7 @@ such an error.
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, bounds
+from pyident.diagnosis.base.denoised import in_motion
 from pyident.diagnosis.base.projection import gains_over, others_of
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
@@ -47,12 +50,14 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:
-    """Standard deviations of a coefficient from zero."""
-    pairs = zip(search.base.residual, search.with_further([candidate]).base.residual, strict=True)
+    """Standard deviations of a coefficient from zero, where the motion is not noise alone."""
+    setting = search.examination.setting
+    moving = in_motion(setting.robot, setting.logs, search.examination.logs)
+    beside = search.with_further([candidate]).base.residual
     fall, variance = 0.0, 0.0
-    for before, after in pairs:
-        fall += float((np.square(before) - np.square(after)).sum())
-        variance += float((np.square(before - after) * np.square(after)).sum())
+    for before, after, clear in zip(search.base.residual, beside, moving, strict=True):
+        fall += float((np.square(before) - np.square(after))[clear].sum())
+        variance += float((np.square(before - after) * np.square(after))[clear].sum())
     return fall / max(np.sqrt(variance), 1e-300)
 
 
