@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flexmodels.inputs import SimulationError
 from pyident.greybox.output_error import output_error
 from pyident.greybox.recording import Recording
 from pyident.greybox.search import Free
@@ -65,6 +66,39 @@ def test_outputs_that_jump_with_a_parameter_get_no_interval():
     assert "the outputs jump with the parameters" in found.notes[-1]
     assert np.isnan(found.estimates[0].std)
     assert found.values["gain"] == pytest.approx(2.5, abs=0.2)
+
+
+def test_an_output_that_the_model_does_not_describe_leaves_no_interval():
+    """A model of one unit, a log of another: what is left is larger than the output, and no noise."""
+
+    def turned(recording, sets, names, progress=None):
+        return 3 * np.cos(2 * TIME)[None, :, None] + line(recording, sets, names)
+
+    found = output_error([noisy(2.5 * INPUT)], turned, [Free("gain", "1", 1.0)])
+    assert found.notes[-1].startswith("a constant would explain more of y than the fitted model does")
+    assert np.isnan(found.estimates[0].std)
+
+
+def test_an_output_of_noise_alone_takes_no_interval_from_the_others():
+    both = Recording("a log", TIME, {"u": INPUT}, ("y", "z"), ("rad", "rad"), np.zeros((len(TIME), 2)))
+    both.measured[:] = NOISE * np.random.default_rng(4).standard_normal(both.measured.shape)
+    both.measured[:, 0] += 2.5 * INPUT
+
+    def silent(recording, sets, names, progress=None):
+        y = line(recording, sets, names)
+        return np.concatenate([y, 0 * y], axis=2)
+
+    found = output_error([both], silent, [Free("gain", "1", 1.0)])
+    assert not found.notes
+    assert found.estimates[0].std == pytest.approx(NOISE / np.linalg.norm(INPUT), rel=0.25)
+
+
+def test_outputs_that_grow_without_bound_are_refused_in_one_sentence():
+    def exploding(recording, sets, names, progress=None):
+        return line(recording, sets, names) * np.exp(np.minimum(TIME * 20, 700))[None, :, None]
+
+    with pytest.raises(SimulationError, match="grow without bound at its own start; check that the log's"):
+        output_error([noisy(2.5 * INPUT)], exploding, [Free("gain", "1", 1.0)])
 
 
 def test_two_recordings_count_together():

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from flexmodels.inputs import SimulationError
 from pyident.estimation.instrumental_variables import Rows, spectral
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
@@ -69,10 +70,16 @@ def output_error(
     if not search.confirm(p):
         p, left = _fitted(search, p, None)
     slopes, jumps = _settled_slopes(search, p)
-    estimates = _judged(search, p, slopes, left, claims=not jumps)
+    missed = _missed(search, left)
+    estimates = _judged(search, p, slopes, left, claims=not jumps and not missed)
     if jumps:
         notes += (
             "the outputs jump with the parameters (two widths of differences disagree): no interval is given",
+        )
+    if missed:
+        notes += (
+            f"a constant would explain more of {', '.join(missed)} than the fitted model does: check its "
+            "unit, sign and start; no interval is given",
         )
     notes += tuple(f"{e.free.name} ends at its bound {e.value:.6g}" for e in estimates if e.at_bound)
     return OutputError(estimates, tuple(left), (*notes, *((search.note,) if search.note else ())))
@@ -106,6 +113,13 @@ def _fitted(search: Search, p: np.ndarray, progress: Progress | None) -> tuple[n
     return p, left
 
 
+def _missed(search: Search, left: Sequence[np.ndarray]) -> list[str]:
+    """Outputs of which more is left (N, S) per recording than they vary."""
+    scatter = np.concatenate([m - m.mean(axis=0) for m in left]).std(axis=0)
+    names = search.recordings[0].outputs
+    return [n for n, s, size in zip(names, scatter, search.size, strict=True) if s > GREYBOX.worse * size]
+
+
 def _settled_slopes(search: Search, p: np.ndarray) -> tuple[np.ndarray, bool]:
     """Slopes that a ten times finer difference confirms; and whether there are none."""
     slopes = search.slopes(p)
@@ -125,7 +139,14 @@ def _start(search: Search) -> tuple[np.ndarray, tuple[str, ...]]:
 
     free = search.free
     p = np.array([np.clip(f.start, f.low, f.high) for f in free])
-    search.set_worst(search.stacked(search.misses([p])[0]))
+    missed = search.misses([p])[0]
+    furthest = max(float(np.max(np.abs(m) / search.size)) for m in missed)
+    if not furthest < GREYBOX.away:
+        raise SimulationError(
+            f"{search.recordings[0].source}: the model's outputs grow without bound at its own start; check "
+            "that the log's time is in seconds and its inputs are in the model's units, or start elsewhere"
+        )
+    search.set_worst(search.stacked(missed))
     if not all(np.isfinite([f.low, f.high]).all() for f in free):
         return p, ()
     spread = qmc.LatinHypercube(len(free), rng=0).random(GREYBOX.starts)

@@ -96,7 +96,8 @@ def deviations(left: Sequence[np.ndarray]) -> float:
         run = LongRun(1, lags(r[:, None]))
         run.add((r - r.mean())[:, None])
         total += max(float(run.sum[0, 0]), float(np.sum((r - r.mean()) ** 2)))
-    parts = [part.mean() for r in left for part in np.array_split(r, GREYBOX.folds)]
+    pieces = (np.array_split(r, min(GREYBOX.folds, len(r))) for r in left)
+    parts = [part.mean() for split in pieces for part in split]
     return max(np.sqrt(total) / count, float(np.std(parts, ddof=1)) / np.sqrt(len(parts)))
 
 

@@ -69,6 +69,18 @@ class GreyboxRules:
         "chance is below 1e-4 for each output",
         "arithmetic: twice the tail of a normal distribution beyond four deviations is 6e-5",
     )
+    worse: float = rule(
+        1.05,
+        "an output's own scatter that is left: from there on a constant explains more",
+        "a fit that does not describe an output has no intervals",
+        "by reason: noise alone leaves 1, up to a twentieth by chance of a hundred samples; a wrong unit 1.6",
+    )
+    away: float = rule(
+        1e12,
+        "an output's own scatter by which the model's start misses it",
+        "it grows without bound, and squares of its slopes overflow",
+        "arithmetic: a trust region cannot come back from there in the rounds that it has",
+    )
     shown: int = rule(4, "names of a tie", "more are read by nobody", _READING)
     terms: int = rule(3, "terms of one output", "more are read by nobody", _READING)
     lags: int = rule(20, "lags of the test for white noise", "convention", "convention")
