@@ -103,6 +103,8 @@ def test_what_cannot_be_is_refused(log, folder, tmp_path):
         pi.parameter_study(pd.DataFrame({"joint1.coulomb": [1.0]}), tmp_path / "out")
     with pytest.raises(BuildError, match=r"an SSP holds plant and controller; name it \.fmu for the plant"):
         pi.export_fmu(one_joint(), tmp_path / "arm.ssp", part="plant")
+    with pytest.raises(BuildError, match="Modelica text holds the arm with its controller, not the plant"):
+        pi.export_fmu(one_joint(), tmp_path / "arm.mo", part="plant")
     with pytest.raises(BuildError, match=r"SSP 1\.0 holds FMUs of FMI 2\.0; leave out --fmi 3"):
         pi.export_fmu(one_joint(), tmp_path / "arm.ssp", fmi=3)
     with pytest.raises(RobotError, match="a mapping needs a robot file; import the log first"):

@@ -71,7 +71,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         ),
         notes=(
             *of_time(ex.setting),
-            *(orders_of(step) for step in steps if step.orders),
+            *(orders_of(search.robot, step) for step in steps if step.orders),
             *of_one_order(search, selection, held),
             *of_speeds(search, selection),
             *warnings(search, verdict, in_motion(search, places)),

@@ -227,8 +227,11 @@ def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
             yield f"{n.effect} at {n.joint}: {outside.by(joint_number(n.joint), value, unit)}"
 
 
-def orders_of(step: Step) -> str:
-    """Further orders of a periodic law."""
+def orders_of(robot: Robot, step: Step) -> str:
+    """Further orders of a periodic law; those of a slider are of 2 pi metres."""
     best = step.best.candidate
-    more = ", ".join(f"{dict(c.values)['order']:.4g}" for c in step.orders)
-    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per turn."
+    turns = robot.joints[best.joint - 1].kind == "revolute"
+    each = (dict(c.values)["order"] / (1 if turns else 2 * np.pi) for c in step.orders)
+    more = ", ".join(f"{order:.4g}" for order in each)
+    per = "turn" if turns else "metre"
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per {per}."

@@ -99,14 +99,10 @@ class Search:
         """A model that cannot be simulated there is far away."""
         count = sum(r.measured.size for r in self.recordings)
         try:
-            return self._no_worse(self.misses([p])[0])
+            flat = self.stacked(self.misses([p])[0])
         except SimulationError:
             return np.full(count, self.worst)
-
-    def _no_worse(self, misses: Sequence[np.ndarray]) -> np.ndarray:
-        """`stacked`, where a model that grows without bound is as far away as one that fails."""
-        flat = np.nan_to_num(self.stacked(misses), nan=self.worst)
-        return np.clip(flat, -self.worst, self.worst)
+        return np.clip(np.nan_to_num(flat, nan=self.worst), -self.worst, self.worst)
 
     def slopes(self, p: np.ndarray, part: float = 1.0) -> np.ndarray:
         """(rows, P) of the weighted residual: the model's own derivatives, else differences.
@@ -128,9 +124,14 @@ class Search:
         steps = part * _STEP * self._sizes(p)
         ends = [np.clip(p + s * steps, low, high) for s in (1, -1)]
         sets = [np.where(np.arange(len(p)) == i, end, p) for i in places for end in ends]
-        flat = [self._no_worse(m) for m in self.misses(sets)]
+        flat = [self.stacked(self._bounded(m)) for m in self.misses(sets)]
         width = np.maximum(ends[0] - ends[1], np.finfo(float).tiny)
         return np.column_stack([(flat[2 * k] - flat[2 * k + 1]) / width[i] for k, i in enumerate(places)])
+
+    def _bounded(self, misses: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Without what a model that grows without bound misses: squares of its slopes would overflow."""
+        most = GREYBOX.away * self.size
+        return [np.clip(np.nan_to_num(m, nan=0.0), -most, most) for m in misses]
 
     def confirm(self, p: np.ndarray) -> bool:
         """Whether differences agree with the model's own derivatives; if not, these are not used any more."""

@@ -58,7 +58,8 @@ _SPELLINGS = {
     "mn*m": "mN.m", "mn·m": "mN.m", "mn m": "mN.m", "mnm": "mN.m", "kn*m": "kN.m", "kn·m": "kN.m",
     "kn m": "kN.m", "knm": "kN.m", "ncm": "N.cm", "n cm": "N.cm", "ft-lb": "lbf.ft", "ft.lb": "lbf.ft",
     "ftlb": "lbf.ft", "in-lb": "lbf.in", "kgcm": "kgf.cm", "kg.cm": "kgf.cm", "µm": "um", "turn": "rev",
-    "turns": "rev", "amp": "A", "amps": "A", "ampere": "A", "volt": "V", "volts": "V", "percent": "%",
+    "turns": "rev", "amp": "A", "amps": "A", "ampere": "A", "volt": "V", "volts": "V",
+    "percent": "%", "pct": "%", "prozent": "%",
 }  # fmt: skip
 
 

@@ -211,7 +211,7 @@ def _told(robot: "Robot", found: "Prediction") -> str:
         for name, std in found.std.items()
         if np.isfinite(std)
     ]
-    heads = ("parameter", "in the model", "± 95 % then", "unit")
+    heads = ("parameter", "in the model", "± 95 % by regression", "unit")
     lines = [table(heads, rows, numbers=(1, 2)), f"{_rank(found)}; the others only in combinations"]
     if any(found.values[name] == 0 for name, *_ in rows):
         zero = "a 0 in the model may be a value that nobody has identified yet: ± 95 % says how closely a log"

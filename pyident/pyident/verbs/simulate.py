@@ -94,6 +94,8 @@ def export_fmu(
 
     robot = robot_of(model, parameters, allow_effects)
     if Path(path).suffix == ".mo":
+        if part == "plant":
+            raise BuildError(f"{path}: Modelica text holds the arm with its controller, not the plant alone")
         return export_modelica(robot, path)
     if Path(path).suffix != ".ssp":
         alone = "add one, or export the plant alone (--part plant)"

@@ -198,9 +198,11 @@ class RowSearch:
         over = peak.over
         on = "time" if over.kind == "frequency" else self.robot.coordinates[over.column]
         joint = self.robot.q[over.column].joint
+        turns = self.robot.joints[joint - 1].kind == "revolute"
+        order = f"{peak.at:.4g} per turn" if turns else f"{peak.at / (2 * np.pi):.4g} per metre"
         words = {
             "frequency": f"a frequency of {peak.at:.4g} Hz in time",
-            "order": f"an order of {peak.at:.4g} per turn of joint {joint}",
+            "order": f"an order of {order} of joint {joint}",
             "misread": f"a misread angle of joint {joint}, {peak.at:.4g} times a turn",
         }[over.kind]
         return Dependence(
