@@ -22,16 +22,22 @@ SEEN_AGAIN = Unseen(0.02, 0.005, 0.1, 0.9)  # 8 standard deviations, at 0.95 of 
 COUNT = 4000
 
 
-def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
-    """Of white residuals that hold a sine of `size` times their standard deviation, and lose it."""
+def search(size: float, stands_out: bool = False, late: float = 0.0, value: float = 1.0) -> Any:
+    """Of white residuals that hold a sine of `size` times their standard deviation, and lose it.
+
+    value   of the error that takes it
+    """
     noise = np.random.default_rng(0).standard_normal((1, COUNT))
     sine = size * np.sin(0.1 * np.arange(COUNT))
     after = SimpleNamespace(base=SimpleNamespace(residual=[noise]))
+    taken = SimpleNamespace(energy=float(np.sum(sine**2)), coefficients=np.array([value]))
+    setting = SimpleNamespace(alignment=Alignment(late), robot=None, logs=[SimpleNamespace(period=0.01)])
     return cast(
         Any,
         SimpleNamespace(
             rules=RULES.search,
-            examination=SimpleNamespace(setting=SimpleNamespace(alignment=Alignment(late))),
+            examination=SimpleNamespace(setting=setting, logs=None),
+            gain_of=lambda _: taken,
             stands_out=stands_out,
             over_floor=np.full(2, 1.21),
             base=SimpleNamespace(residual=[noise + sine]),
@@ -41,19 +47,42 @@ def search(size: float, stands_out: bool = False, late: float = 0.0) -> Any:
 
 
 @pytest.fixture(autouse=True)
-def replicas_show_noise(monkeypatch):
-    monkeypatch.setattr(module, "_in_replicas", lambda *_: 1.0)
+def replicas_show_noise_and_all_is_motion(monkeypatch):
+    monkeypatch.setattr(module, "_in_replicas", lambda *_: np.ones(20))
+    monkeypatch.setattr(module, "in_motion", lambda *_: [np.ones((1, COUNT), bool)])
 
 
 def test_what_replicas_show_as_well_is_no_error(monkeypatch):
-    monkeypatch.setattr(module, "_in_replicas", lambda *_: 6.0)
+    monkeypatch.setattr(module, "_in_replicas", lambda *_: np.full(20, 36.0))
     assert not measured(search(0.3), AXIS, SEEN_AGAIN)
 
 
+@pytest.mark.parametrize(("replica", "counts"), [(20.0, True), (200.0, False)])  # the data: 180
+def test_one_replica_that_shows_as_much_is_one_too_many(replica, counts, monkeypatch):
+    """Of this error: what any replica shows of others does not matter."""
+    energies = np.array([replica, *np.ones(19)])
+    monkeypatch.setattr(module, "_in_replicas", lambda *_: energies)
+    assert measured(search(0.3), AXIS, SEEN_AGAIN) == counts
+
+
+def test_what_lies_beyond_the_frequencies_of_the_motion_is_no_evidence(monkeypatch):
+    """An error that takes only what a low pass left of noise, or a controller's answer to it."""
+    slow = np.arange(COUNT)[None, :] < COUNT // 2
+    monkeypatch.setattr(module, "in_motion", lambda *_: [slow])
+    view = search(0.3)
+    (before,), (after,) = view.base.residual, view.with_further(None).base.residual
+    before[slow] = after[slow]
+    assert not measured(view, AXIS, SEEN_AGAIN)
+
+
 @pytest.mark.parametrize(("value", "counts"), [(0.003, False), (0.02, True)])
-def test_a_gain_is_known_to_a_hundredth_at_best(value, counts, monkeypatch):
-    monkeypatch.setattr(module, "_size", lambda *_: value)
-    assert measured(search(0.3), replace(AXIS, effect="torque_gain"), SEEN_AGAIN) == counts
+def test_a_gain_is_known_to_a_hundredth_at_best(value, counts):
+    assert measured(search(0.3, value=value), replace(AXIS, effect="torque_gain"), SEEN_AGAIN) == counts
+
+
+@pytest.mark.parametrize(("value", "counts"), [(0.0015, False), (0.0025, True)])  # s, of samples of 10 ms
+def test_a_lag_is_known_to_a_fifth_of_a_sample_at_best(value, counts):
+    assert measured(search(0.3, value=value), replace(AXIS, effect="torque_lag"), SEEN_AGAIN) == counts
 
 
 @pytest.mark.parametrize(("size", "counts"), [(0.3, True), (0.02, False)])  # 13 and 1 standard deviations

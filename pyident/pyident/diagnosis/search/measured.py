@@ -44,7 +44,7 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
 
 
 def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
-    """Whether an error of the robot file is large enough in the slowest log."""
+    """Whether an error of the robot file, its value (K,) in SI units, is large enough in the slowest log."""
     period = max(log.period for log in search.examination.setting.logs)
     return DESCRIPTIONS[error.effect].worth_name(value, period)
 
