@@ -4,8 +4,9 @@ Another clock, a bus, drives that all lag: late by d the positions miss the torq
 these, at every joint, so that laws with a memory are found at several joints, and what is missing besides
 drowns. The column is what moving the positions changes in the equations, the time the one that leaves least
 of them. It has to take most of what exceeds the floor of two joints, and more than of any replica, to be
-believed. It is judged at the frequencies of the motion: a controller answers its encoder's noise later than a
-robot would.
+believed; or, where nothing stands out and a delay of a sample at most hides in the noise, two joints have to
+measure about the same. It is judged at the frequencies of the motion: a controller answers its encoder's
+noise later than a robot would.
 
 A low pass of the torques (of a drive's current, or of a recorder) delays them likewise, and smears the steps
 of dry friction, which then looks like presliding at every joint; so does one that went forwards and backwards
@@ -73,26 +74,22 @@ def alignment_of(ex: Examination) -> Alignment:
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
     if len(told) >= _JOINTS:
         return NOTHING if _belied(ex, best, moving) else best
-    return _small(ex, moving, _STEP * period)
+    small = best == best.delay and abs(best.late) <= period and _measured_alike(ex, moving, period)
+    return best if small and not _belied(ex, best, moving) else NOTHING
 
 
-def _small(ex: Examination, moving: Sequence[np.ndarray], step: float) -> Alignment:
-    """A delay that two joints measure alike, of about the same size, where it hides in the noise.
-
-    step   [s] of the slopes
-    """
-    rules, change = ex.setting.rules.search, _change(ex, Alignment(step), moving)
+def _measured_alike(ex: Examination, moving: Sequence[np.ndarray], period: float) -> bool:
+    """Whether two joints measure about the same delay, though it hides in their noise."""
+    rules, change = ex.setting.rules.search, _change(ex, Alignment(_STEP * period), moving)
     if standing_out(ex, ex.base).any():
-        return NOTHING
-    size = float(gain(ex.base, change).coefficients[0])
-    told = 0
+        return False
+    together, alike = float(gain(ex.base, change).coefficients[0]), 0
     for k in range(len(ex.setting.robot.joints)):
         own: Columns = [{k: log[k]} for log in change]
         found, others = gain(ex.base, own), others_of(ex.base, ex.replica_residuals)
         if found.energy > max(rules.chance**2, *gains_over(ex.base, own, others, *_ANY)):
-            told += abs(found.coefficients[0] / size - 1) <= 1 - rules.unseen
-    best = Alignment(-size * step)  # what the change leaves is least where it is taken away
-    return NOTHING if told < _JOINTS or abs(size) > 1 or _belied(ex, best, moving) else best
+            alike += abs(found.coefficients[0] / together - 1) <= 1 - rules.unseen
+    return alike >= _JOINTS
 
 
 def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Alignment:

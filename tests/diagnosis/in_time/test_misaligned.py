@@ -46,6 +46,19 @@ def test_the_time_is_found_and_nothing_else(samples):
     assert any("give their columns a delay" in note for note in found.notes)
 
 
+def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
+    """As of a torque that is held; drives had been called soft, and torques early, one by one."""
+    logs = logs_of(plain, 0.25)
+    for i, log in enumerate(logs):
+        noise = np.random.default_rng(100 + i).standard_normal((len(log.frame), 6))
+        names = [f"joint{k}.tau" for k in range(1, 7)]
+        torques = log.frame[names] + 0.06 * noise * log.frame[names].std().to_numpy()
+        logs[i] = replace(log, frame=log.frame.assign(**torques))
+    search = searched(arm(), logs[:2], never)
+    assert search.examination.setting.alignment == Alignment(pytest.approx(0.25 * logs[0].period, rel=0.2))
+    assert concluded(search, never, logs[2:]).verdict == "nothing_detectable"
+
+
 @pytest.mark.slow
 def test_laws_behind_it_are_named():
     logs = logs_of(three_laws, LATE)
