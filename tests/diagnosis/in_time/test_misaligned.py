@@ -52,10 +52,13 @@ def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
     for i, log in enumerate(logs):
         noise = np.random.default_rng(100 + i).standard_normal((len(log.frame), 6))
         names = [f"joint{k}.tau" for k in range(1, 7)]
-        torques = log.frame[names] + 0.06 * noise * log.frame[names].std().to_numpy()
-        logs[i] = replace(log, frame=log.frame.assign(**torques))
+        torques = log.frame[names].to_numpy(float)
+        torques += 0.06 * noise * torques.std(axis=0)
+        logs[i] = replace(log, frame=log.frame.assign(**dict(zip(names, torques.T, strict=True))))
     search = searched(arm(), logs[:2], never)
-    assert search.examination.setting.alignment == Alignment(pytest.approx(0.25 * logs[0].period, rel=0.2))
+    found = search.examination.setting.alignment
+    assert found == found.delay
+    assert found.late == pytest.approx(0.25 * logs[0].period, rel=0.2)
     assert concluded(search, never, logs[2:]).verdict == "nothing_detectable"
 
 
