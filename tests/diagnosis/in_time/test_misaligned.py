@@ -53,7 +53,7 @@ def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
         noise = np.random.default_rng(100 + i).standard_normal((len(log.frame), 6))
         names = [f"joint{k}.tau" for k in range(1, 7)]
         torques = log.frame[names].to_numpy(float)
-        torques += 0.06 * noise * torques.std(axis=0)
+        torques = torques + 0.06 * noise * torques.std(axis=0)
         logs[i] = replace(log, frame=log.frame.assign(**dict(zip(names, torques.T, strict=True))))
     search = searched(arm(), logs[:2], never)
     found = search.examination.setting.alignment
