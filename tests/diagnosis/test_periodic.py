@@ -7,10 +7,11 @@ import pytest
 from analytic_joint import INERTIA, analytic_log, free_joint
 
 from flexmodels.effects import CATALOGUE
+from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.nonlinear_values import of_whole_periods
-from pyident.diagnosis.base.order_peaks import order_peaks
+from pyident.diagnosis.base.order_peaks import order_peaks, orders_told
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
 from pyident.logs.log import Log
@@ -128,3 +129,10 @@ def test_a_slow_torque_hides_no_ripple():
     assert of_whole_periods(free_joint(), ripples[:3], [20.0, 80.0, 90.0]) == []
     friction = [Candidate("position_dependent_friction", 1, c.values) for c in ripples[:3]]
     assert [i for _, i in of_whole_periods(free_joint(), friction, [20.0, 80.0, 90.0])] == [2, 1, 0]
+
+
+@pytest.mark.parametrize(
+    ("model", "said"), [("four_link", "12, 24 per turn"), ("emps", "1.91, 3.82 per metre")]
+)
+def test_orders_of_a_slider_are_told_per_metre(model, said):
+    assert orders_told(load_robot(model), 1, [12.0, 24.0]) == said

@@ -28,10 +28,11 @@ from scipy.optimize import minimize_scalar
 
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.conditioning.samples import Conditioned
-from pyident.diagnosis.base.denoised import denoised_every_sample, in_motion
+from pyident.diagnosis.base.denoised import denoised_every_sample, where_moving
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
+    Gain,
     gain,
     gains_over,
     others_of,
@@ -63,32 +64,34 @@ def alignment_of(ex: Examination) -> Alignment:
     if setting.simulates or len(joints) < _JOINTS:
         return NOTHING
     period = max(log.period for log in setting.logs)
-    moving = in_motion(ex.setting.robot, ex.setting.logs, ex.logs)
+    moving = where_moving(ex.setting.robot, ex.setting.logs, ex.logs)
     everywhere = [np.ones_like(clear) for clear in moving]
+    delayed = _change(ex, Alignment(_STEP * period), moving)
     smeared = Alignment(corner=_HIGHEST * 0.5 / period, twice=True)
-    if not (_shows(ex, Alignment(_STEP * period), moving) or _shows(ex, smeared, everywhere)):
+    if _shown(ex, delayed) is None and _shown(ex, _change(ex, smeared, everywhere)) is None:
         return NOTHING
     best = _best(ex, moving, period)
     data = _aligned(ex, best, ex.floors)
     base = solve_base(data)
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
-    if len(told) >= _JOINTS:
-        return NOTHING if _belied(ex, best, moving) else best
-    small = best == best.delay and abs(best.late) <= period and _measured_alike(ex, moving, period)
-    return best if small and not _belied(ex, best, moving) else NOTHING
+    small = best == best.delay and abs(best.late) <= period
+    if len(told) < _JOINTS and not (small and _measured_alike(ex, delayed)):
+        return NOTHING
+    return NOTHING if _belied(ex, best, moving) else best
 
 
-def _measured_alike(ex: Examination, moving: Sequence[np.ndarray], period: float) -> bool:
-    """Whether two joints measure about the same delay, though it hides in their noise."""
-    rules, change = ex.setting.rules.search, _change(ex, Alignment(_STEP * period), moving)
+def _measured_alike(ex: Examination, delayed: Columns) -> bool:
+    """Whether two joints measure about the same delay, though it hides in their noise.
+
+    delayed   as of `_change`, by a delay
+    """
+    rules = ex.setting.rules.search
     if standing_out(ex, ex.base).any():
         return False
-    together, alike = float(gain(ex.base, change).coefficients[0]), 0
+    together, alike = float(gain(ex.base, delayed).coefficients[0]), 0
     for k in range(len(ex.setting.robot.joints)):
-        own: Columns = [{k: log[k]} for log in change]
-        found, others = gain(ex.base, own), others_of(ex.base, ex.replica_residuals)
-        if found.energy > max(rules.chance**2, *gains_over(ex.base, own, others, *_ANY)):
-            alike += abs(found.coefficients[0] / together - 1) <= 1 - rules.unseen
+        found = _shown(ex, [{k: log[k]} for log in delayed], rules.chance**2)
+        alike += found is not None and abs(found.coefficients[0] / together - 1) <= 1 - rules.unseen
     return alike >= _JOINTS
 
 
@@ -151,15 +154,11 @@ def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
     return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
 
 
-def _shows(ex: Examination, step: Alignment, asked: Sequence[np.ndarray]) -> bool:
-    """Whether what a small step changes in the equations of all joints explains more than of any replica.
-
-    asked   per log (n, E)
-    """
-    X = _change(ex, step, asked)
-    return gain(ex.base, X).energy > max(
-        gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)
-    )
+def _shown(ex: Examination, X: Columns, least: float = 0.0) -> Gain | None:
+    """What columns explain, if that is more than of any replica, and than a least energy."""
+    found = gain(ex.base, X)
+    of_replicas = gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *_ANY)
+    return found if found.energy > max(least, *of_replicas) else None
 
 
 def _change(ex: Examination, step: Alignment, asked: Sequence[np.ndarray]) -> Columns:

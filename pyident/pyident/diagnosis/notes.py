@@ -10,6 +10,7 @@ from pyident.conditioning.alignment import OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.nonlinear_values import BEYOND
+from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
@@ -228,10 +229,7 @@ def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
 
 
 def orders_of(robot: Robot, step: Step) -> str:
-    """Further orders of a periodic law; those of a slider are of 2 pi metres."""
+    """Further orders of a periodic law."""
     best = step.best.candidate
-    turns = robot.joints[best.joint - 1].kind == "revolute"
-    each = (dict(c.values)["order"] / (1 if turns else 2 * np.pi) for c in step.orders)
-    more = ", ".join(f"{order:.4g}" for order in each)
-    per = "turn" if turns else "metre"
-    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more} per {per}."
+    more = orders_told(robot, best.joint, [dict(c.values)["order"] for c in step.orders])
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more}."

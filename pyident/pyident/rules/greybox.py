@@ -73,11 +73,11 @@ class GreyboxRules:
         1.05,
         "an output's own scatter that is left: from there on a constant explains more",
         "a fit that does not describe an output has no intervals",
-        "by reason: noise alone leaves 1, up to a twentieth by chance of a hundred samples; a wrong unit 1.6",
+        "by reason: an output of noise alone leaves 1, one in a wrong unit left 1.6",
     )
     away: float = rule(
         1e12,
-        "an output's own scatter by which the model's start misses it",
+        "an output's own scatter by which the model misses it, at its start or for a slope",
         "it grows without bound, and squares of its slopes overflow",
         "arithmetic: a trust region cannot come back from there in the rounds that it has",
     )

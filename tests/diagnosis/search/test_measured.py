@@ -49,7 +49,7 @@ def search(size: float, stands_out: bool = False, late: float = 0.0, value: floa
 @pytest.fixture(autouse=True)
 def replicas_show_noise_and_all_is_motion(monkeypatch):
     monkeypatch.setattr(module, "_in_replicas", lambda *_: np.ones(20))
-    monkeypatch.setattr(module, "in_motion", lambda *_: [np.ones((1, COUNT), bool)])
+    monkeypatch.setattr(module, "where_moving", lambda *_: [np.ones((1, COUNT), bool)])
 
 
 def test_what_replicas_show_as_well_is_no_error(monkeypatch):
@@ -68,7 +68,7 @@ def test_one_replica_that_shows_as_much_is_one_too_many(replica, counts, monkeyp
 def test_what_lies_beyond_the_frequencies_of_the_motion_is_no_evidence(monkeypatch):
     """An error that takes only what a low pass left of noise, or a controller's answer to it."""
     slow = np.arange(COUNT)[None, :] < COUNT // 2
-    monkeypatch.setattr(module, "in_motion", lambda *_: [slow])
+    monkeypatch.setattr(module, "where_moving", lambda *_: [slow])
     view = search(0.3)
     (before,), (after,) = view.base.residual, view.with_further(None).base.residual
     before[slow] = after[slow]

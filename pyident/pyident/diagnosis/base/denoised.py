@@ -47,7 +47,7 @@ def corners(robot: Robot, log: Log) -> np.ndarray:
     return 0.5 / log.period * np.array(all_reached(log.signals(robot.coordinates)))
 
 
-def in_motion(robot: Robot, logs: Sequence[Log], transformed: Sequence[Equations]) -> list[np.ndarray]:
+def where_moving(robot: Robot, logs: Sequence[Log], transformed: Sequence[Equations]) -> list[np.ndarray]:
     """Per log (n, E): where an equation's coordinate moves and is not noise alone.
 
     transformed   the same logs' equations

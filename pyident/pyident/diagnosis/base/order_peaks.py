@@ -101,3 +101,10 @@ def _knots(speeds: np.ndarray, count: int) -> tuple[float, ...]:
 def between(knots: Sequence[float], x: np.ndarray) -> np.ndarray:
     """(K, N): of x (N,) 1 at one of K knots, 0 at the others, linear between; the outer ones hold beyond."""
     return np.array([np.interp(x, knots, one) for one in np.eye(len(knots))])
+
+
+def orders_told(robot: Robot, joint: int, orders: Sequence[float]) -> str:
+    """Orders of a joint (from 1), of 2 pi of its coordinate, as "12, 24 per turn"; of a slider per metre."""
+    turns = robot.joints[joint - 1].kind == "revolute"
+    each = ", ".join(f"{order / (1 if turns else 2 * np.pi):.4g}" for order in orders)
+    return f"{each} per {'turn' if turns else 'metre'}"

@@ -16,7 +16,7 @@ such an error.
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, bounds
-from pyident.diagnosis.base.denoised import in_motion
+from pyident.diagnosis.base.denoised import where_moving
 from pyident.diagnosis.base.projection import gains_over, others_of
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
@@ -33,10 +33,11 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     moved = search.examination.setting.alignment.needed
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
-    if candidate.describes and not worth_name(search, candidate, search.gain_of(candidate).coefficients):
+    found = search.gain_of(candidate)
+    if candidate.describes and not worth_name(search, candidate, found.coefficients):
         return False
     energies = _in_replicas(search, candidate)
-    if np.mean(energies >= search.gain_of(candidate).energy) >= rules.level:
+    if np.mean(energies >= found.energy) >= rules.level:
         return False
     fitted = _deviations(search, candidate) / max(np.sqrt(energies.mean()), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
@@ -52,7 +53,7 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
 def _deviations(search: Search, candidate: Candidate) -> float:
     """Standard deviations of a coefficient from zero, where the motion is not noise alone."""
     setting = search.examination.setting
-    moving = in_motion(setting.robot, setting.logs, search.examination.logs)
+    moving = where_moving(setting.robot, setting.logs, search.examination.logs)
     beside = search.with_further([candidate]).base.residual
     fall, variance = 0.0, 0.0
     for before, after, clear in zip(search.base.residual, beside, moving, strict=True):

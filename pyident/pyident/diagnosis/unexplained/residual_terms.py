@@ -7,6 +7,7 @@ import numpy as np
 
 from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
+from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain
 from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.unexplained.periodic import (
@@ -198,11 +199,9 @@ class RowSearch:
         over = peak.over
         on = "time" if over.kind == "frequency" else self.robot.coordinates[over.column]
         joint = self.robot.q[over.column].joint
-        turns = self.robot.joints[joint - 1].kind == "revolute"
-        order = f"{peak.at:.4g} per turn" if turns else f"{peak.at / (2 * np.pi):.4g} per metre"
         words = {
             "frequency": f"a frequency of {peak.at:.4g} Hz in time",
-            "order": f"an order of {order} of joint {joint}",
+            "order": f"an order of {orders_told(self.robot, joint, [peak.at])} of joint {joint}",
             "misread": f"a misread angle of joint {joint}, {peak.at:.4g} times a turn",
         }[over.kind]
         return Dependence(
