@@ -1,7 +1,7 @@
 """What is asked of a method: the owner's robot file and logs in, names of effects and joints out."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from statsmodels.regression.linear_model import OLS
@@ -14,7 +14,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 
-from ..rigid_arm.baselines import METHODS, Name
+from ..rigid_arm.baselines import METHODS, Name, Strengths
 from .generator import Made
 from .sensors import as_log
 
@@ -27,11 +27,13 @@ class Answer:
     """verdict   `unexplained` says that something is missing which has no name
     ties      of every finding the names that cannot be told apart, the best first
     amounts   of the names of the first finding: the error of the description [m or rad], else None
+    strengths  of every finding, falling; none where a method gives names alone
     """
 
     verdict: str
     ties: list[list[Name]]
     amounts: Sequence[float | None] = ()
+    strengths: Sequence[float] = ()
 
 
 def all_answers(robot: Robot, fit: list[Log], heldout: list[Log]) -> dict[str, Answer]:
@@ -39,7 +41,8 @@ def all_answers(robot: Robot, fit: list[Log], heldout: list[Log]) -> dict[str, A
     search = searched(robot, fit, runs_here)
     answers = {"diagnosis": answer_of(concluded(search, runs_here, heldout))}
     for name, method in (METHODS | {"LASSO": lasso}).items():
-        answers[name] = named(method(search))
+        strengths = method(search)
+        answers[name] = replace(named(list(strengths)), strengths=tuple(strengths.values()))
     return answers
 
 
@@ -67,8 +70,10 @@ def named(names: list[Name]) -> Answer:
     return Answer("missing_effect" if names else "nothing_detectable", [[name] for name in names])
 
 
-def lasso(search: Search) -> list[Name]:
+def lasso(search: Search) -> Strengths:
     """L1 regression on all columns, what the model imitates taken out, at the penalty of least BIC.
+
+    Strengths are the squares of the coefficients, of columns of length 1, over the variance of what is left.
 
     Tibshirani 1996; Zou, Hastie and Tibshirani 2007 for BIC; only the columns that correlate most with the
     residual take part (Fan and Lv 2008), and the whole is reduced to its triangle first.
@@ -80,16 +85,19 @@ def lasso(search: Search) -> list[Name]:
     R = np.asarray(np.linalg.qr(np.column_stack([X[:, kept], y]), mode="r"))
     triangle, target = R[:, :-1], R[:, -1]
     largest, rows = np.abs(triangle.T @ target).max() / len(R), len(y)
-    best, chosen = rows * np.log(float(y @ y)), np.zeros(len(names), bool)
+    best, chosen = rows * np.log(float(y @ y)), np.zeros(len(names))
     for penalty in largest * np.geomspace(0.9, 1e-2, 12):
         fit = OLS(target, triangle).fit_regularized(alpha=penalty, L1_wt=1.0, maxiter=30)
         active = np.abs(fit.params) > 1e-9 * max(np.abs(fit.params).max(), 1e-300)
         left = float(np.square(target - triangle @ fit.params).sum())
         score = rows * np.log(max(left, 1e-300)) + active.sum() * np.log(rows)
         if score < best:
-            best, chosen = score, active * np.abs(fit.params)
-    order = [i for i in np.argsort(-np.asarray(chosen, float)) if chosen[i]]
-    return list(dict.fromkeys(names[i] for i in order))
+            best, chosen = score, active * np.square(fit.params) * rows / max(left, 1e-300)
+    found: Strengths = {}
+    for i in np.argsort(-chosen):
+        if chosen[i]:
+            found.setdefault(names[i], float(chosen[i]))
+    return found
 
 
 def _columns(search: Search) -> tuple[np.ndarray, np.ndarray, list[Name]]:

@@ -1,7 +1,7 @@
 """Counts answers against truths, a table per method."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from statsmodels.stats.proportion import proportion_confint
@@ -39,7 +39,12 @@ class Scored:
 def reopened(case: Case, answers: Mapping[str, Any], failure: str, sealed: Mapping[str, Any]) -> Scored:
     """A case as JSON kept it: what was said, method by method, and what was sealed."""
     said = {
-        name: Answer(a["verdict"], [[(e, k) for e, k in tie] for tie in a["ties"]], a["amounts"])
+        name: Answer(
+            a["verdict"],
+            [[(e, k) for e, k in tie] for tie in a["ties"]],
+            a["amounts"],
+            a.get("strengths", ()),
+        )
         for name, a in answers.items()
     }
     truth = tuple(
@@ -56,10 +61,13 @@ def of_diagnosis(cases: Sequence[Case], opened: Sequence[Mapping[str, Any]]) -> 
 
 
 def table(cases: Sequence[Scored], methods: Sequence[str]) -> list[dict[str, str]]:
-    """The diagnosis with its goals, then the other methods without."""
+    """The diagnosis with its goals, then the other methods without: as they are, and as careful as it."""
     rows = []
     for method in methods:
         rows += _rows(cases, method, "" if method == OURS else f"{method}: ")
+    for method in methods:
+        if any(c.said(method).strengths for c in cases):
+            rows += _rows(_as_careful(cases, method), method, f"{method}, as few false alarms: ")
     rows = [r for r in rows if r["goal"] or r["value"] != _NONE]  # of other methods what there are cases of
     failed = sum(bool(c.failure) for c in cases)
     return [*rows, row("cases that failed", f"{failed} of {len(cases)}", "0", not failed)]
@@ -102,6 +110,26 @@ def _rows(cases: Sequence[Scored], method: str, prefix: str) -> list[dict[str, s
             "of all findings of the robot file: right", findings_right(said, lambda tie: describes(tie[0][0]))
         ),
     ]
+
+
+def _as_careful(cases: Sequence[Scored], method: str) -> list[Scored]:
+    """The cases with what a method says where it names only what is strong enough.
+
+    As strong as it takes on these very cases for no more false alarms than the diagnosis gives, no stronger.
+    """
+    nulls = [c for c in cases if c.kind == "null"]
+    allowed = sum(is_alarm(c, c.said(OURS)) for c in nulls)
+    for least in sorted({0.0, *(s for c in nulls for s in c.said(method).strengths)}):
+        if sum(is_alarm(c, _above(c.said(method), least)) for c in nulls) <= allowed:
+            return [replace(c, answers={method: _above(c.said(method), least)}) for c in cases]
+    raise AssertionError("above the strongest of all nulls nothing is named")
+
+
+def _above(answer: Answer, least: float) -> Answer:
+    """The findings that are stronger; a method that failed has failed."""
+    ties = answer.ties[: sum(s > least for s in answer.strengths)]
+    quiet = "nothing_detectable" if not ties and answer.verdict != "failed" else answer.verdict
+    return replace(answer, verdict=quiet, ties=ties)
 
 
 def right(truth: Sequence[Truth]) -> set[Name]:

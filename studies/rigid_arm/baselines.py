@@ -1,4 +1,8 @@
-"""What simpler methods would have named, on the same whitened columns of the same cases."""
+"""What simpler methods would have named, on the same whitened columns of the same cases.
+
+Every name comes with a strength, so that a method can be made more careful afterwards: it stops before the
+first name that is weaker. A strength compares between the cases of one method only.
+"""
 
 import numpy as np
 from scipy.stats import f as fisher
@@ -7,49 +11,56 @@ from pyident.diagnosis.base.projection import extended, gain
 from pyident.diagnosis.search.search import Search
 
 Name = tuple[str, int]
+Strengths = dict[Name, float]  # in the order of their finding
 _LEVEL = 0.01
 _MOST = 6
 
 
-def largest_drop(search: Search) -> list[Name]:
-    """The candidate that lowers the residual most, always."""
-    return [_best(search)[0]]
+def largest_drop(search: Search) -> Strengths:
+    """The candidate that lowers the residual most, always; its share of it."""
+    name, energy, _, _ = _best(search)
+    return {name: energy / search.base.energy}
 
 
-def stepwise(search: Search) -> list[Name]:
-    """Forward selection by F-tests, Bonferroni over all candidates."""
-    names: list[Name] = []
+def stepwise(search: Search) -> Strengths:
+    """Forward selection by F-tests, Bonferroni over all candidates; strong by the ratio of likelihoods."""
+    names: Strengths = {}
     base, count = search.base, sum(r.size for r in search.base.residual)
     listed = len(search.families.columns)
-    while len(names) < _MOST:
+    strength = np.inf
+    for _ in range(_MOST):
         name, energy, K, number = _best(search, base)
         left = base.energy - energy
         freedom = count - base.basis[0].shape[2] - K
         if fisher.sf(energy / K / max(left / freedom, 1e-300), K, freedom) * listed > _LEVEL:
             break
-        names.append(name)
+        strength = min(strength, float(-count * np.log1p(-energy / base.energy)))
+        names.setdefault(name, strength)
         base = extended(base, search.families.columns[number])
-    return list(dict.fromkeys(names))
+    return names
 
 
-def bayesian_information(search: Search) -> list[Name]:
-    """Forward selection as long as n ln(energy) + K ln(n) falls."""
-    names: list[Name] = []
+def bayesian_information(search: Search) -> Strengths:
+    """Forward selection as long as n ln(energy) + K ln(n) falls; by how much it falls."""
+    names: Strengths = {}
     base, count = search.base, sum(r.size for r in search.base.residual)
-    while len(names) < _MOST:
+    strength = np.inf
+    for _ in range(_MOST):
         name, energy, K, number = _best(search, base)
-        if count * np.log(1 - energy / base.energy) + K * np.log(count) >= 0:
+        change = count * np.log(1 - energy / base.energy) + K * np.log(count)
+        if change >= 0:
             break
-        names.append(name)
+        strength = min(strength, float(-change))
+        names.setdefault(name, strength)
         base = extended(base, search.families.columns[number])
-    return list(dict.fromkeys(names))
+    return names
 
 
-def replicas_alone(search: Search) -> list[Name]:
-    """What takes most, if no replica shows as much: the first gate of a diagnosis, without the others."""
+def replicas_alone(search: Search) -> Strengths:
+    """What takes most, if no replica shows as much (1 - p): the first gate of a diagnosis."""
     step = search.step()
     best = step.best.candidate
-    return [(best.effect, best.joint)] if step.p_value <= search.rules.level else []
+    return {(best.effect, best.joint): 1 - step.p_value} if step.p_value <= search.rules.level else {}
 
 
 METHODS = {

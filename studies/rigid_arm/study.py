@@ -59,7 +59,7 @@ def _answered(_: None, case: Case) -> Answer:
         search = searched(arm(), logs[:-1], _never)
         found = concluded(search, _never, logs[-1:])
         ties = [[(n.effect, int(n.joint.removeprefix("joint"))) for n in f.tie] for f in found.findings]
-        others = {name: method(search) for name, method in METHODS.items()}
+        others = {name: list(method(search)) for name, method in METHODS.items()}
         return Answer(found.verdict, ties, others, time.perf_counter() - begin)
 
 

@@ -151,6 +151,31 @@ def test_answers_are_counted():
     assert value["cases that failed"] == "1 of 10"
 
 
+def strong(*found: tuple[str, int, float]) -> Answer:
+    return replace(named([(e, k) for e, k, _ in found]), strengths=[s for _, _, s in found])
+
+
+def test_other_methods_are_counted_as_careful_as_the_diagnosis_too():
+    """Its strength 3 in a log with nothing hidden would be an alarm; a delay that is there is none."""
+    spring, ripple = (Truth(law, ((law, 1),), 8.0) for law in ("joint_spring", "torque_ripple"))
+    quiet, own = Answer("nothing_detectable", []), (("torque_delay", 1),)
+    false = strong(("stribeck", 1, 3), ("backlash", 1, 1))
+    first, both = strong(("joint_spring", 1, 3.5)), strong(("joint_spring", 1, 9), ("torque_ripple", 1, 2))
+    cases = [
+        Scored("null", True, (), {"diagnosis": quiet, "theirs": strong(("torque_delay", 1, 7))}, besides=own),
+        Scored("null", False, (), {"diagnosis": quiet, "theirs": false}),
+        Scored("strong", False, (spring,), {"diagnosis": quiet, "theirs": first}),
+        Scored("pair", False, (spring, ripple), {"diagnosis": quiet, "theirs": both}),
+    ]  # fmt: skip
+    value = {r["what"]: r["value"].split(" (")[0] for r in table(cases, ["diagnosis", "theirs"])}
+    assert value["theirs: false alarm, ordinary"] == "1 of 1"
+    assert value["theirs: two at once: both"] == "1 of 1"
+    assert value["theirs, as few false alarms: false alarm, ordinary"] == "0 of 1"
+    assert value["theirs, as few false alarms: false alarm, difficult"] == "0 of 1"
+    assert value["theirs, as few false alarms: strong: strictly first"] == "1 of 1"
+    assert value["theirs, as few false alarms: two at once: both"] == "0 of 1"
+
+
 def nothing(robot, fit, heldout):
     return []
 
