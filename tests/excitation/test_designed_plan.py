@@ -12,7 +12,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.excitation.fourier import Reference
-from pyident.excitation.rehearsal import others_like
+from pyident.excitation.rehearsal import others_like, rehearsal
 from pyident.excitation.tables import message, table
 
 
@@ -50,8 +50,19 @@ def test_what_is_predicted_is_what_noisy_logs_scatter_by(planned):
         log = pi.Log(clean.assign(**{"joint1.e": clean["joint1.e"] + noise}))
         fit = pi.identify(robot, log, estimator="ols")
         found.append(fit.to_frame().loc[["joint1.viscous", "joint1.coulomb"], "value"].tolist())
-    expected = planned.to_frame().loc[["joint1.viscous", "joint1.coulomb"], "std"].tolist()
+    expected = planned.to_frame().loc[["joint1.viscous", "joint1.coulomb"], "std_regression"].tolist()
     assert np.std(found, axis=0) == pytest.approx(expected, rel=0.35)  # 40 draws: 11 % on a deviation
+
+
+def test_what_identify_is_to_say_it_says_of_logs_with_noise_in_the_loop(planned):
+    """Its values scatter by the promised standard deviations, its own intervals say them (3 s: by 50 %)."""
+    robot, names = limited(), ["joint1.viscous", "joint1.coulomb"]
+    with rehearsal(robot) as own:
+        logs = own.noisy(planned.plan, {name: 1e-5 for name in robot.coordinates}, range(300, 320))
+    fits = [pi.identify(robot, log).to_frame().loc[names] for log in logs]
+    promised = planned.to_frame().loc[names, "std"].tolist()
+    assert np.std([f["value"].tolist() for f in fits], axis=0) == pytest.approx(promised, rel=0.5)
+    assert np.median([f["std"].tolist() for f in fits], axis=0) == pytest.approx(promised, rel=0.5)
 
 
 def test_a_check_tells_what_a_weaker_robot_would_break(planned):

@@ -7,6 +7,7 @@ import pytest
 from planned_joint import FEW, limited
 
 import pyident as pi
+from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
 from pyident.verbs.planned import Promise
 
 STRIBECK = {"joint1.stribeck.level": 0.5, "joint1.stribeck.velocity": 0.05}
@@ -45,6 +46,24 @@ def test_a_zero_of_the_model_is_no_prediction(planned):
     words = "a 0 in the model may be a value that nobody has identified yet"
     assert words in said(0.0)
     assert words not in said(2.0)
+
+
+@pytest.mark.parametrize(
+    ("ended", "words"),
+    [(pi.LogError("too short"), "`identify` would give no values of a log of this motion: too short"),
+     (KeyboardInterrupt(), "interrupted before a log of this motion was identified")],
+)  # fmt: skip
+def test_a_motion_is_kept_where_its_log_is_not_identified(planned, monkeypatch, ended, words):
+    def refusing(*_):
+        raise ended
+
+    monkeypatch.setitem(IDENTIFICATIONS, DEFAULT, refusing)
+    checked = pi.check_plan(planned.plan, limited(), floor=None, others=1)
+    assert words in checked.notes
+    said = checked.to_dict()["parameters"]["joint1.viscous"]
+    assert said["std"] is None
+    assert said["std_regression"] > 0
+    assert "-: a log tells it, but `identify` gives it no interval" in str(checked.summary())
 
 
 def test_its_values_come_with_predicted_deviations_and_null_where_there_is_none(planned):

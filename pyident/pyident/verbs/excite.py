@@ -33,6 +33,7 @@ from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
 from pyident.excitation.violations import of_ends
 from pyident.logs.log import Log, LogError
+from pyident.simulation.fmu_runs import runs_in_threads
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
 from pyident.verbs.planned import Checked, Planned, Promise
@@ -45,6 +46,7 @@ _TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is
 _RATE = 250.0  # Hz, of robots without a controller
 _OTHERS = 24
 _PROMISED = range(101, 117)  # seeds of the noise under which a promise is made: none of the search's
+_DESIGNING, _RUNNING = 0.9, 0.6  # of the time; the rest is what a log will tell
 _SEEDS = 2**32 - 1  # as NumPy's older generators take them
 _LARGEST = 1e6  # s, Hz, m or a sensor's noise
 _FEWEST, _MOST = 10, 1e6  # samples of a plan: fewer hold no motion, more do not fit into a search
@@ -104,12 +106,15 @@ def excite(
     _over_the_floor(task)
     _long_enough(task)
     with rehearsal(robot) as own:
+        told = _first(_DESIGNING, progress)
         if pair is not None:
-            found, promise = _apart(task, drawing, own, pair, budget, progress)
+            found, promise = _apart(task, drawing, own, pair, budget, told)
         else:
-            found, promise = designed(task, drawing, CRITERIA[criterion], own, budget, progress), None
-        prediction = predicted(robot, own.log(found.plan), task.noise)
-    return Planned(robot, found, (*out, *_notes(task)), prediction, promise)
+            found, promise = designed(task, drawing, CRITERIA[criterion], own, budget, told), None
+        prediction = predicted(own, found.plan, task.noise, runs_in_threads)
+    if progress:
+        progress(1.0)
+    return Planned(robot, found, (*out, *_notes(task), *prediction.notes), prediction, promise)
 
 
 def check_plan(
@@ -139,11 +144,15 @@ def check_plan(
         like = others_like(robot, others, seed=2, spread=spread)
         found = of_ends(robot, task.limits, reference_of_plan(read))
         found += violations(own, task.limits, task.geometry, read)
-        runs = of_others(own, task.limits, task.geometry, read, like, progress or (lambda _: None))
-        prediction = predicted(robot, own.log(read), task.noise)
+        told = _first(_RUNNING, progress) or (lambda _: None)
+        runs = of_others(own, task.limits, task.geometry, read, like, told)
+        prediction = predicted(own, read, task.noise, runs_in_threads)
+    if progress:
+        progress(1.0)
     broken = sum(bool(run) for run in runs)
     listed = worst([*found, *chain.from_iterable(runs)])
-    return Checked(robot, tuple(listed), _notes(task), prediction, others, broken)
+    notes = (*_notes(task), *prediction.notes)
+    return Checked(robot, tuple(listed), notes, prediction, others, broken)
 
 
 def export_plan(
@@ -244,11 +253,8 @@ def _require(
     duration: float, rate: float, radius: float | None, floor: float | None, noise: Mapping[str, float]
 ) -> None:
     """Raises RobotError for numbers that no motion, link or sensor has."""
-    named = [
-        ("the duration", duration),
-        ("the rate", rate),
-        *((f"the noise of {n}", x) for n, x in noise.items()),
-    ]
+    named = [("the duration", duration), ("the rate", rate)]
+    named += [(f"the noise of {name}", size) for name, size in noise.items()]
     if radius is not None:
         named.append(("the radius", radius))
     for name, value in named:
@@ -282,6 +288,11 @@ def _long_enough(task: Task) -> None:
         recipe(Log(rest, "a log of the plan"), robot)
     except LogError as error:
         raise RobotError(f"{error}; give a longer duration or, without a controller, a higher rate") from None
+
+
+def _first(part: float, progress: Progress | None) -> Progress | None:
+    """Of something that takes the first part of the time."""
+    return progress and (lambda share: progress(part * share))
 
 
 def _notes(task: Task) -> tuple[str, ...]:

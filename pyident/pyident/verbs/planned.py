@@ -77,7 +77,7 @@ class Planned(Result):
         return Path(path)
 
     def to_frame(self) -> "pd.DataFrame":
-        """A row per parameter: value, predicted standard deviation, unit."""
+        """A row per parameter: value, standard deviation by `identify` and by regression, unit."""
         return _parameters(self.robot, self.prediction)
 
     def to_dict(self) -> dict[str, Any]:
@@ -181,8 +181,9 @@ def _rms(plan: "Experiment") -> dict[str, float]:
 def _parameters(robot: "Robot", found: "Prediction") -> "pd.DataFrame":
     import pandas as pd
 
-    rows = [(name, found.values[name], std, robot.units[name]) for name, std in found.std.items()]
-    return pd.DataFrame(rows, columns=["parameter", "value", "std", "unit"]).set_index("parameter")
+    by_name = {"value": found.values, "std": found.std, "std_regression": found.std_regression}
+    frame = pd.DataFrame(by_name | {"unit": {name: robot.units[name] for name in found.values}})
+    return frame.rename_axis("parameter")
 
 
 def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
@@ -190,7 +191,8 @@ def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
         "parameters": {
             name: {
                 "value": found.values[name],
-                "std": std if np.isfinite(std) else None,
+                "std": _finite(std),
+                "std_regression": _finite(found.std_regression[name]),
                 "unit": robot.units[name],
             }
             for name, std in found.std.items()
@@ -201,6 +203,10 @@ def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
     }
 
 
+def _finite(std: float) -> float | None:
+    return std if np.isfinite(std) else None
+
+
 def _rank(found: "Prediction") -> str:
     return f"rank {found.rank} of {len(found.std)} parameters, condition number {found.condition:.3g}"
 
@@ -209,10 +215,12 @@ def _told(robot: "Robot", found: "Prediction") -> str:
     rows = [
         (name, f"{found.values[name]:.5g}", half_interval(std), robot.units[name])
         for name, std in found.std.items()
-        if np.isfinite(std)
+        if np.isfinite(std) or np.isfinite(found.std_regression[name])
     ]
-    heads = ("parameter", "in the model", "± 95 % by regression", "unit")
+    heads = ("parameter", "in the model", "± 95 % by identify", "unit")
     lines = [table(heads, rows, numbers=(1, 2)), f"{_rank(found)}; the others only in combinations"]
+    if any(half == "-" for _, _, half, _ in rows):
+        lines.append("-: a log tells it, but `identify` gives it no interval")
     if any(found.values[name] == 0 for name, *_ in rows):
         zero = "a 0 in the model may be a value that nobody has identified yet: ± 95 % says how closely a log"
         lines.append(wrapped(f"{zero} of this motion would give it"))
