@@ -63,7 +63,7 @@ def test_a_motion_is_kept_where_its_log_is_not_identified(planned, monkeypatch, 
     said = checked.to_dict()["parameters"]["joint1.viscous"]
     assert said["std"] is None
     assert said["std_regression"] > 0
-    assert "-: a log tells it, but `identify` gives it no interval" in str(checked.summary())
+    assert "± 95 % by a plain regression" in str(checked.summary())
 
 
 def test_its_values_come_with_predicted_deviations_and_null_where_there_is_none(planned):

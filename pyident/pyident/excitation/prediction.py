@@ -69,8 +69,12 @@ def predicted(
     alone = {
         name: float(std)
         for name, std in zip(fit.reduced.columns, fit.solution.std, strict=True)
-        if fit.support[name] == "alone" and std > 0
+        if fit.support[name] == "alone" and np.isfinite(std) and std > 0
     }
+    if not alone:
+        return replace(
+            found, notes=tuple(f"`identify`, of a log of this motion: {said}" for said in fit.notes)
+        )
     return replace(found, std={name: alone.get(name, np.inf) for name in found.std})
 
 

@@ -212,13 +212,16 @@ def _rank(found: "Prediction") -> str:
 
 
 def _told(robot: "Robot", found: "Prediction") -> str:
+    fitted = bool(np.isfinite(list(found.std.values())).any())
+    told = found.std if fitted else found.std_regression
     rows = [
-        (name, f"{found.values[name]:.5g}", half_interval(std), robot.units[name])
-        for name, std in found.std.items()
-        if np.isfinite(std) or np.isfinite(found.std_regression[name])
+        (name, f"{value:.5g}", half_interval(told[name]), robot.units[name])
+        for name, value in found.values.items()
+        if np.isfinite(told[name]) or np.isfinite(found.std_regression[name])
     ]
-    heads = ("parameter", "in the model", "± 95 % by identify", "unit")
-    lines = [table(heads, rows, numbers=(1, 2)), f"{_rank(found)}; the others only in combinations"]
+    half = f"± 95 % by {'identify' if fitted else 'a plain regression'}"
+    lines = [table(("parameter", "in the model", half, "unit"), rows, numbers=(1, 2))]
+    lines.append(f"{_rank(found)}; the others only in combinations")
     if any(half == "-" for _, _, half, _ in rows):
         lines.append("-: a log tells it, but `identify` gives it no interval")
     if any(found.values[name] == 0 for name, *_ in rows):
