@@ -1,10 +1,13 @@
 """Axes that are called by letters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from flexmodels.files.robot_file import load_robot
+from pyident.checks.transformations import transformations
 from pyident.inspection.channel import LETTERS
 from pyident.inspection.inspect_log import inspect_log
 from pyident.inspection.letters import lettered
@@ -62,6 +65,18 @@ def test_letters_are_taken_in_their_order_and_asked(columns, tmp_path):
     assert not any(question.startswith("no column") for question in found.questions)
 
 
+def test_machine_tools_call_sliders_and_hinges_by_letters_of_their_own(tmp_path):
+    """A gantry whose hinge C is its second joint, with the units of each at the ends of names."""
+    made = robot(tmp_path)
+    joints = (made.joints[0], replace(made.joints[1], kind="revolute"), made.joints[2])
+    names = ("C_act_deg", "X_act_mm", "Z_act_mm", "X_cur_A", "Z_cur_A", "C_cur_A")
+    found, guessed = lettered({name: meaning(name) for name in names}, replace(made, joints=joints))
+    assert {name: m.joint for name, m in found.items()} == {
+        "X_act_mm": 1, "C_act_deg": 2, "Z_act_mm": 3, "X_cur_A": 1, "C_cur_A": 2, "Z_cur_A": 3
+    }  # fmt: skip
+    assert (found["C_act_deg"].unit, found["Z_act_mm"].unit, guessed) == ("deg", "mm", set(names))
+
+
 @pytest.mark.parametrize(
     ("names", "kind"),
     [
@@ -84,3 +99,11 @@ def test_letters_that_are_the_joints_names_are_no_guess(tmp_path):
         "Y_Pos": 1, "X_Pos": 2, "C_Pos": 3, "Y_Strom": 1, "X_Strom": 2, "C_Strom": 3
     }  # fmt: skip
     assert (found["X_Pos"].signal, found["C_Strom"].signal, guessed) == ("position", "current", set())
+
+
+@pytest.mark.parametrize(("reach", "offered"), [(0.58, False), (5.8e-4, True)])
+def test_no_slider_is_taken_to_go_half_a_kilometre(reach, offered, tmp_path):
+    """Of 0.58 m nobody had made metres that were read as millimetres."""
+    q = reach * np.sin(np.outer(TIME, (1, 2, 3)))
+    mends = [change.mend for change in transformations(robot(tmp_path), q) if change.kind == "unit"]
+    assert any("metres read as millimetres" in mend for mend in mends) == offered

@@ -1,13 +1,20 @@
-"""Columns that a letter alone tells apart: X_Pos, Y_Pos and Z_Pos at three joints, A_Pos to F_Pos at six."""
+"""Columns that a letter alone tells apart: X_Pos, Y_Pos and Z_Pos at three joints, A_Pos to F_Pos at six.
 
+Machine tools call their sliders X, Y, Z and their hinges A, B, C (DIN 66217).
+"""
+
+import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from flexmodels.robot import Robot
 from pyident.inspection.words import Meaning, meaning
+from pyident.logs.units import KINDS, known_unit
 
 _NO_JOINT = ("time", "other", "unknown")
+_SLIDERS, _HINGES = "xyz", "abc"
+_UNIT = re.compile(r"^(.*?)[ _.]([^ _.]+)$")
 
 
 def lettered(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, Meaning], set[str]]:
@@ -16,40 +23,70 @@ def lettered(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, M
     said   of all columns, by their whole names
     A signal that has columns with joints of their own keeps these: x, y and z beside q1 to q3 are a tip's.
     """
-    if robot is None:
+    if robot is None or len(robot.joints) < 2:
         return {}, set()
     own = [joint.name.lower() for joint in robot.joints]
-    sliders = all(joint.kind == "prismatic" for joint in robot.joints)
+    kinds = [joint.kind for joint in robot.joints]
+    sliders = all(kind == "prismatic" for kind in kinds)
     found: dict[str, Meaning] = {}
     guessed: set[str] = set()
-    for rest, names in _series(said, own):
-        letters = sorted(names)
-        shared = meaning(rest)
-        if shared.signal == "unknown" and sliders and letters == ["x", "y", "z"]:
-            shared = said[names["x"]]
-        if shared.signal in _NO_JOINT:
+    for names, rests in _series(said, len(own)):
+        order = own if set(names) == set(own) else _order(set(names), kinds)
+        if order is None:
             continue
-        named = sorted(own) == letters
-        order = own if named else letters
-        found |= {names[letter]: replace(shared, joint=k) for k, letter in enumerate(order, start=1)}
-        guessed |= set() if named else set(names.values())
+        meanings = {letter: meaning(rest) for letter, rest in rests.items()}
+        if sliders and order == ["x", "y", "z"] and {m.signal for m in meanings.values()} == {"unknown"}:
+            meanings = {letter: said[names["x"]] for letter in order}
+        if all(_measures(meanings[letter], kind) for letter, kind in zip(order, kinds, strict=True)):
+            meanings = {letter: replace(m, signal="position") for letter, m in meanings.items()}
+        signals = {m.signal for m in meanings.values()}
+        if len(signals) > 1 or signals & set(_NO_JOINT):
+            continue
+        found |= {
+            names[letter]: replace(meanings[letter], joint=k) for k, letter in enumerate(order, start=1)
+        }
+        guessed |= set() if order is own else set(names.values())
     left = {_kind(m) for name, m in said.items() if name not in found and m.joint is not None}
     found = {name: m for name, m in found.items() if _kind(m) not in left}
     return found, guessed & set(found)
+
+
+def _measures(m: Meaning, kind: str) -> bool:
+    """Whether a column of which no word says what it is has the unit of a joint's position."""
+    unit = "length" if kind == "prismatic" else "angle"
+    return m.signal == "unknown" and KINDS.get(m.unit or "") == unit
 
 
 def _kind(m: Meaning) -> tuple[str, str]:
     return m.signal, m.side
 
 
-def _series(names: Iterable[str], own: list[str]) -> Iterator[tuple[str, dict[str, str]]]:
-    """What is left of names without a letter, and letter -> name: as many as joints, on end or theirs."""
-    alike: dict[tuple[str, str, bool], dict[str, str]] = defaultdict(dict)
-    for name in names:
+def _order(letters: set[str], kinds: Sequence[str]) -> list[str] | None:
+    """Letters by joint: on end in the alphabet, or those of a machine tool by the kind of its joints."""
+    alphabet = sorted(letters)
+    if "".join(alphabet) in "abcdefghijklmnopqrstuvwxyz":
+        return alphabet
+    straight, turning = ([a for a in axes if a in letters] for axes in (_SLIDERS, _HINGES))
+    if len(straight) != kinds.count("prismatic") or len(straight) + len(turning) != len(kinds):
+        return None
+    left = {"prismatic": iter(straight), "revolute": iter(turning)}
+    return [next(left[kind]) for kind in kinds]
+
+
+def _series(said: dict[str, Meaning], joints: int) -> Iterator[tuple[dict[str, str], dict[str, str]]]:
+    """Letter -> name, and -> the name without it: as many as joints, alike but for letter and unit."""
+    alike: dict[tuple[str, str, bool], dict[str, tuple[str, str]]] = defaultdict(dict)
+    for name in said:
         for i, letter in enumerate(name):
             if letter.isascii() and letter.isalpha():
-                alike[name[:i], name[i + 1 :], letter.isupper()][letter.lower()] = name
-    for (before, after, _), found in alike.items():
-        on_end = "".join(sorted(found)) in "abcdefghijklmnopqrstuvwxyz"
-        if len(found) == len(own) > 1 and (on_end or set(found) == set(own)):
-            yield f"{before} {after}", found
+                before, after = name[:i], name[i + 1 :]
+                key = before, _without_unit(after), letter.isupper()
+                alike[key][letter.lower()] = name, f"{before} {after}"
+    for found in alike.values():
+        if len(found) == joints:
+            yield {a: name for a, (name, _) in found.items()}, {a: rest for a, (_, rest) in found.items()}
+
+
+def _without_unit(text: str) -> str:
+    parts = _UNIT.match(text)
+    return parts[1] if parts and known_unit(parts[2]) else text

@@ -74,6 +74,12 @@ class EquationCheckRules:
         "smaller positions are neither degrees nor millimetres",
         "no data: what robots do; half flags a good log of studies/log_checks",
     )
+    longest: float = rule(
+        100.0,
+        "m",
+        "positions of sliders are no metres read as millimetres beyond",
+        "no data: what sliders do",
+    )
     longest_shift: float = rule(
         0.15,
         "s of a torque's delay, either way",
