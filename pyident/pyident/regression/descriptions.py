@@ -41,6 +41,7 @@ class Description:
     turning   of revolute joints only;  rigid: of joints without hinges that bend
     positive  no correction is below 0
     whole     of the robot, not of a joint: it is listed at joint 1
+    causal    a negative correction would be ahead of its time, as no sensor is: named by its share
     measured  of torques that are measured: a known controller logs the one that it commands, in time
     """
 
@@ -53,6 +54,7 @@ class Description:
     rigid: bool = False
     positive: bool = False
     whole: bool = False
+    causal: bool = False
     measured: bool = False
     least: float = 0.0
     least_samples: float = 0.0
@@ -129,6 +131,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
             "s",
             0.02,
             LAG,
+            causal=True,
             measured=True,
             least=5e-4,
             least_samples=0.2,

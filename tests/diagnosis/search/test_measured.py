@@ -52,6 +52,12 @@ def replicas_show_noise_and_all_is_motion(monkeypatch):
     monkeypatch.setattr(module, "where_moving", lambda *_: [np.ones((1, COUNT), bool)])
 
 
+@pytest.mark.parametrize(("value", "counts"), [(0.003, True), (-0.003, False)])
+def test_a_torque_that_is_ahead_of_its_time_counts_by_its_share_alone(value, counts):
+    """3 ms, of samples of 10 ms."""
+    assert measured(search(0.3, value=value), replace(AXIS, effect="torque_lag"), SEEN_AGAIN) == counts
+
+
 def test_what_replicas_show_as_well_is_no_error(monkeypatch):
     monkeypatch.setattr(module, "_in_replicas", lambda *_: np.full(20, 36.0))
     assert not measured(search(0.3), AXIS, SEEN_AGAIN)

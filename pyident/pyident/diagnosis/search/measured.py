@@ -9,6 +9,8 @@ show of it: differences of held torques and of noisy angles make one by themselv
 held-out logs ask for this one error alone, what replicas show of others is no chance that it shared.
 It is asked for at the frequencies of the motion: beyond, a column holds what a low pass left of encoders'
 noise, and the torque a controller's answer to it.
+A torque that comes early by itself is not measured so: sensors and filters come late, and what hastens a
+torque little by little is friction, or a brake.
 Positions that had to be moved in time are where they belong to a fiftieth of a sample, which is more than
 such an error.
 """
@@ -34,7 +36,8 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
         return False
     found = search.gain_of(candidate)
-    if candidate.describes and not worth_name(search, candidate, found.coefficients):
+    value = found.coefficients
+    if candidate.describes and not (worth_name(search, candidate, value) and _can_be(candidate, value)):
         return False
     energies = _in_replicas(search, candidate)
     if np.mean(energies >= found.energy) >= rules.level:
@@ -48,6 +51,11 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
     """Whether an error of the robot file, its value (K,) in SI units, is large enough in the slowest log."""
     period = max(log.period for log in search.examination.setting.logs)
     return DESCRIPTIONS[error.effect].worth_name(value, period)
+
+
+def _can_be(error: Candidate, value: np.ndarray) -> bool:
+    """Whether a value (K,) is not ahead of its time."""
+    return not DESCRIPTIONS[error.effect].causal or bool(np.all(value > 0))
 
 
 def _deviations(search: Search, candidate: Candidate) -> float:
