@@ -156,7 +156,7 @@ def strong(*found: tuple[str, int, float]) -> Answer:
 
 
 def test_other_methods_are_counted_as_careful_as_the_diagnosis_too():
-    """Its strength 3 in a log with nothing hidden would be an alarm; a delay that is there is none."""
+    """Its strength 3 in a log with nothing hidden would be an alarm, and so would 3.2 at a wrong joint."""
     spring, ripple = (Truth(law, ((law, 1),), 8.0) for law in ("joint_spring", "torque_ripple"))
     quiet, own = Answer("nothing_detectable", []), (("torque_delay", 1),)
     false = strong(("stribeck", 1, 3), ("backlash", 1, 1))
@@ -165,15 +165,18 @@ def test_other_methods_are_counted_as_careful_as_the_diagnosis_too():
         Scored("null", True, (), {"diagnosis": quiet, "theirs": strong(("torque_delay", 1, 7))}, besides=own),
         Scored("null", False, (), {"diagnosis": quiet, "theirs": false}),
         Scored("strong", False, (spring,), {"diagnosis": quiet, "theirs": first}),
+        Scored("weak", False, (spring,), {"diagnosis": quiet, "theirs": strong(("joint_spring", 2, 3.2))}),
         Scored("pair", False, (spring, ripple), {"diagnosis": quiet, "theirs": both}),
     ]  # fmt: skip
     value = {r["what"]: r["value"].split(" (")[0] for r in table(cases, ["diagnosis", "theirs"])}
+    assert value["theirs: single: confidently wrong"] == "1 of 2"
+    assert value["theirs, wrong as seldom: single: confidently wrong"] == "0 of 2"
     assert value["theirs: false alarm, ordinary"] == "1 of 1"
     assert value["theirs: two at once: both"] == "1 of 1"
-    assert value["theirs, as few false alarms: false alarm, ordinary"] == "0 of 1"
-    assert value["theirs, as few false alarms: false alarm, difficult"] == "0 of 1"
-    assert value["theirs, as few false alarms: strong: strictly first"] == "1 of 1"
-    assert value["theirs, as few false alarms: two at once: both"] == "0 of 1"
+    assert value["theirs, wrong as seldom: false alarm, ordinary"] == "0 of 1"
+    assert value["theirs, wrong as seldom: false alarm, difficult"] == "0 of 1"
+    assert value["theirs, wrong as seldom: strong: strictly first"] == "1 of 1"
+    assert value["theirs, wrong as seldom: two at once: both"] == "0 of 1"
 
 
 def nothing(robot, fit, heldout):
