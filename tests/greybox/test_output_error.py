@@ -93,6 +93,13 @@ def test_an_output_of_noise_alone_takes_no_interval_from_the_others():
     assert found.estimates[0].std == pytest.approx(NOISE / np.linalg.norm(INPUT), rel=0.25)
 
 
+@pytest.mark.parametrize(("start", "told"), [(0.0, False), (2.0, True)])
+def test_a_log_that_begins_in_motion_is_told(start, told):
+    """A start that the model has not dies out within a tenth of a second."""
+    found = output_error([noisy(2.0 * INPUT + start * np.exp(-TIME / 0.1))], line, [Free("gain", "1", 1.0)])
+    assert any("name the start values of the model's states" in note for note in found.notes) == told
+
+
 def test_outputs_that_grow_without_bound_are_refused_in_one_sentence():
     def exploding(recording, sets, names, progress=None):
         return line(recording, sets, names) * np.exp(np.minimum(TIME * 20, 700))[None, :, None]

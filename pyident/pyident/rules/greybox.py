@@ -75,6 +75,12 @@ class GreyboxRules:
         "a fit that does not describe an output has no intervals",
         "by reason: an output of noise alone leaves 1, one in a wrong unit left 1.6",
     )
+    begun: float = rule(
+        3.0,
+        "what is missed of an output later on: as much at the beginning is a start that differs",
+        "a motion that a log begins with dies out, which noise does not",
+        "by reason: noise leaves about 1",
+    )
     away: float = rule(
         1e12,
         "an output's own scatter by which the model misses it, at its start or for a slope",
