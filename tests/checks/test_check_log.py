@@ -150,6 +150,16 @@ def test_what_delays_all_torques_alike_is_measured(four_link, sound, late):
     assert {d.kind for d in check_log(four_link, moved)} == ({"delay"} if late else set())
 
 
+@pytest.mark.parametrize(("late", "told"), [(1, False), (2, True)])
+def test_one_recorder_delays_the_torques_of_most_logs(late, told, four_link, sound):
+    """One of three that seems late is what the model lacks along its motion."""
+    torques = {f"joint{k}_tau": lambda x: np.roll(x, 1) for k in (1, 2, 3, 4)}
+    logs = [changed(sound, **torques)] * late + [sound] * (3 - late)
+    named = [replace(log, source=f"log{i}.csv") for i, log in enumerate(logs)]
+    found = checked(four_link, named).defects
+    assert any("all torques" in d.sentence for d in found) == told
+
+
 def test_what_delays_one_joint_is_no_recorder(four_link, sound):
     moved = changed(sound, joint1_tau=lambda x: np.roll(x, 2))
     assert common_delay(balances(samples(four_link, moved))) is None  # pyright: ignore[reportArgumentType]

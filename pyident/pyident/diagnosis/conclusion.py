@@ -49,6 +49,8 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
     stages = tuple(_stages(search, findings, steps))
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
+    seen = [f.candidate for f in selection.first.ranked if search.p_value(f) <= search.rules.level]
+    shown |= {(c.effect, joint_name(c.joint)) for c in seen}
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
