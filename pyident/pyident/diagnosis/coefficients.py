@@ -26,6 +26,8 @@ from pyident.regression.spectrum import Equations
 
 _ROUNDS = 20  # until a coefficient rests
 _RESTS = 0.05  # of its standard deviation
+_CHANCE = 9.0  # of an energy: the square of three standard deviations
+_LOOSE = 2.0  # times: a coefficient that may be as much larger is not told
 
 
 def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidate) -> Gain:
@@ -47,6 +49,22 @@ def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidat
             return new
     own = _of_last(first.gain, candidate, search.robot)
     return replace(own, std=np.full_like(own.std, np.inf))
+
+
+def loosely_told(search: Search, others: Sequence[Candidate], candidate: Candidate) -> np.ndarray:
+    """(K,) which coefficients hang on nonlinear values that the logs do not tell.
+
+    Values of the grid that take as much, within three standard deviations of the noise, give others: the
+    viscous part of a coupling and its ratio, of which the logs tell the product.
+    """
+    if not candidate.nonlinear or candidate.speeds:
+        return np.zeros(width(search.robot, candidate), bool)
+    view, ex = search.resting_on(others), search.examination
+    grid = [ex.candidates[i] for i in search.families.members[candidate.family]]
+    every = [view.gain_of(c) for c in (candidate, *grid)]
+    as_good = np.array([g.coefficients for g in every if g.energy > every[0].energy - _CHANCE])
+    low, high = np.abs(as_good).min(axis=0), np.abs(as_good).max(axis=0)
+    return (np.ptp(np.sign(as_good), axis=0) > 1) | (high > _LOOSE * low)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES, Region
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out, in_bands
-from pyident.diagnosis.coefficients import gain_beside
+from pyident.diagnosis.coefficients import gain_beside, loosely_told
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.notes import (
     in_doubt,
@@ -135,7 +135,8 @@ def _together(search: Search, found: Found, others: Sequence[Candidate], held: H
         value = held.together(search.resting_on(others), found.candidate)
         return named(search, replace(found, gain=replace(found.gain, coefficients=value)))
     own = gain_beside(search, others, found.candidate)
-    coefficients = replace(found.gain, coefficients=own.coefficients, std=own.std)
+    std = np.where(loosely_told(search, others, found.candidate), np.inf, own.std)
+    coefficients = replace(found.gain, coefficients=own.coefficients, std=std)
     return named(search, replace(found, gain=coefficients))
 
 
