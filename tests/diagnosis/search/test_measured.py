@@ -110,8 +110,19 @@ def test_held_out_logs_must_find_the_same(unseen):
     assert not measured(search(0.3), AXIS, unseen)
 
 
-def test_positions_that_were_moved_in_time_show_no_such_error():
-    assert not measured(search(0.3, late=0.004), AXIS, SEEN_AGAIN)
+@pytest.mark.parametrize(("beside", "counts"), [(0.3, True), (0.0, False)])
+def test_where_positions_were_moved_in_time_an_error_is_what_a_further_move_is_not(
+    beside, counts, monkeypatch
+):
+    """beside: what the error takes where a move takes its part first."""
+    monkeypatch.setattr(module, "_beside_a_delay", lambda _: search(beside, late=0.004))
+    assert measured(search(0.3, late=0.004), AXIS, SEEN_AGAIN) == counts
+
+
+def test_torques_that_were_sharpened_show_no_such_error():
+    view = search(0.3)
+    view.examination.setting.alignment = Alignment(corner=10.0)
+    assert not measured(view, AXIS, SEEN_AGAIN)
 
 
 @pytest.mark.parametrize(("std", "kept"), [(0.003, 1.8), (0.006, 2.6)])

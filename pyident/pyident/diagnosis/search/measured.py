@@ -11,15 +11,19 @@ It is asked for at the frequencies of the motion: beyond, a column holds what a 
 noise, and the torque a controller's answer to it.
 A torque that comes early by itself is not measured so: sensors and filters come late, and what hastens a
 torque little by little is friction, or a brake.
-Positions that had to be moved in time are where they belong to a fiftieth of a sample, which is more than
-such an error.
+Positions that had to be moved in time are where they belong to a fiftieth of a sample, which may be more than
+such an error: it is measured beside a further move of all. Nothing is where they had to be sharpened.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
+from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.candidates import Candidate, bounds
 from pyident.diagnosis.base.denoised import where_moving
-from pyident.diagnosis.base.projection import gains_over, others_of
+from pyident.diagnosis.base.projection import extended, gains_over, others_of
+from pyident.diagnosis.misaligned import by_delay
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
 from pyident.regression.descriptions import DESCRIPTIONS
@@ -32,8 +36,12 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     unseen   what it takes of held-out logs; none: it does not count
     """
     rules = search.rules
-    moved = search.examination.setting.alignment.needed
-    if unseen is None or moved or search.stands_out or unseen.deviations < rules.again:
+    alignment = search.examination.setting.alignment
+    if alignment != Alignment(alignment.late):
+        return False
+    if alignment.needed:
+        search = _beside_a_delay(search)
+    if unseen is None or search.stands_out or unseen.deviations < rules.again:
         return False
     found = search.gain_of(candidate)
     value = found.coefficients
@@ -45,6 +53,11 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     fitted = _deviations(search, candidate) / max(np.sqrt(energies.mean()), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
     return either and unseen.of_one_size(rules, 1 / fitted)
+
+
+def _beside_a_delay(search: Search) -> Search:
+    """The search that a further delay of all positions is no matter of."""
+    return replace(search, base=extended(search.base, by_delay(search.examination)))
 
 
 def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
