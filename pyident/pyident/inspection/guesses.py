@@ -48,6 +48,8 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
         if (signal == "voltage" and _supply(values)) or (signal == "switch" and not _switched(values)):
             signal = "other"
         unit = known_unit(recording.units.get(name, "")) or m.unit
+        if signal == "unknown" and m.joint is not None and KINDS.get(unit or "") == "effort":
+            signal = "torque"  # F3 [N]
         if signal == "torque" and unit == "%":  # of a rated one, which has to be asked for as a current's
             signal = "current"
         kinds = _KIND.get(signal, ())

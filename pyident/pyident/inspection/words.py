@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 from pyident.logs.units import KINDS, known_unit
@@ -145,6 +146,7 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None) or _last_unit(rest)
     if unit and len(words) > 1:
         words = words[:-1]
+    unit = unit or _inner_unit(rest)
     words = _of_the_load(words, KINDS.get(unit or ""))
     side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
     if joint is None and numbers:
@@ -224,6 +226,13 @@ def _last_unit(name: str) -> str | None:
         electric = {_BARE.get(word.lower()) for word in words if len(word) > 1} & {"current", "voltage"}
         return known_unit(last) if electric else None
     return known_unit(last) if len(last) > 1 and last not in ("min", "rev") else None
+
+
+def _inner_unit(name: str) -> str | None:
+    """The unit that follows a signal's word (current_mA_joint1)."""
+    after = (b for a, b in pairwise(_SPLIT.split(name)) if len(a) > 1 and a.lower() in _BARE)
+    units = (known_unit(word) for word in after if len(word) > 1 and word not in ("in", "min", "rev"))
+    return next((unit for unit in units if unit), None)
 
 
 def _unit(words: list[str]) -> str | None:
