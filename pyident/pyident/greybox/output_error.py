@@ -23,6 +23,7 @@ from pyident.rules.greybox import GREYBOX
 _FINER = (0.1, 0.01)  # of that step: slopes by two must agree, or the outputs jump with the parameters
 _ROUNDS = 3  # of weights
 _BEGINNING = 20  # parts of a recording, the first of which is its beginning
+_FELT = 1e-3  # of an output's size: the least miss that a beginning is held against
 _FLOOR = 1e-9  # of an output's size: its least noise
 
 
@@ -82,7 +83,7 @@ def output_error(
             f"a constant would explain more of {', '.join(missed)} than the fitted model does: check its "
             "unit, sign and start; no interval is given",
         )
-    notes += _begun_elsewhere(search.recordings, left)
+    notes += _begun_elsewhere(search, left)
     notes += tuple(f"{e.free.name} ends at its bound {e.value:.6g}" for e in estimates if e.at_bound)
     return OutputError(estimates, tuple(left), (*notes, *((search.note,) if search.note else ())))
 
@@ -115,17 +116,14 @@ def _fitted(search: Search, p: np.ndarray, progress: Progress | None) -> tuple[n
     return p, left
 
 
-def _begun_elsewhere(recordings: Sequence[Recording], left: Sequence[np.ndarray]) -> tuple[str, ...]:
+def _begun_elsewhere(search: Search, left: Sequence[np.ndarray]) -> tuple[str, ...]:
     """A note where outputs are missed (N, S) at the beginning of their recordings far more than later on."""
-    parts = [len(m) // _BEGINNING for m in left]
-    ratios = [
-        np.sqrt(np.mean(m[:part] ** 2, axis=0) / np.maximum(np.mean(m[part:] ** 2, axis=0), 1e-300))
-        for m, part in zip(left, parts, strict=True)
-        if part
-    ]
-    if not ratios:
-        return ()
-    names, most = recordings[0].outputs, np.max(ratios, axis=0)
+    ratios = []
+    for m in left:
+        part = max(len(m) // _BEGINNING, 1)
+        first, later = (np.sqrt(np.mean(x**2, axis=0)) for x in (m[:part], m[part:]))
+        ratios.append(first / np.maximum(later, _FELT * search.size))
+    names, most = search.recordings[0].outputs, np.max(ratios, axis=0)
     which = ", ".join(n for n, ratio in zip(names, most, strict=True) if ratio > GREYBOX.begun)
     said = f"{which}: missed at the beginning {most.max():.2g} times as much as later; where a log begins in "
     return (f"{said}motion, name the start values of the model's states as parameters, too",) if which else ()

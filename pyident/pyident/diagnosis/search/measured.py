@@ -37,12 +37,11 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     """
     rules = search.rules
     alignment = search.examination.setting.alignment
-    if alignment != Alignment(alignment.late):
+    sharpened = alignment != Alignment(alignment.late)
+    if unseen is None or sharpened or search.stands_out or unseen.deviations < rules.again:
         return False
     if alignment.needed:
         search = _beside_a_delay(search)
-    if unseen is None or search.stands_out or unseen.deviations < rules.again:
-        return False
     found = search.gain_of(candidate)
     value = found.coefficients
     if candidate.describes and not (worth_name(search, candidate, value) and _can_be(candidate, value)):
