@@ -78,7 +78,7 @@ class EquationCheckRules:
         100.0,
         "m",
         "positions of sliders are no metres read as millimetres beyond",
-        "no data: what sliders do",
+        "no data: what sliders do; half or twice says the same of the logs of studies/log_checks",
     )
     longest_shift: float = rule(
         0.15,
