@@ -4,10 +4,12 @@ Every name comes with a strength, so that a method can be made more careful afte
 first name that is weaker. A strength compares between the cases of one method only.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.stats import f as fisher
 
-from pyident.diagnosis.base.projection import extended, gain
+from pyident.diagnosis.base.projection import Base, extended, gain
 from pyident.diagnosis.search.search import Search
 
 Name = tuple[str, int]
@@ -24,34 +26,39 @@ def largest_drop(search: Search) -> Strengths:
 
 def stepwise(search: Search) -> Strengths:
     """Forward selection by F-tests, Bonferroni over all candidates; strong by the ratio of likelihoods."""
-    names: Strengths = {}
-    base, count = search.base, sum(r.size for r in search.base.residual)
-    listed = len(search.families.columns)
-    strength = np.inf
-    for _ in range(_MOST):
-        name, energy, K, number = _best(search, base)
-        left = base.energy - energy
-        freedom = count - base.basis[0].shape[2] - K
-        if fisher.sf(energy / K / max(left / freedom, 1e-300), K, freedom) * listed > _LEVEL:
-            break
-        strength = min(strength, float(-count * np.log1p(-energy / base.energy)))
-        names.setdefault(name, strength)
-        base = extended(base, search.families.columns[number])
-    return names
+    count, listed = sum(r.size for r in search.base.residual), len(search.families.columns)
+
+    def strength(base: Base, energy: float, K: int) -> float:
+        left, freedom = base.energy - energy, count - base.basis[0].shape[2] - K
+        chance = fisher.sf(energy / K / max(left / freedom, 1e-300), K, freedom) * listed
+        return float(-count * np.log1p(-energy / base.energy)) if chance <= _LEVEL else 0.0
+
+    return _forward(search, strength)
 
 
 def bayesian_information(search: Search) -> Strengths:
     """Forward selection as long as n ln(energy) + K ln(n) falls; by how much it falls."""
+    count = sum(r.size for r in search.base.residual)
+
+    def strength(base: Base, energy: float, K: int) -> float:
+        return float(-(count * np.log(1 - energy / base.energy) + K * np.log(count)))
+
+    return _forward(search, strength)
+
+
+def _forward(search: Search, strength: Callable[[Base, float, int], float]) -> Strengths:
+    """One name after the other, as strong as the weakest so far, until one has none.
+
+    strength   of what takes an energy of a base's residual with K parameters; 0 or less: none
+    """
     names: Strengths = {}
-    base, count = search.base, sum(r.size for r in search.base.residual)
-    strength = np.inf
+    base, weakest = search.base, np.inf
     for _ in range(_MOST):
         name, energy, K, number = _best(search, base)
-        change = count * np.log(1 - energy / base.energy) + K * np.log(count)
-        if change >= 0:
+        weakest = min(weakest, strength(base, energy, K))
+        if weakest <= 0:
             break
-        strength = min(strength, float(-change))
-        names.setdefault(name, strength)
+        names.setdefault(name, weakest)
         base = extended(base, search.families.columns[number])
     return names
 

@@ -132,8 +132,9 @@ def _units(robot: Robot, reach: np.ndarray) -> Iterator[Transformation]:
         for unit, factor in names[robot.joints[joints[0]].kind]:
             if factor < 1 and reach[joints].max() < EQUATIONS.room:
                 continue  # a motion made so small that nothing speaks against it
-            if unit.startswith("metres") and factor * reach[joints].max() > EQUATIONS.longest:
-                continue
+            slides = robot.joints[joints[0]].kind == "prismatic"
+            if factor > 1 and slides and factor * reach[joints].max() > EQUATIONS.longest:
+                continue  # no slider goes so far
             motion = np.eye(n)
             motion[joints, joints] = factor
             listed = ", ".join(motor_of(k + 1) for k in joints)

@@ -66,7 +66,7 @@ def alignment_of(ex: Examination) -> Alignment:
     period = max(log.period for log in setting.logs)
     moving = where_moving(ex.setting.robot, ex.setting.logs, ex.logs)
     everywhere = [np.ones_like(clear) for clear in moving]
-    delayed = by_delay(ex)
+    delayed = by_delay(ex, moving)
     smeared = Alignment(corner=_HIGHEST * 0.5 / period, twice=True)
     if _shown(ex, delayed) is None and _shown(ex, _change(ex, smeared, everywhere)) is None:
         return NOTHING
@@ -80,10 +80,12 @@ def alignment_of(ex: Examination) -> Alignment:
     return NOTHING if _belied(ex, best, moving) else best
 
 
-def by_delay(ex: Examination) -> Columns:
-    """What a small delay of all positions changes in the equations of all joints, where these move."""
+def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
+    """What a small delay of all positions changes in the equations of all joints.
+
+    moving   per log (n, E): where these move
+    """
     period = max(log.period for log in ex.setting.logs)
-    moving = where_moving(ex.setting.robot, ex.setting.logs, ex.logs)
     return _change(ex, Alignment(_STEP * period), moving)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
-from pyident.verbs.text import Text, half_interval, wrapped
+from pyident.verbs.text import Text, finite, half_interval, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -191,8 +191,8 @@ def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
         "parameters": {
             name: {
                 "value": found.values[name],
-                "std": _finite(std),
-                "std_regression": _finite(found.std_regression[name]),
+                "std": finite(std),
+                "std_regression": finite(found.std_regression[name]),
                 "unit": robot.units[name],
             }
             for name, std in found.std.items()
@@ -201,10 +201,6 @@ def _prediction(robot: "Robot", found: "Prediction") -> dict[str, Any]:
         "singular_values": found.singular_values.tolist(),
         "condition_number": found.condition,
     }
-
-
-def _finite(std: float) -> float | None:
-    return std if np.isfinite(std) else None
 
 
 def _rank(found: "Prediction") -> str:

@@ -33,3 +33,8 @@ def wrapped(sentence: str, indent: str = "") -> str:
 def half_interval(std: float) -> str:
     """Half of a 95 % interval; where there is none, nothing is claimed."""
     return f"{CONFIDENCE * std:.2g}" if isfinite(std) else "-"
+
+
+def finite(value: float) -> float | None:
+    """A number as JSON has it: none where it is not finite."""
+    return float(value) if isfinite(value) else None

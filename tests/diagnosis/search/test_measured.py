@@ -115,7 +115,7 @@ def test_where_positions_were_moved_in_time_an_error_is_what_a_further_move_is_n
     beside, counts, monkeypatch
 ):
     """beside: what the error takes where a move takes its part first."""
-    monkeypatch.setattr(module, "_beside_a_delay", lambda _: search(beside, late=0.004))
+    monkeypatch.setattr(module, "_beside_a_delay", lambda *_: search(beside, late=0.004))
     assert measured(search(0.3, late=0.004), AXIS, SEEN_AGAIN) == counts
 
 

@@ -15,6 +15,7 @@ Positions that had to be moved in time are where they belong to a fiftieth of a 
 such an error: it is measured beside a further move of all. Nothing is where they had to be sharpened.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,12 +37,14 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     unseen   what it takes of held-out logs; none: it does not count
     """
     rules = search.rules
-    alignment = search.examination.setting.alignment
+    setting = search.examination.setting
+    alignment = setting.alignment
     sharpened = alignment != Alignment(alignment.late)
     if unseen is None or sharpened or search.stands_out or unseen.deviations < rules.again:
         return False
+    moving = where_moving(setting.robot, setting.logs, search.examination.logs)
     if alignment.needed:
-        search = _beside_a_delay(search)
+        search = _beside_a_delay(search, moving)
     found = search.gain_of(candidate)
     value = found.coefficients
     if candidate.describes and not (worth_name(search, candidate, value) and _can_be(candidate, value)):
@@ -49,14 +52,14 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     energies = _in_replicas(search, candidate)
     if np.mean(energies >= found.energy) >= rules.level:
         return False
-    fitted = _deviations(search, candidate) / max(np.sqrt(energies.mean()), 1.0)
+    fitted = _deviations(search, candidate, moving) / max(np.sqrt(energies.mean()), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
     return either and unseen.of_one_size(rules, 1 / fitted)
 
 
-def _beside_a_delay(search: Search) -> Search:
+def _beside_a_delay(search: Search, moving: Sequence[np.ndarray]) -> Search:
     """The search that a further delay of all positions is no matter of."""
-    return replace(search, base=extended(search.base, by_delay(search.examination)))
+    return replace(search, base=extended(search.base, by_delay(search.examination, moving)))
 
 
 def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
@@ -70,10 +73,8 @@ def _can_be(error: Candidate, value: np.ndarray) -> bool:
     return not DESCRIPTIONS[error.effect].causal or bool(np.all(value > 0))
 
 
-def _deviations(search: Search, candidate: Candidate) -> float:
+def _deviations(search: Search, candidate: Candidate, moving: Sequence[np.ndarray]) -> float:
     """Standard deviations of a coefficient from zero, where the motion is not noise alone."""
-    setting = search.examination.setting
-    moving = where_moving(setting.robot, setting.logs, search.examination.logs)
     beside = search.with_further([candidate]).base.residual
     fall, variance = 0.0, 0.0
     for before, after, clear in zip(search.base.residual, beside, moving, strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
-from pyident.verbs.text import Text, half_interval, wrapped
+from pyident.verbs.text import Text, finite, half_interval, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,10 +40,10 @@ class FmuFit(Result):
         parameters = {
             e.free.name: {
                 "value": e.value,
-                "std": _finite(e.std),
+                "std": finite(e.std),
                 "unit": e.free.unit,
                 "start": e.free.start,
-                "bounds": [_finite(e.free.low), _finite(e.free.high)],
+                "bounds": [finite(e.free.low), finite(e.free.high)],
                 "identifiable": "alone" if e.determined else "no",
                 "slope": e.slope,
             }
@@ -219,7 +219,3 @@ def _table_of(recordings: "tuple[Recording, ...]", residuals: tuple[np.ndarray, 
         for name, e in outputs.items()
     ]
     return table(heads, rows, numbers=(2, 3, 4))
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
