@@ -32,11 +32,20 @@ def test_columns_are_the_laws_formulas():
     np.testing.assert_allclose(column("offset_drift", "rate"), TIME)
 
 
-def test_a_payload_is_a_point_mass_at_the_tip():
-    """Mass m at r: m, m r and m (r² 1 - r rᵀ) of the last link; the tip is 1 m along x."""
+def test_a_payload_is_a_body_at_the_tip():
+    """A point m at r has m, m r and m (r² 1 - r rᵀ) of its link; a body is many points."""
     columns = body_columns(one_joint(), CATALOGUE["payload"])
-    (found,) = columns.values()
-    np.testing.assert_allclose(found, [1, 1, 0, 0, 0, 0, 0, 1, 0, 1], atol=1e-12)
+    tip = np.array([1.0, 0.0, 0.0])
+    np.testing.assert_allclose(columns["mass"], _body(tip[None], np.ones(1)), atol=1e-12)
+    ways, masses = np.random.default_rng(3).uniform(-0.3, 0.3, (5, 3)), np.array([0.2, 0.5, 0.1, 0.4, 0.3])
+    about_tip, wanted = _body(ways, masses), _body(ways + tip, masses)
+    np.testing.assert_allclose(np.column_stack(list(columns.values())) @ about_tip, wanted, atol=1e-12)
+
+
+def _body(places: np.ndarray, masses: np.ndarray) -> np.ndarray:
+    """(10,) m, ms and J of points at places (N, 3) about their origin."""
+    J = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for r, m in zip(places, masses, strict=True))
+    return np.array([masses.sum(), *(masses @ places), *np.asarray(J)[np.triu_indices(3)]])
 
 
 def test_an_expression_is_a_function_of_its_symbols_by_name():

@@ -1,6 +1,6 @@
 """Around the joint: springs, cables, mechanical couplings and what the tip carries."""
 
-from sympy import cos, pi, sign, sin, sqrt
+from sympy import Matrix, cos, eye, pi, sign, sin, sqrt
 
 from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.effects.signals import beyond, dde, de, e, eps, tip
@@ -66,25 +66,27 @@ joint_coupling = Effect(
 )
 
 _mass = Parameter("mass", "kg", lower=0)
+_moments = tuple(Parameter(f"moment_{axis}", "kg.m") for axis in "xyz")
+_inertias = tuple(Parameter(f"inertia_{axes}", "kg.m2") for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))
 _m = _mass.symbol
+_h = Matrix([moment.symbol for moment in _moments])
+_xx, _xy, _xz, _yy, _yz, _zz = (inertia.symbol for inertia in _inertias)
+_t = Matrix([tip.x, tip.y, tip.z])
+_ms = _h + _m * _t
+_J = (  # Steiner, from the tip to the link's origin
+    Matrix([[_xx, _xy, _xz], [_xy, _yy, _yz], [_xz, _yz, _zz]])
+    + (_m * _t.dot(_t) + 2 * _h.dot(_t)) * eye(3)
+    - (_m * _t * _t.T + _h * _t.T + _t * _h.T)
+)
 
 payload = Effect(
     name="payload",
-    title="Point mass at the tip",
+    title="Body held at the tip; its moments and inertias are those about the tip",
     forces={},
-    body={
-        "m": _m,
-        "ms[x]": _m * tip.x,
-        "ms[y]": _m * tip.y,
-        "ms[z]": _m * tip.z,
-        "J[xx]": _m * (tip.y**2 + tip.z**2),
-        "J[xy]": -_m * tip.x * tip.y,
-        "J[xz]": -_m * tip.x * tip.z,
-        "J[yy]": _m * (tip.x**2 + tip.z**2),
-        "J[yz]": -_m * tip.y * tip.z,
-        "J[zz]": _m * (tip.x**2 + tip.y**2),
-    },
-    parameters=(_mass,),
+    body={"m": _m}
+    | {f"ms[{x}]": _ms[i] for i, x in enumerate("xyz")}
+    | {f"J[{x}{y}]": _J[i, k] for i, x in enumerate("xyz") for k, y in enumerate("xyz") if i <= k},
+    parameters=(_mass, *_moments, *_inertias),
     citation="Khalil, Gautier and Lemoine 2007",
     needs="poses in which the tip loads several joints",
     confounders=("m", "ms[x]", "ms[y]", "ms[z]", "J[xx]", "J[yy]", "J[zz]"),

@@ -99,10 +99,15 @@ def _joints(numbers: Sequence[int]) -> str:
     return f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
 
 
-def friction_by_log(search: Search) -> FrictionByLog | None:
-    """None where one log is fitted, or no joint's friction differs. The search must rest on nothing."""
+def friction_by_log(search: Search, named: Sequence[Candidate] = ()) -> FrictionByLog | None:
+    """None where one log is fitted, or no joint's friction differs. The search must rest on nothing.
+
+    named   without such friction; a body among these that one log carries loads joints in this log alone,
+            and beside it no friction is looked for in its place
+    """
     ex = search.examination
-    joints = [k for k, _ in search.robot.numbered if _differs(search, k)]
+    beside = search.with_further([c for c in named if c.log is not None])
+    joints = [k for k, _ in search.robot.numbered if _differs(beside, k)]
     if not joints:
         return None
     listed = [c for k in joints for c in _of_each_log(search, k)]
@@ -114,7 +119,7 @@ def friction_by_log(search: Search) -> FrictionByLog | None:
 
 def _differs(search: Search, joint: int) -> bool:
     """Whether a joint's own friction in each log takes most of what exceeds the floor there."""
-    rules, ex = search.rules, search.examination
+    rules, ex, base = search.rules, search.examination, search.base
     listed = _of_each_log(search, joint)
     row = joint - 1
     left = search.remaining_on([row])
@@ -122,10 +127,10 @@ def _differs(search: Search, joint: int) -> bool:
         return False
     X = joined([search.columns(c) for c in listed])
     free = (np.full(len(listed), -np.inf), np.full(len(listed), np.inf))
-    taken = gain(ex.base, X).energy
-    if taken <= max(gains_over(ex.base, X, others_of(ex.base, ex.replica_residuals), *free)):
+    taken = gain(base, X).energy
+    if taken <= max(gains_over(base, X, others_of(base, ex.replica_residuals), *free)):
         return False
-    beside = extended(ex.base, X)
+    beside = extended(base, X)
     share = 1 - ex.beyond_floor(beside, [row]) / left
     return share >= rules.explained[0] and all(
         gain(beside, _split(search, listed, name)).energy <= rules.changes * left for name in _WITHIN

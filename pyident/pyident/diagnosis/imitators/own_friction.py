@@ -32,15 +32,21 @@ def _of_each_log(robot: Robot, joint: int, count: int, friction: Sequence[str]) 
 
 
 def told_by_friction(whole: Search, candidate: Candidate) -> bool:
-    """Whether a candidate of one log takes little beside such friction of the joints where it acts."""
+    """Whether a candidate of one log takes little beside such friction of the joints where it acts, and this
+    explains as much as the candidate does: it has several times the parameters."""
     if candidate.log is None:
         return False
     count = len(whole.examination.logs)
-    joints = sorted({whole.robot.q[row].joint for row in whole.rows(candidate)})
+    rows = whole.rows(candidate)
+    joints = sorted({whole.robot.q[row].joint for row in rows})
     listed = [c for k in joints for c in friction_of_each_log(whole.robot, k, count)]
     if not listed:
         return False
-    without = whole.without(candidate)
+    rules, without = whole.rules, whole.without(candidate)
     beside = extended(without.base, joined([whole.columns(c) for c in listed]))
     taken = without.gain_of(candidate).energy
-    return without.gain_of(candidate, beside).energy < whole.rules.apart * taken
+    if without.gain_of(candidate, beside).energy >= rules.apart * taken:
+        return False
+    before = without.remaining_on(rows)
+    by_friction = before - whole.examination.beyond_floor(beside, rows)
+    return by_friction >= rules.tie * (before - whole.remaining_on(rows))
