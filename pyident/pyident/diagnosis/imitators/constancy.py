@@ -4,17 +4,22 @@ An effect that stands in for another may explain much of a residual, but with ot
 joint is fast than when it is slow, under much torque than under little, early than late. So the law is split
 at the median of such a quantity into two halves with coefficients of their own (Chow 1960); one that itself
 is a course of time, into quarters. What a true law gains by that is chance.
+
+Friction warms up within a log. Then a law of it, which hardly differs from what friction the model has, gains
+by halves of time what that friction gains by them: it is judged beside the model's friction, split likewise.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, columns, law_of, with_model_torque
-from pyident.diagnosis.base.projection import gain, joined
+from pyident.diagnosis.base.projection import extended, gain, joined
 from pyident.diagnosis.search.gate import acting_region
+from pyident.diagnosis.search.power import is_friction
 from pyident.diagnosis.search.search import Search
 from pyident.regression.spectrum import Equations
 
@@ -40,6 +45,7 @@ QUANTITIES: dict[str, Quantity] = {
     "time": _time,
 }
 _OF_SPEED = ("speed", "direction")  # of which a law that answers has coefficients of its own
+_FRICTION = ("coulomb", "viscous")
 _MEDIAN = (0.5,)
 _QUARTERS = (0.25, 0.5, 0.75)  # a law of time is split finer: a step has half of a drift's course in common
 
@@ -51,10 +57,35 @@ def changes_with(search: Search, candidate: Candidate) -> str:
     """
     if candidate.log is not None:
         return ""  # a body's parameters cannot change within a log
+    least = search.rules.changes * _to_gain(search, candidate)
+    worst = _most_changed(search, candidate, least)
+    warmed = _beside_warming(search, candidate) if worst else None
+    return worst if warmed is None else _most_changed(warmed, candidate, least)
+
+
+def _most_changed(search: Search, candidate: Candidate, least: float) -> str:
+    """The quantity whose halves gain most, if this is more than a least energy; else empty."""
     asked = {name: q for name, q in QUANTITIES.items() if not (candidate.speeds and name in _OF_SPEED)}
     gained = {name: _gained(search, candidate, quantity) for name, quantity in asked.items()}
     worst = max(gained, key=lambda name: gained[name])
-    return worst if gained[worst] / _to_gain(search, candidate) > search.rules.changes else ""
+    return worst if gained[worst] > least else ""
+
+
+def _beside_warming(search: Search, candidate: Candidate) -> Search | None:
+    """The search whose joint has another friction in the second half of every log; None for what is no law of
+    friction, or takes little beside that.
+    """
+    robot, logs, joint = search.robot, search.examination.logs, candidate.joint
+    present = [name for name in _FRICTION if name in robot.joints[joint - 1].values]
+    if not present or not is_friction(robot, candidate):
+        return None
+    late = above_median(search, joint, _time)
+    X = joined([columns(robot, Candidate(name, joint), logs, search.levels, late) for name in present])
+    without = search.without(candidate)
+    kept = without.gain_of(candidate, extended(without.base, X)).energy
+    if kept < search.rules.apart * without.gain_of(candidate).energy:
+        return None
+    return replace(search, base=extended(search.base, X))
 
 
 def _gained(search: Search, candidate: Candidate, quantity: Quantity) -> float:
