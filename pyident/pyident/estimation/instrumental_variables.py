@@ -157,7 +157,7 @@ def moment_equations(logs: Logs, reduced: Reduced, weights: np.ndarray) -> Momen
     r = int((s > ROUNDING * s[0]).sum())
     Vt[:r, nothing] = 0.0
     turn = (Vt[:r].T / s[:r]) / scale[:, None]
-    B = turn.T @ _products(logs, weights) @ (Vt[:r].T / scale[:, None])
+    B = turn.T @ products(logs, weights) @ (Vt[:r].T / scale[:, None])
     return MomentEquations(logs, reduced, weights, s, Vt, scale, turn, B)
 
 
@@ -191,7 +191,7 @@ def _deviation(spread: np.ndarray, meat: np.ndarray, r: int) -> float:
     return float(np.sqrt(max(spread[-1] @ meat[:r, :r] @ spread[-1], 0.0)))
 
 
-def _products(logs: Logs, weights: np.ndarray) -> np.ndarray:
+def products(logs: Logs, weights: np.ndarray) -> np.ndarray:
     """(P, P) sums of instruments times A."""
     total = 0.0
     for rows in logs():

@@ -16,6 +16,7 @@ import pandas as pd
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
+from pyident.conditioning.alignment import earlier
 from pyident.estimation.base_parameters import base_parameters
 from pyident.estimation.identify import (
     Identified,
@@ -42,6 +43,7 @@ from pyident.refinement.instruments.instrumental_covariance import (
 )
 from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
+from pyident.refinement.instruments.positions_late import Late, positions_late
 from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -54,6 +56,7 @@ from pyident.refinement.instruments.stand_in import driven, smoothed
 from pyident.refinement.instruments.starts import Begun, begun, nearest
 from pyident.refinement.remove_bias import seen
 from pyident.regression.loads.bodies import reads_load
+from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.replica import Repeat, repeats
 from pyident.simulation.simulator import OpenPool, Workers
 
@@ -78,23 +81,61 @@ def identify_by_instruments(
 
     open_pool   robot -> context manager of processes that hold its FMU
     prior       to which the written model stays near; its hinges are simulated where the logs tell of none
-    Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals.
+    Where the model cannot be simulated, or does not follow the logs, the estimate has no intervals. Where
+    nothing says what drives the joints, and all positions are late or early by what counts, they are moved.
     """
+    told = progress or (lambda _: None)
+    if driven(robot):
+        return _identified(robot, logs, open_pool, told, prior)[0]
+    found, late = _identified(robot, logs, open_pool, lambda share: told(share / 2), prior)
+    if late is None:
+        return found
+    moved = [earlier(robot, log, late.time) for log in logs]
+    again, _ = _identified(robot, moved, open_pool, lambda share: told((1 + share) / 2), prior, (found, late))
+    return replace(again, notes=(*again.notes, _moved(late)))
+
+
+def _moved(late: Late) -> str:
+    way = "late" if late.time > 0 else "early"
+    return (
+        f"all positions come {1e3 * abs(late.time):.2g} ± {1e3 * CONFIDENCE * late.std:.1g} ms {way} against "
+        "the torques (another clock, or a filter of either), and were moved by that before anything was "
+        "fitted; the intervals know it"
+    )
+
+
+def _identified(
+    robot: Robot,
+    logs: Sequence[Log],
+    open_pool: OpenPool,
+    progress: Progress,
+    prior: Robot | None,
+    before: tuple[Identified, Late] | None = None,
+) -> tuple[Identified, Late | None]:
+    """What logs say, and how late their positions are; before: the same until they were moved by that."""
     start = begun(robot, logs, prior)
     best = start.starts[0]
-    followed, again = repeats(best.robot, logs)
+    known = [] if before is None else [before[0]]
+    nearby = (known or start.starts)[0].robot
+    followed, again = repeats(nearby, logs)
     notes = tuple(r.note for r in again[:1] if r.note)
-    again = _quiet(best.robot, again)
+    again = _quiet(nearby, again)
     try:
         with open_pool(followed) as workers:
-            best = nearest(start.starts, again, workers)
+            best = nearest([*start.starts, *known], again, workers)
             last = _rounds(start, again, best, workers, progress, prior)
         solution = with_covariance(last.logs, last.rows, last.equations, last.solution)
     except (SimulationError, NotFollowedError) as error:
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
         name = START if carries(robot) else best.estimator
         note = f"{_why(error)}; the estimate is that of {name} and has no intervals"
-        return replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
+        found = replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
+        return found, None
+    late = (
+        None if driven(robot) else positions_late(last.logs, last.frames, last.rows, last.equations, solution)
+    )
+    if before is not None:
+        solution = replace(solution, covariance=solution.covariance + before[1].variance)
     reduced = start.plain.reduced
     found = identified(robot, reduced, solution)
     if prior is not None:
@@ -106,7 +147,7 @@ def identify_by_instruments(
         found = replace(found, solution=told, base=base_parameters(reduced, told))
         why = "their hinges vibrate faster than the samples can follow"
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
-    return replace(found, estimator=NAME, notes=notes)
+    return replace(found, estimator=NAME, notes=notes), late
 
 
 def robot_by_instruments(
@@ -151,6 +192,7 @@ class _Round:
     """
 
     logs: Repeated
+    frames: list[pd.DataFrame]
     rows: list[Rows]
     equations: MomentEquations
     solution: Solution
@@ -245,7 +287,7 @@ def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Worke
     else:
         solution, std = equations.solve(unknown, before.solution.rank), before.std
     gap = seen(solution, solution.p - values)
-    return _Round(logs, rows, equations, solution, gap, std, columns)
+    return _Round(logs, frames, rows, equations, solution, gap, std, columns)
 
 
 def _rows_of(robot: Robot, p: np.ndarray, log: tuple[Data, pd.DataFrame]) -> Rows:

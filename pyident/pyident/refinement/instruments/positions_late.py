@@ -1,0 +1,127 @@
+"""How late all positions came against the torques: one more unknown of the instrumental estimate.
+
+A drive's current passes a filter, an encoder's angle another bus: late by L the positions miss the torques by
+L times the rate of these. A millisecond is enough for friction to be found many of its standard deviations
+off. So the rates stand beside Φ, with the simulated rates as instruments, for each joint and each half of the
+logs by itself; and where all that tell agree on a time that is not chance, the positions belong there. What
+makes a single torque late, as a law with a memory does, says nothing of a clock, nor does a base that shakes:
+at one frequency a delay and an inertia may imitate anything.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
+from pyident.estimation.instrumental_variables import MomentEquations, Rows, products, spectral
+from pyident.estimation.least_squares import Solution
+from pyident.logs.foreign import delayed
+from pyident.logs.log import Log
+from pyident.refinement.instruments.simulated_rows import Repeated, every
+
+_SURE = 3.0  # standard deviations, of the time from zero
+_ALIKE = 0.2  # of the time: as far as joints differ beside chance
+_PARTS = 2  # of the logs, one after the other
+_TOLD = 3  # of joints and parts that must tell
+_LONGEST = 5.0  # samples: more is no matter of a clock
+_STEP = 0.5  # samples on either side of a rate
+
+
+@dataclass(frozen=True)
+class Late:
+    """time, std [s] by which all positions came late (early: below 0); slope (P,): parameters per second."""
+
+    time: float
+    std: float
+    slope: np.ndarray
+
+    @property
+    def variance(self) -> np.ndarray:
+        """(P, P) of the parameters, by what is not known of the time."""
+        return self.std**2 * np.outer(self.slope, self.slope)
+
+
+def positions_late(
+    logs: Repeated,
+    frames: Sequence[pd.DataFrame],
+    rows: Sequence[Rows],
+    equations: MomentEquations,
+    solution: Solution,
+) -> Late | None:
+    """What the logs tell of it beside their solution; None where joints differ, or too few tell.
+
+    frames   of the simulations that the instruments are from
+    """
+    count = _PARTS * len(logs.robot.joints)
+    places = np.split(
+        np.arange(sum(len(own.y) for own in rows)), np.cumsum([len(own.y) for own in rows])[:-1]
+    )
+    parts = [_PARTS * place // (places[-1][-1] + 1) for place in places]
+    pairs = zip(rows, logs.again, frames, parts, strict=True)
+    wider = [_with_rates(logs.robot, own, again.log, frame, part) for own, again, frame, part in pairs]
+    P, weights, r = len(solution.p), solution.weights, solution.rank
+    sums = products(every(wider), weights)
+    told = [P + k for k in range(count) if sums[P + k, P + k] > 0]
+    if len(told) < _TOLD:
+        return None
+    turn, span = equations.turn[:, :r], equations.Vt[:r].T / equations.scale[:, None]
+    B = turn.T @ sums[:P, :P] @ span
+    free = np.zeros((P + count, len(told)))  # of what the parameters take up
+    free[:P] = -turn @ np.linalg.solve(B.T, (sums[told, :P] @ span).T)
+    free[told, range(len(told))] = 1.0
+    spread = np.linalg.inv(free.T @ sums[:, told])
+    p = np.append(solution.p, np.zeros(count))
+    scores = sum(_scores(own, weights, p) for own in wider) @ free
+    covariance = spread @ spectral(every(wider), weights)(free, p) @ spread.T
+    slopes = -span @ np.linalg.solve(B, turn.T @ sums[:P, told])
+    return _common(spread @ scores, covariance, slopes, max(a.log.period for a in logs.again))
+
+
+def _common(times: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, period: float) -> Late | None:
+    """Of times (C,) of joints and parts, their covariance (C, C) and slopes (P, C)."""
+    weights = np.linalg.solve(covariance, np.ones(len(times)))
+    time, std = float(weights @ times / weights.sum()), float(weights.sum() ** -0.5)
+    each = np.sqrt(np.diag(covariance))
+    if not _SURE * std < abs(time) <= _LONGEST * period:
+        return None
+    if (_SURE * each < abs(time)).sum() < _TOLD:
+        return None
+    if (np.abs(times - time) > _SURE * each + _ALIKE * abs(time)).any():
+        return None
+    return Late(time, std, slopes.sum(axis=1))
+
+
+def _with_rates(robot: Robot, rows: Rows, log: Log, frame: pd.DataFrame, part: np.ndarray) -> Rows:
+    """A log's rows with its torques' rates as further columns; the simulation's for them.
+
+    part   (N,) to which each of its samples belongs
+    """
+    A, Z = (
+        np.concatenate([matrix, _columns(robot, of, rows.y.shape, part)], axis=2)
+        for matrix, of in ((rows.A, log), (rows.Z, Log(frame, "simulation")))
+    )
+    return Rows(A, Z, rows.y, rows.share)
+
+
+def _columns(robot: Robot, log: Log, shape: tuple[int, ...], part: np.ndarray) -> np.ndarray:
+    """(N, n, joints x parts) each joint's rate on its own equation in each part [N m/s]."""
+    half, names = _STEP * log.period, robot.torques
+    ends = []
+    for step in (half, -half):
+        moved = condition(Log(delayed(log.frame, dict.fromkeys(names, step)), log.source), robot)
+        ends.append(moved.target[:: moved.thinning])
+    rate = (ends[0] - ends[1]) / (2 * half)
+    out = np.zeros((*shape, _PARTS * len(names)))
+    for k in range(len(names)):
+        for number in range(_PARTS):
+            out[:, k, _PARTS * k + number] = rate[:, k] * (part == number)
+    return out
+
+
+def _scores(rows: Rows, weights: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """(P,) sums of instruments times what p leaves."""
+    counted = weights**2 * rows.share * rows.residual(p)
+    return np.sum([rows.sums(c, values) for c, values in enumerate(counted.T)], axis=0)

@@ -1,0 +1,74 @@
+"""Positions on another clock than the torques: found, put right, and known to the intervals."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from studies.rigid_arm.arm import arm, moved, recorded
+
+import pyident as pi
+from pyident.refinement.instruments.positions_late import _common
+
+DELAY = 0.002  # s, of all torques, as behind a low pass of 80 Hz
+PERIOD = 0.004
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """Of the same motion with torques as they are, all late, and late at one joint alone."""
+    pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
+    made, delays = (
+        {},
+        {"none": np.zeros(6), "all": np.full(6, DELAY), "one": np.array([DELAY, 0, 0, 0, 0, 0])},
+    )
+    for name, late in delays.items():
+        rng, robot = np.random.default_rng(4), arm()
+        motion = moved(robot, rng, 15.0, 4.0)
+        time, pairs = motion.time, zip(motion.load.T, late, strict=True)
+        torques = np.column_stack([CubicSpline(time, x)(np.maximum(time - d, 0)) for x, d in pairs])
+        made[name] = pi.identify(robot, recorded(motion, torques, 0.01 * motion.load.std(axis=0), rng, "log"))
+    return made
+
+
+def moved_by(fit) -> float | None:
+    """ms, of the note."""
+    told = [re.search(r"all positions come ([\d.]+) ± ([\d.]+) ms (\w+)", note) for note in fit.notes]
+    return next((float(m[1]) * (-1 if m[3] == "early" else 1) for m in told if m), None)
+
+
+def zeros(fit) -> np.ndarray:
+    """Frictions and rotors, which the arm has not, over their standard deviations."""
+    found = fit.identified
+    names = enumerate(found.reduced.columns)
+    told = [i for i, n in names if n.startswith("joint") and found.support[n] == "alone"]
+    return found.solution.p[told] / found.solution.std[told]
+
+
+def test_nothing_is_moved_where_clocks_agree(fits):
+    assert moved_by(fits["none"]) is None
+
+
+def test_torques_that_are_all_late_are_put_right(fits):
+    assert moved_by(fits["all"]) == pytest.approx(-1e3 * DELAY, rel=0.1)
+    assert np.abs(zeros(fits["all"])).max() < 4
+    assert np.sqrt(np.mean(np.square(zeros(fits["all"])))) < 1.5
+
+
+def test_one_late_torque_is_no_clock(fits):
+    assert moved_by(fits["one"]) is None
+
+
+def test_times_that_differ_or_are_chance_or_too_long_are_none():
+    slopes = np.ones((2, 4))
+
+    def found(times: list[float], std: float):
+        return _common(np.array(times), std**2 * np.eye(4), slopes, PERIOD)
+
+    late = found([1.0e-3, 1.1e-3, 0.9e-3, 1.0e-3], 5e-5)
+    assert late is not None
+    assert (late.time, late.std) == pytest.approx((1e-3, 2.5e-5))
+    np.testing.assert_allclose(late.variance, (4 * late.std) ** 2 * np.ones((2, 2)))
+    assert found([1.0e-3, 1.1e-3, 0.9e-3, 2.0e-3], 5e-5) is None
+    assert found([1.0e-3, 1.1e-3, 0.9e-3, 1.0e-3], 2e-3) is None
+    assert found([6 * PERIOD] * 4, 5e-5) is None
