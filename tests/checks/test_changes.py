@@ -14,7 +14,7 @@ from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics, pinocchio
 
 from flexmodels.files.robot_file import load_robot
 from pyident.checks.balances import balances, samples
-from pyident.checks.changes import changes, last_body, one_machine
+from pyident.checks.changes import _both_ways, changes, last_body, one_machine
 from pyident.checks.check_log import check_log, checked
 from pyident.checks.defect import Defect
 from pyident.logs.log import Log
@@ -160,6 +160,17 @@ def test_of_a_short_log_and_of_a_loops_last_link_nothing_is_asked():
     one = one_machine(of)
     assert one is not None
     assert last_body(of, one) is None
+
+
+def test_friction_of_one_way_alone_says_nothing_of_a_change():
+    own = samples(ARM, machine().log(np.zeros((N, 6))))
+    assert own is not None
+    of, middle = balances(own), len(own.at) // 2
+    assert all(_both_ways(of, k, middle) for k in of.joints)
+    for part in (slice(None, middle), slice(middle, None)):
+        dq = own.dq.copy()
+        dq[part] = np.abs(dq[part])
+        assert not any(_both_ways(replace(of, samples=replace(own, dq=dq)), k, middle) for k in of.joints)
 
 
 def test_a_joint_that_carries_nothing_but_rounding_does_not_count():

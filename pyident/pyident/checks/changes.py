@@ -94,12 +94,20 @@ def changes(of: Balances, log: Log) -> Iterator[Defect]:
                       "or a tool was changed")  # fmt: skip
         return
     frictions = [(k, step(of, one, friction(of, one, i))) for i, k in enumerate(of.joints)]
-    told = [(found.left, k, found) for k, found in frictions if found is not None]
+    told = [(f.left, k, f) for k, f in frictions if f is not None and _both_ways(of, k, f.at)]
     for _, k, found in sorted(told, key=lambda t: t[:2])[:1]:
         unit = "N m" if of.samples.robot.joints[k].kind == "revolute" else "N"
         yield _defect(log.source, time[found.at], found, torque_of(k + 1),
                       f"The friction of {joint_name(k + 1)} is another{grown(found, unit)}: a brake drags or "
                       "was let go, or something rubs")  # fmt: skip
+
+
+def _both_ways(of: Balances, k: int, at: int) -> bool:
+    """Whether joint k (from 0) moves either way before the sample `at` and after it: with one way alone, its
+    friction is not told from all else that holds it."""
+    way = np.sign(of.samples.dq[:, k]) * (of.samples.use[:, k] > 0)
+    shares = [np.mean(part == sign) for part in (way[:at], way[at:]) for sign in (-1, 1)]
+    return min(shares) >= CHANGES.edge
 
 
 def one_machine(of: Balances) -> OneMachine | None:
