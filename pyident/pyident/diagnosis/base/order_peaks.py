@@ -51,18 +51,19 @@ class Orders:
     def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
         """The grid of a law's nonlinear values, and if it is periodic these orders, too.
 
-        Friction is friction however slowly it changes along the range; a torque must repeat.
+        Friction is friction however slowly it changes along the range; a torque must repeat. What shows best
+        with a size of its own at every speed may be either: friction turns its phase round with the motion.
         """
         if law.order is None:
             return list(grid)
         name = law.order.name
         if law.order_of_torque is None:
-            return [*grid, *({**grid[0], name: order} for order in self.friction)]
+            return [*grid, *({**grid[0], name: order} for order in (*self.friction, *self.answered))]
         if not np.isfinite(self.least):
             return []
         least = max(law.order.lower, self.least)
         above = [values for values in grid if values[name] > least]
-        return [*above, *({**grid[0], name: order} for order in (least, *self.steady))]
+        return [*above, *({**grid[0], name: order} for order in (least, *self.steady, *self.answered))]
 
 
 def order_peaks(
