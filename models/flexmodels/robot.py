@@ -147,6 +147,8 @@ class Robot:
                 bends = bool(effect.forces) and signals.e not in effect.forces
                 for p in effect.parameters:
                     unit = p.unit if bends else unit_at(joint, p.unit)
+                    if p.periodic and joint.kind == "prismatic":
+                        unit = "rad/m"  # of a wave along the slider
                     units[parameter_name(k, effect.name, p.name)] = unit
         return {name: units[name] for name in self.parameters}
 

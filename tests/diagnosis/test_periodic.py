@@ -117,6 +117,12 @@ def test_a_torque_is_a_ripple_where_the_joint_passes_three_periods_of_it():
     assert replace(found, least=np.inf).beside(_grid(ripple), ripple) == []
 
 
+def test_what_answers_the_speed_is_asked_as_a_ripple_and_as_friction_too():
+    found = replace(_peaks(lambda q, _: 0 * q), least=7.3, answered=[314.0])
+    for law in (CATALOGUE["torque_ripple"], CATALOGUE["position_dependent_friction"]):
+        assert found.beside(_grid(law), law)[-1]["order"] == 314.0
+
+
 def _grid(law) -> list[dict[str, float]]:
     return [{"order": order} for order in law.order.grid]
 

@@ -37,6 +37,14 @@ def test_no_share_of_an_excess_is_said_to_be_more_than_all():
     assert "216" not in text
 
 
+def test_a_share_of_held_out_data_is_said_with_what_chance_may_do_to_it():
+    first, *others = DIAGNOSIS.findings
+    weak = replace(first, heldout_gain_percent=58.2, heldout_std_percent=40.4)
+    told = Diagnosed(replace(DIAGNOSIS, findings=(weak, *others)), ())
+    assert "58 ± 40 %" in " ".join(str(told.summary()).split())
+    assert told.to_frame()["heldout_std_percent"].iloc[0] == 40.4
+
+
 def test_nothing_found_is_one_sentence():
     nothing = replace(DIAGNOSIS, findings=(), limits=DIAGNOSIS.limits[:1], depends_on=(), sentence="Nothing.")
     lines = str(Diagnosed(nothing, ()).summary()).splitlines()

@@ -28,6 +28,8 @@ def test_effects_stay_where_they_can_act():
     with pytest.raises(RobotError, match="gravity_spring belongs to a revolute joint"):
         slider.with_effect(1, "gravity_spring")
     assert slider.with_effect(1, "stribeck").units["joint1.stribeck.velocity"] == "m/s"
+    assert slider.with_effect(1, "torque_ripple").units["joint1.torque_ripple.order"] == "rad/m"
+    assert robot.with_effect(2, "torque_ripple").units["joint2.torque_ripple.order"] == "1"
 
 
 def test_every_law_says_what_it_is():

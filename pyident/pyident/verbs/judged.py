@@ -95,11 +95,12 @@ class Diagnosed(Result):
         import pandas as pd
 
         rows = [
-            (i, n.effect, n.joint, f.p_value, f.share_percent, f.heldout_gain_percent)
+            (i, n.effect, n.joint, f.p_value, f.share_percent, f.heldout_gain_percent, f.heldout_std_percent)
             for i, f in enumerate(self.diagnosis.findings, start=1)
             for n in f.tie
         ]
-        heads = ["finding", "effect", "joint", "p_value", "share_percent", "heldout_gain_percent"]
+        heads = ["finding", "effect", "joint", "p_value", "share_percent"]
+        heads += ["heldout_gain_percent", "heldout_std_percent"]
         return pd.DataFrame(rows, columns=heads).set_index("finding")
 
     def summary(self) -> Text:
@@ -239,11 +240,14 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
     from pyident.diagnosis.verdict import said_share
 
     best = finding.tie[0]
-    held = "-" if finding.heldout_gain_percent is None else said_share(finding.heldout_gain_percent)
+    held, std = finding.heldout_gain_percent, finding.heldout_std_percent
+    unseen = "-" if held is None else said_share(held)
+    if held is not None and std is not None:
+        unseen = f"{unseen.removesuffix(' %')} ± {std:.0f} %"
     values = ", ".join(said_value(best, name) for name in best.values)
     names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
     share = said_share(finding.share_percent) if finding.share_percent else "-"
-    return names, share, held, values
+    return names, share, unseen, values
 
 
 def said_value(named: Any, parameter: str) -> str:
