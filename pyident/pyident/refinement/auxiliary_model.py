@@ -99,8 +99,7 @@ def _moved(late: Late) -> str:
     way = "late" if late.time > 0 else "early"
     return (
         f"all positions come {1e3 * abs(late.time):.2g} ± {1e3 * CONFIDENCE * late.std:.1g} ms {way} against "
-        "the torques (another clock, or a filter of either), and were moved by that before anything was "
-        "fitted; the intervals know it"
+        "the torques (another clock, or a filter of either), and were moved by that before all was fitted"
     )
 
 

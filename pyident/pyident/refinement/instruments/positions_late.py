@@ -55,11 +55,23 @@ def positions_late(
 
     frames   of the simulations that the instruments are from
     """
+    try:
+        return _told(logs, frames, rows, equations, solution)
+    except np.linalg.LinAlgError:  # as of logs without any noise, or joints that never turn round
+        return None
+
+
+def _told(
+    logs: Repeated,
+    frames: Sequence[pd.DataFrame],
+    rows: Sequence[Rows],
+    equations: MomentEquations,
+    solution: Solution,
+) -> Late | None:
     count = _PARTS * len(logs.robot.joints)
-    places = np.split(
-        np.arange(sum(len(own.y) for own in rows)), np.cumsum([len(own.y) for own in rows])[:-1]
-    )
-    parts = [_PARTS * place // (places[-1][-1] + 1) for place in places]
+    ends = np.cumsum([len(own.y) for own in rows])
+    places = np.split(np.arange(ends[-1]), ends[:-1])
+    parts = [_PARTS * place // ends[-1] for place in places]
     pairs = zip(rows, logs.again, frames, parts, strict=True)
     wider = [_with_rates(logs.robot, own, again.log, frame, part) for own, again, frame, part in pairs]
     P, weights, r = len(solution.p), solution.weights, solution.rank
@@ -109,9 +121,9 @@ def _with_rates(robot: Robot, rows: Rows, log: Log, frame: pd.DataFrame, part: n
 def _columns(robot: Robot, log: Log, shape: tuple[int, ...], part: np.ndarray) -> np.ndarray:
     """(N, n, joints x parts) each joint's rate on its own equation in each part [N m/s]."""
     half, names = _STEP * log.period, robot.torques
-    ends = []
+    logged, ends = [name for name in names if name in log.frame], []
     for step in (half, -half):
-        moved = condition(Log(delayed(log.frame, dict.fromkeys(names, step)), log.source), robot)
+        moved = condition(Log(delayed(log.frame, dict.fromkeys(logged, step)), log.source), robot)
         ends.append(moved.target[:: moved.thinning])
     rate = (ends[0] - ends[1]) / (2 * half)
     out = np.zeros((*shape, _PARTS * len(names)))
