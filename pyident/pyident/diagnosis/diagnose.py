@@ -198,8 +198,7 @@ def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -
     search, held, selection = _in_time(search, heldout, open_pool)
     search, selection = _about_bends(search, held, selection)
     beside = search.resting_on(selection.candidates)
-    named = selection.candidates
-    by_log = friction_by_log(search, named) if unsettled(search.examination, beside.base) else None
+    by_log = friction_by_log(search, beside.chosen) if unsettled(search.examination, beside.base) else None
     if by_log is not None:
         again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
         after = by_log.search.resting_on(again.candidates).remaining_on(rows)

@@ -147,6 +147,7 @@ def taken_by(finding: Finding) -> str:
     return f"{share}, {said_share(finding.heldout_gain_percent)} on held-out data"
 
 
-def said_share(percentage: float) -> str:
-    """Of an excess, of which nothing takes more than all."""
-    return f"{min(percentage, 100.0):.0f} %"
+def said_share(percentage: float, std: float | None = None) -> str:
+    """Of an excess, of which nothing takes more than all; std: its standard deviation [%], if it is said."""
+    chance = "" if std is None else f" ± {std:.0f}"
+    return f"{min(percentage, 100.0):.0f}{chance} %"

@@ -65,6 +65,11 @@ class Rows:
         out[self.columns[c]] = self.instruments[c] @ values
         return out
 
+    def moments(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(P,) the same of all equations' values (N, n), each as it counts; weights: (n,)."""
+        counted = weights**2 * self.share * values
+        return np.sum([self.sums(c, of_one) for c, of_one in enumerate(counted.T)], axis=0)
+
 
 def acting(*matrices: np.ndarray) -> list[np.ndarray]:
     """Per equation the columns that are not zero in every one of the matrices (N, n, P)."""
@@ -113,8 +118,7 @@ class MomentEquations:
         b = np.zeros(len(self.B))
         for number, rows in enumerate(self.logs()):
             y = rows.y if targets is None else targets[number]
-            counted = self.weights**2 * rows.share * y
-            b += self.turn.T @ sum(rows.sums(c, values) for c, values in enumerate(counted.T))
+            b += self.turn.T @ rows.moments(y, self.weights)
         return b
 
     def solve(self, scatter: Scatter, rank: int | None = None) -> Solution:

@@ -111,7 +111,8 @@ def _identified(
     prior: Robot | None,
     before: tuple[Identified, Late] | None = None,
 ) -> tuple[Identified, Late | None]:
-    """What logs say, and how late their positions are; before: the same until they were moved by that."""
+    """What logs say, and how late their positions are; before: the same until they were moved by that, where
+    it is not asked again."""
     start = begun(robot, logs, prior)
     best = start.starts[0]
     known = [] if before is None else [before[0]]
@@ -130,11 +131,11 @@ def _identified(
         note = f"{_why(error)}; the estimate is that of {name} and has no intervals"
         found = replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
         return found, None
-    late = (
-        None if driven(robot) else positions_late(last.logs, last.frames, last.rows, last.equations, solution)
-    )
+    late = None
     if before is not None:
         solution = replace(solution, covariance=solution.covariance + before[1].variance)
+    elif not driven(robot):
+        late = positions_late(last.logs, last.frames, last.rows, last.equations, solution)
     reduced = start.plain.reduced
     found = identified(robot, reduced, solution)
     if prior is not None:

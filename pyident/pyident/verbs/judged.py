@@ -241,9 +241,7 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
 
     best = finding.tie[0]
     held, std = finding.heldout_gain_percent, finding.heldout_std_percent
-    unseen = "-" if held is None else said_share(held)
-    if held is not None and std is not None:
-        unseen = f"{unseen.removesuffix(' %')} ± {std:.0f} %"
+    unseen = "-" if held is None else said_share(held, std)
     values = ", ".join(said_value(best, name) for name in best.values)
     names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
     share = said_share(finding.share_percent) if finding.share_percent else "-"

@@ -55,25 +55,22 @@ def positions_late(
 
     frames   of the simulations that the instruments are from
     """
-    try:
-        return _told(logs, frames, rows, equations, solution)
-    except np.linalg.LinAlgError:  # as of logs without any noise, or joints that never turn round
-        return None
-
-
-def _told(
-    logs: Repeated,
-    frames: Sequence[pd.DataFrame],
-    rows: Sequence[Rows],
-    equations: MomentEquations,
-    solution: Solution,
-) -> Late | None:
     count = _PARTS * len(logs.robot.joints)
     ends = np.cumsum([len(own.y) for own in rows])
-    places = np.split(np.arange(ends[-1]), ends[:-1])
-    parts = [_PARTS * place // ends[-1] for place in places]
+    parts = np.split(_PARTS * np.arange(ends[-1]) // ends[-1], ends[:-1])
     pairs = zip(rows, logs.again, frames, parts, strict=True)
     wider = [_with_rates(logs.robot, own, again.log, frame, part) for own, again, frame, part in pairs]
+    try:
+        found = _times(wider, equations, solution, count)
+    except np.linalg.LinAlgError:  # as of logs without any noise, or joints that never turn round
+        return None
+    return None if found is None else _common(*found, max(a.log.period for a in logs.again))
+
+
+def _times(
+    wider: list[Rows], equations: MomentEquations, solution: Solution, count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Times (C,) of those of `count` rates that tell, their covariance (C, C), and slopes (P, C)."""
     P, weights, r = len(solution.p), solution.weights, solution.rank
     sums = products(every(wider), weights)
     told = [P + k for k in range(count) if sums[P + k, P + k] > 0]
@@ -86,10 +83,10 @@ def _told(
     free[told, range(len(told))] = 1.0
     spread = np.linalg.inv(free.T @ sums[:, told])
     p = np.append(solution.p, np.zeros(count))
-    scores = sum(_scores(own, weights, p) for own in wider) @ free
+    scores = sum(own.moments(own.residual(p), weights) for own in wider) @ free
     covariance = spread @ spectral(every(wider), weights)(free, p) @ spread.T
     slopes = -span @ np.linalg.solve(B, turn.T @ sums[:P, told])
-    return _common(spread @ scores, covariance, slopes, max(a.log.period for a in logs.again))
+    return spread @ scores, covariance, slopes
 
 
 def _common(times: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, period: float) -> Late | None:
@@ -128,12 +125,5 @@ def _columns(robot: Robot, log: Log, shape: tuple[int, ...], part: np.ndarray) -
     rate = (ends[0] - ends[1]) / (2 * half)
     out = np.zeros((*shape, _PARTS * len(names)))
     for k in range(len(names)):
-        for number in range(_PARTS):
-            out[:, k, _PARTS * k + number] = rate[:, k] * (part == number)
+        out[np.arange(len(part)), k, _PARTS * k + part] = rate[:, k]
     return out
-
-
-def _scores(rows: Rows, weights: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """(P,) sums of instruments times what p leaves."""
-    counted = weights**2 * rows.share * rows.residual(p)
-    return np.sum([rows.sums(c, values) for c, values in enumerate(counted.T)], axis=0)
