@@ -77,5 +77,5 @@ def test_a_law_without_a_rival_is_told_by_its_estimate():
         robot = contest.rivals.robots[0]
         logs = contest.rehearsals[0].noisy(plan, NOISE, range(100, 140))
         name = "joint1.viscous_drift.drift"
-        found = [pi.identify(robot, log, estimator="wls").to_frame().loc[name, "value"] for log in logs]
+        found = [pi.identify(robot, log).to_frame().loc[name, "value"] for log in logs]
     assert promise == pytest.approx(robot.parameters[name] / np.std(found), rel=0.5)

@@ -45,6 +45,7 @@ def robot(folder, kind="prismatic", names=("", "", "")):
         ("PosX", "PosY", "PosZ"),
         ("x", "y", "z"),
         ("Z_mm", "Y_mm", "X_mm"),
+        ("X_act [mm]", "Y_act [mm]", "Z_act [mm]"),
         ("axis_a_position", "axis_b_position", "axis_c_position"),
     ],
 )

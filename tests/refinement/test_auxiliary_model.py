@@ -10,9 +10,10 @@ from two_link_logs import in_process, loaded, two_link
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import fading
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import identify
-from pyident.estimation.instrumental_variables import Rows, fading, solve_instrumental, spectral
+from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
 from pyident.refinement.identifications import IDENTIFICATIONS

@@ -59,16 +59,31 @@ def test_one_late_torque_is_no_clock(fits):
     assert moved_by(fits["one"]) is None
 
 
-def test_times_that_differ_or_are_chance_or_too_long_are_none():
-    slopes = np.ones((2, 4))
+def common(times: list[float], stds: list[float]):
+    """Of two joints, each in two parts, with slopes of 1."""
+    return _common(np.array(times), np.diag(np.square(stds)), np.ones((2, 4)), np.array([0, 0, 1, 1]), PERIOD)
 
-    def found(times: list[float], std: float):
-        return _common(np.array(times), std**2 * np.eye(4), slopes, PERIOD)
 
-    late = found([1.0e-3, 1.1e-3, 0.9e-3, 1.0e-3], 5e-5)
+def test_times_that_agree_are_one():
+    late = common([1.0e-3, 1.1e-3, 0.9e-3, 1.0e-3], [5e-5] * 4)
     assert late is not None
+    assert late.sure
     assert (late.time, late.std) == pytest.approx((1e-3, 2.5e-5))
     np.testing.assert_allclose(late.variance, (4 * late.std) ** 2 * np.ones((2, 2)))
-    assert found([1.0e-3, 1.1e-3, 0.9e-3, 2.0e-3], 5e-5) is None
-    assert found([1.0e-3, 1.1e-3, 0.9e-3, 1.0e-3], 2e-3) is None
-    assert found([6 * PERIOD] * 4, 5e-5) is None
+
+
+def test_times_that_differ_or_are_too_long_are_none():
+    assert common([1.0e-3, 1.1e-3, 0.9e-3, 2.0e-3], [5e-5] * 4) is None
+    assert common([6 * PERIOD] * 4, [5e-5] * 4) is None
+
+
+def test_a_time_that_is_not_sure_widens_the_intervals():
+    """By itself, where it is one joint's doing; by what is not known of it, where it is chance."""
+    alone = common([1e-3] * 4, [5e-5, 5e-5, 2e-3, 2e-3])
+    chance = common([1e-3] * 4, [2e-3] * 4)
+    assert alone is not None
+    assert chance is not None
+    assert not alone.sure
+    assert not chance.sure
+    assert alone.std == pytest.approx(1e-3, rel=0.01)
+    assert chance.std == pytest.approx(((2e-3 / 2) ** -2 + (PERIOD / 2) ** -2) ** -0.5)

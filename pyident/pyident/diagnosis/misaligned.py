@@ -27,6 +27,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from pyident.conditioning.alignment import NOTHING, Alignment
+from pyident.conditioning.fading import fading
 from pyident.conditioning.samples import Conditioned
 from pyident.diagnosis.base.denoised import denoised_every_sample, where_moving
 from pyident.diagnosis.base.projection import (
@@ -216,7 +217,7 @@ def _between_reversals(part: Conditioned, period: float) -> Conditioned:
         after = round(min(_AFTER / period, _PART * len(speed) / (1 + len(turns))))
         for turn in turns:
             use[max(turn - after // 4, 0) : turn + after, k] = 0.0
-    return replace(part, use=use)
+    return replace(part, use=fading(use))
 
 
 def _bands(logs: Sequence[Equations], k: int, moving: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -2,8 +2,6 @@
 
 Sensor noise in Φ biases least squares: it takes noise for motion. Instruments Z follow the motion but not the
 noise, so that what noise there is in y − Φ p is uncorrelated with them (Janot, Vandanjon and Gautier 2014).
-The mask that leaves reversals out fades in and out: noise of second differences cancels in the sums of smooth
-instruments, and would not at a hard edge.
 
 The covariance is a sandwich in the frequency domain. A sum over samples of instrument times residual is a sum
 over frequencies, and its variance needs the residual's spectrum where the instruments have theirs: the
@@ -25,7 +23,6 @@ from pyident.regression.reduced import Reduced, absent
 from pyident.regression.regressor import predicted
 from pyident.regression.triangle import Triangle
 
-FADE = 6  # samples over which the mask fades
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
 _SMOOTH = 51  # bins of `smoothed_power`: two of noise that is alike agree within a fifth
 _EXCESS = 1.2  # times the power of noise: less is not told from it
@@ -79,17 +76,6 @@ def acting(*matrices: np.ndarray) -> list[np.ndarray]:
 
 Logs = Callable[[], Iterable[Rows]]
 Scatter = Callable[[np.ndarray, np.ndarray], np.ndarray]  # directions (P, r), p (P,) -> (r, r)
-
-
-def fading(use: np.ndarray, fade: int = FADE) -> np.ndarray:
-    """(N, n) a mask of 0 and 1 that falls smoothly to 0 before it is 0, and at both ends."""
-    window = np.hanning(2 * fade + 1)
-    window /= window.sum()
-    n = len(use)
-    padded = np.pad(use.astype(float), ((2 * fade, 2 * fade), (0, 0)))
-    free = np.lib.stride_tricks.sliding_window_view(padded, 2 * fade + 1, axis=0).min(axis=-1)
-    free = np.lib.stride_tricks.sliding_window_view(free, 2 * fade + 1, axis=0)
-    return (free @ window)[:n]
 
 
 @dataclass(frozen=True)

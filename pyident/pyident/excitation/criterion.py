@@ -12,6 +12,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import faded
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.rubbing import rubs
 from pyident.conditioning.weak_form import condition
@@ -41,7 +42,7 @@ def yardstick(robot: Robot, log: Log, noise: Mapping[str, float]) -> Yardstick:
     """The level of noise (channel -> standard deviation) on the equations of a noise-free log."""
     p = np.array(list(robot.linear_parameters.values()))
     rng = np.random.default_rng(0)
-    clean = equations(robot, [condition(log, robot)], [log.period])[0]
+    clean = equations(robot, [faded(condition(log, robot))], [log.period])[0]
     expected = clean.y - clean.A @ p
     left = []
     for _ in range(_DRAWS):

@@ -33,7 +33,9 @@ _NATURAL = {"position": ("rad", "m"), "reference": ("rad", "m"), "velocity": ("r
 def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     """Every column by its name, its own unit and its range."""
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
+    units = {name: known_unit(recording.units.get(name, "")) for name in recording.columns}
     said = {name: meaning(name, joints) for name in recording.columns}
+    said = {name: replace(m, unit=units[name] or m.unit) for name, m in said.items()}
     clock = _time_column(recording, said)
     of_letters, by_letters = lettered(said, robot)
     said |= of_letters
@@ -47,7 +49,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
         signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
         if (signal == "voltage" and _supply(values)) or (signal == "switch" and not _switched(values)):
             signal = "other"
-        unit = known_unit(recording.units.get(name, "")) or m.unit
+        unit = m.unit
         if signal == "unknown" and m.joint is not None and KINDS.get(unit or "") == "effort":
             signal = "torque"  # F3 [N]
         if signal == "torque" and unit == "%":  # of a rated one, which has to be asked for as a current's

@@ -35,6 +35,7 @@ def lettered(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, M
         if order is None:
             continue
         meanings = {letter: meaning(rest) for letter, rest in rests.items()}
+        meanings = {a: replace(m, unit=m.unit or said[names[a]].unit) for a, m in meanings.items()}
         if sliders and order == ["x", "y", "z"] and {m.signal for m in meanings.values()} == {"unknown"}:
             meanings = {letter: said[names["x"]] for letter in order}
         if all(_measures(meanings[letter], kind) for letter, kind in zip(order, kinds, strict=True)):

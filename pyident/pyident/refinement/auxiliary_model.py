@@ -88,7 +88,7 @@ def identify_by_instruments(
     if driven(robot):
         return _identified(robot, logs, open_pool, told, prior)[0]
     found, late = _identified(robot, logs, open_pool, lambda share: told(share / 2), prior)
-    if late is None:
+    if late is None or not late.sure:
         return found
     moved = [earlier(robot, log, late.time) for log in logs]
     again, _ = _identified(robot, moved, open_pool, lambda share: told((1 + share) / 2), prior, (found, late))
@@ -136,6 +136,8 @@ def _identified(
         solution = replace(solution, covariance=solution.covariance + before[1].variance)
     elif not driven(robot):
         late = positions_late(last.logs, last.frames, last.rows, last.equations, solution)
+        if late is not None and not late.sure:
+            solution = replace(solution, covariance=solution.covariance + late.variance)
     reduced = start.plain.reduced
     found = identified(robot, reduced, solution)
     if prior is not None:
@@ -271,7 +273,7 @@ def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Worke
     values = np.array(list(made.wanted.linear_parameters.values()))
     quiet = np.array([put_in[name] for name in logs.reduced.columns])
     rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
-    if driven(logs.robot):
+    if driven(logs.robot) or carries(logs.robot):
         rows, weights = counted_by_noise(logs.data, rows, values)
     else:
         weights = counted_alike(rows, values)

@@ -4,7 +4,8 @@ Where the residual is noise (high frequencies: differences amplify it as f squar
 is a sum over the sensors, each with its own pattern over the rows. The patterns are measured: a little known
 noise is added to one channel of the log after the other, and non-negative least squares finds how much of
 each there is. Sensors whose patterns agree cannot be told apart by that; sensors of a kind are then taken as
-equally good.
+equally good. A torque's noise is as strong at low frequencies, where little else is: it is no more than the
+residual leaves where it is quietest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,11 +13,13 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import nnls
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import lsq_linear, nnls
 
 from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
+from pyident.conditioning.fading import faded
 from pyident.conditioning.smooth_motion import top_power
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
@@ -30,6 +33,8 @@ _ROUNDING = 1e-9  # of the largest torque: less is arithmetic
 _PARTS = 8  # of the band
 _PROBE = 1e-3  # noise added, of a channel's rms change between samples
 _ALIKE = 0.6  # weight of "sensors of a kind are equally good" against one part of the band
+_SMOOTH = 101  # lines of a spectrum over which the quietest is looked for
+_QUIETEST = 1.5  # times its power, as the least of many lines is below them on average
 
 
 def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, float]:
@@ -56,16 +61,20 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
         return known | dict.fromkeys(still, 0.0)
     probes = {c: _PROBE * max(float(np.std(np.diff(log.frame[c]))) for log in logs) for c in channels}
     probes = {c: size or known[c] for c, size in probes.items()}  # a torque at one value all the while
-    total, patterns = [], []
+    total, patterns, most = [], [], np.full(len(unknown), np.inf)
     for log in logs:
         left, changes = _patterns(robot, log, p, probes, rng)
-        total.append(left)
-        patterns += changes
+        total.append(_parts(left, robot, log))
+        patterns += [_parts(change, robot, log) for change in changes]
+        for at, channel in enumerate(unknown):
+            if channel in robot.torques:
+                k = robot.torques.index(channel)
+                most[at] = min(most[at], _quietest(left[:, k], changes[at][:, k]))
     power = np.reshape(patterns, (len(logs), len(channels), -1)).sum(axis=0).T
     of_torques = np.square([known[name] for name in channels[len(unknown) :]])
     rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
-    variances = _shared(rest, power[:, : len(unknown)], kinds)
-    variances = variances * _raised(rest, power[:, : len(unknown)] @ variances)
+    variances = _shared(rest, power[:, : len(unknown)], kinds, most)
+    variances = np.minimum(variances * _raised(rest, power[:, : len(unknown)] @ variances), most)
     return known | dict.fromkeys(still, 0.0) | dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
 
 
@@ -107,8 +116,13 @@ def _white(values: np.ndarray, least: float) -> float:
     return sigma if sigma > least else 0.0
 
 
-def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]]) -> np.ndarray:
-    """Variance per channel with total = patterns · variances, sensors of a kind alike where that is open."""
+def _shared(
+    total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[str]], most: np.ndarray | float = np.inf
+) -> np.ndarray:
+    """Variance per channel with total = patterns · variances, sensors of a kind alike where that is open.
+
+    most   (channels,) that they may have
+    """
     seen = total > 0
     A, y = patterns[seen] / total[seen, None], np.ones(int(seen.sum()))
     members = np.repeat(np.eye(len(kinds)), [len(kind) for kind in kinds], axis=0)
@@ -119,8 +133,8 @@ def _shared(total: np.ndarray, patterns: np.ndarray, kinds: Sequence[Sequence[st
     of_kind = nnls(A @ members / unit, y)[0] / unit
     typical = np.maximum(members @ of_kind, 1e-6 / np.linalg.norm(A, axis=0).max())
     alike = _ALIKE * (np.eye(len(typical)) - members @ members.T / (members.sum(axis=0) @ members.T)[:, None])
-    found, _ = nnls(np.vstack([A * typical, alike]), np.concatenate([y, np.zeros(len(typical))]))
-    return found * typical
+    rows, wanted = np.vstack([A * typical, alike]), np.concatenate([y, np.zeros(len(typical))])
+    return np.maximum(lsq_linear(rows, wanted, (0, most / typical), method="bvls").x, 0.0) * typical
 
 
 def _raised(power: np.ndarray, told: np.ndarray) -> float:
@@ -137,26 +151,46 @@ def _raised(power: np.ndarray, told: np.ndarray) -> float:
     return float(np.median((power / course).sum(axis=1) / (told / course).sum(axis=1)))
 
 
+def _quietest(left: np.ndarray, change: np.ndarray) -> float:
+    """Variance of white noise of a torque that fills the quietest lines of what a log leaves of its equation.
+
+    left, change   (lines,) power of the residual and of unit noise
+    """
+    noise, heard = (
+        uniform_filter1d(power, min(_SMOOTH, len(power)), mode="nearest") for power in (change, left)
+    )
+    if not (noise > 0).all():
+        return np.inf
+    return float(_QUIETEST * (heard / noise).min())
+
+
 def _patterns(
     robot: Robot, log: Log, p: np.ndarray, probes: Mapping[str, float], rng: np.random.Generator
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The power of a log's residual, and per channel that of unit noise in it; probes: channel -> std."""
+    """Spectra (lines, n) of a log's residual, and per channel of unit noise in it; probes: channel -> std."""
     noise = {channel: size * rng.standard_normal(len(log.frame)) for channel, size in probes.items()}
-    residual = residual_of(robot, condition(log, robot), p)
+    part = faded(condition(log, robot))
+    residual = residual_of(robot, part, p)
 
     def pattern(channel: str) -> np.ndarray:
         frame = log.frame.copy()
         frame[channel] = frame[channel] + noise[channel]
-        noisy = residual_of(robot, condition(replace(log, frame=frame), robot), p)
-        return _power(noisy - residual, robot, log) / max(probes[channel], 1e-300) ** 2
+        noisy = replace(
+            condition(replace(log, frame=frame), robot), use=part.use
+        )  # a mask's edge is no noise
+        return _spectrum(residual_of(robot, noisy, p) - residual) / max(probes[channel], 1e-300) ** 2
 
-    return _power(residual, robot, log), gathered(pattern, probes)
+    return _spectrum(residual), gathered(pattern, probes)
 
 
-def _power(residual: np.ndarray, robot: Robot, log: Log) -> np.ndarray:
-    """Mean power per coordinate and part of the noise band, as one vector."""
-    S = np.abs(np.fft.rfft(residual * np.hanning(len(residual))[:, None], axis=0)) ** 2
+def _spectrum(residual: np.ndarray) -> np.ndarray:
+    """(N // 2 + 1, n) power of a residual (N, n) per line."""
+    return np.abs(np.fft.rfft(residual * np.hanning(len(residual))[:, None], axis=0)) ** 2
+
+
+def _parts(power: np.ndarray, robot: Robot, log: Log) -> np.ndarray:
+    """Mean of a spectrum (lines, n) per coordinate and part of the noise band, as one vector."""
     cutoff = robot.settings.processing.cutoff
-    top = len(S) * min(1.0, 2 * cutoff * log.period if cutoff else 1.0)
+    top = len(power) * min(1.0, 2 * cutoff * log.period if cutoff else 1.0)
     edges = np.linspace(_FROM * top, _TO * top, _PARTS + 1).astype(int)
-    return np.array([S[a:b].mean(axis=0) for a, b in pairwise(edges)]).T.ravel()
+    return np.array([power[a:b].mean(axis=0) for a, b in pairwise(edges)]).T.ravel()

@@ -4,7 +4,8 @@ Differences amplify the noise of encoders, and in a regressor noise is no residu
 (errors in variables), differently along every motion. What that leaves is a floor at low frequencies, where
 physics is, and an error of prediction on held-out logs. Where the loop of a rigid robot is unknown, the
 motion is therefore taken as a low pass leaves it whose corner is where its spectrum nears the noise. The
-torques keep all their frequencies.
+torques keep all their frequencies. Elsewhere the noise stays in the motion, and equations fade in and out at
+reversals: at a hard edge the noise of high frequencies would be at the low ones, too.
 
 The filter of the robot's file would do less: it bends the motion about its corner, blurs reversals and leaves
 them in, and thins out. It only ends the band that is judged (`unfiltered`).
@@ -16,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import faded
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
 from pyident.conditioning.weak_form import condition, condition_every_sample
@@ -83,7 +85,7 @@ def within(robot: Robot, highest: float) -> Robot:
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
     """Nor its ends, nor where a low pass blurs a step of the acceleration: a reversal of friction, a jerk."""
     if not denoises(robot):
-        return conditioned(log, robot)
+        return faded(conditioned(log, robot))
     q, frame = log.signals(robot.coordinates), log.frame.copy()
     reach = all_reached(q)
     frame[list(robot.coordinates)] = all_smooth(q, reach)

@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import fading
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
 from pyident.diagnosis.base.projection import (
     Base,
@@ -111,7 +112,8 @@ def _without(
 ) -> list[Equations]:
     """The logs' equations with samples left out, on all rows; kept: per log (N,), 0 where it is left out."""
     parts = [
-        replace(log.part, use=log.part.use * keep[:, None]) for log, keep in zip(logs, kept, strict=True)
+        replace(log.part, use=log.part.use * fading(keep[:, None]))
+        for log, keep in zip(logs, kept, strict=True)
     ]
     made = equations(robot, parts, [log.band.period for log in logs])
     return all_over(made, levels)

@@ -17,6 +17,7 @@ from scipy.ndimage import uniform_filter1d
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import faded
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.projection import solve_base
 from pyident.logs.log import Log
@@ -86,7 +87,7 @@ def distance(true: Robot, rival: Robot, log: Log, noise: Mapping[str, float]) ->
 
     In standard deviations of the sensors' noise.
     """
-    part = condition(log, rival)
+    part = faded(condition(log, rival))
     problem = equations(rival, [part], [log.period])[0]
     level = _noise_level(rival, log, noise, problem.band, part.use)
     difference = (_forces(true, log) - _forces(rival, log)) * part.use

@@ -17,6 +17,7 @@ from scipy.optimize import lsq_linear
 from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import faded
 from pyident.conditioning.weak_form import condition
 from pyident.excitation.rehearsal import Rehearsal
 from pyident.excitation.separation.rivals import Rivals, Suspect, law_values
@@ -69,7 +70,7 @@ class _Fit:
 
     @classmethod
     def of(cls, rivals: Rivals, log: Log) -> "_Fit":
-        asked = equations(rivals.base, [condition(log, rivals.base)], [log.period])[0]
+        asked = equations(rivals.base, [faded(condition(log, rivals.base))], [log.period])[0]
         return cls(asked, np.ones_like(asked.y), np.zeros((asked.y.size, 0)), asked.y.ravel())
 
     def over(self, level: np.ndarray) -> "_Fit":

@@ -1,9 +1,10 @@
 """Intervals of the instrumental estimate: noise of the sensors, and motion that noise makes.
 
 The noise of the sensors goes through the equations. What the residual has beyond it, at a frequency of an
-equation, counts by its spectrum. What the simulation's samples and means owe to the estimate stands in the
-columns (`simulated_columns`). Dampings of hinges that vibrate faster than the log is sampled get no interval:
-none that was tried held.
+equation, counts by its spectrum; all that it has, where nothing says what drives the joints: filters, clocks
+and a friction that is a little different leave as much as the noise does, and in the same places. What the
+simulation's samples and means owe to the estimate stands in the columns (`simulated_columns`). Dampings of
+hinges that vibrate faster than the log is sampled get no interval: none that was tried held.
 """
 
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ from pyident.estimation.instrumental_variables import (
 from pyident.estimation.least_squares import Solution
 from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
 from pyident.refinement.instruments.simulated_rows import Repeated, every, in_memory
+from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.regression.regressor import predicted
 from pyident.simulation.sensor_noise import sensor_noise
@@ -41,7 +43,7 @@ def with_covariance(
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:
-        beyond = _beyond(logs, rows, p, noise)
+        beyond = _beyond(logs, rows, p, noise) if driven(robot) else None
         total = spectral(every(rows), solution.weights, beyond)(turn, p)
         for d, r, a in zip(logs.data, rows, logs.again, strict=True):
             total += noise_scatter(robot, d.part, r, p, solution.weights, turn, noise, a.log.period)

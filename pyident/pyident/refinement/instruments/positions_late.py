@@ -4,8 +4,9 @@ A drive's current passes a filter, an encoder's angle another bus: late by L the
 L times the rate of these. A millisecond is enough for friction to be found many of its standard deviations
 off. So the rates stand beside Φ, with the simulated rates as instruments, for each joint and each half of the
 logs by itself; and where all that tell agree on a time that is not chance, the positions belong there. What
-makes a single torque late, as a law with a memory does, says nothing of a clock, nor does a base that shakes:
-at one frequency a delay and an inertia may imitate anything.
+makes a single torque late, as a law with a memory does, says nothing of a clock: without any one joint the
+others must tell of it, too. Where they agree on nothing that is sure, the time may still be one that matters,
+and the parameters are known as badly as that.
 """
 
 from collections.abc import Sequence
@@ -25,18 +26,24 @@ from pyident.refinement.instruments.simulated_rows import Repeated, every
 _SURE = 3.0  # standard deviations, of the time from zero
 _ALIKE = 0.2  # of the time: as far as joints differ beside chance
 _PARTS = 2  # of the logs, one after the other
-_TOLD = 3  # of joints and parts that must tell
+_TOLD = 3  # of joints and parts that must have rates
+_WITHOUT = 2.0  # standard deviations, of the time that is left without any one joint
+_USUAL = 0.5  # samples: what is known of a clock before it is asked
 _LONGEST = 5.0  # samples: more is no matter of a clock
 _STEP = 0.5  # samples on either side of a rate
 
 
 @dataclass(frozen=True)
 class Late:
-    """time, std [s] by which all positions came late (early: below 0); slope (P,): parameters per second."""
+    """time, std [s] by which all positions came late (early: below 0); slope (P,): parameters per second.
+
+    sure   whether it is no chance; else nothing is moved, and std is how far from zero it may be
+    """
 
     time: float
     std: float
     slope: np.ndarray
+    sure: bool
 
     @property
     def variance(self) -> np.ndarray:
@@ -69,8 +76,8 @@ def positions_late(
 
 def _times(
     wider: list[Rows], equations: MomentEquations, solution: Solution, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Times (C,) of those of `count` rates that tell, their covariance (C, C), and slopes (P, C)."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+    """Times (C,) of those of `count` rates that tell, covariance (C, C), slopes (P, C), numbers of joints."""
     P, weights, r = len(solution.p), solution.weights, solution.rank
     sums = products(every(wider), weights)
     told = [P + k for k in range(count) if sums[P + k, P + k] > 0]
@@ -86,21 +93,31 @@ def _times(
     scores = sum(own.moments(own.residual(p), weights) for own in wider) @ free
     covariance = spread @ spectral(every(wider), weights)(free, p) @ spread.T
     slopes = -span @ np.linalg.solve(B, turn.T @ sums[:P, told])
-    return spread @ scores, covariance, slopes
+    return spread @ scores, covariance, slopes, (np.array(told) - P) // _PARTS
 
 
-def _common(times: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, period: float) -> Late | None:
-    """Of times (C,) of joints and parts, their covariance (C, C) and slopes (P, C)."""
-    weights = np.linalg.solve(covariance, np.ones(len(times)))
-    time, std = float(weights @ times / weights.sum()), float(weights.sum() ** -0.5)
+def _common(
+    times: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, joints: np.ndarray, period: float
+) -> Late | None:
+    """Of times (C,) of joints (C,) and parts, their covariance (C, C) and slopes (P, C)."""
+    time, std = _mean(times, covariance)
     each = np.sqrt(np.diag(covariance))
-    if not _SURE * std < abs(time) <= _LONGEST * period:
+    if abs(time) > _LONGEST * period or (np.abs(times - time) > _SURE * each + _ALIKE * abs(time)).any():
         return None
-    if (_SURE * each < abs(time)).sum() < _TOLD:
-        return None
-    if (np.abs(times - time) > _SURE * each + _ALIKE * abs(time)).any():
-        return None
-    return Late(time, std, slopes.sum(axis=1))
+    others = [joints != joint for joint in np.unique(joints)]
+    without = [_mean(times[kept], covariance[np.ix_(kept, kept)]) for kept in others if kept.any()]
+    sure = abs(time) > _SURE * std and all(np.sign(time) * t > _WITHOUT * s for t, s in without)
+    if not sure:
+        std = float(
+            np.hypot(std, time) if abs(time) > _WITHOUT * std else (std**-2 + (_USUAL * period) ** -2) ** -0.5
+        )
+    return Late(time, std, slopes.sum(axis=1), sure)
+
+
+def _mean(times: np.ndarray, covariance: np.ndarray) -> tuple[float, float]:
+    """The time that times of a covariance agree on, and its standard deviation."""
+    weights = np.linalg.solve(covariance, np.ones(len(times)))
+    return float(weights @ times / weights.sum()), float(weights.sum() ** -0.5)
 
 
 def _with_rates(robot: Robot, rows: Rows, log: Log, frame: pd.DataFrame, part: np.ndarray) -> Rows:

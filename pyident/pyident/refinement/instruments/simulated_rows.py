@@ -11,9 +11,10 @@ from flexmodels.coordinate import of_joint
 from flexmodels.cores import cores
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
+from pyident.conditioning.fading import fading
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.instrumental_variables import Logs, Rows, acting, fading
+from pyident.estimation.instrumental_variables import Logs, Rows, acting
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
 from pyident.refinement.instruments.stand_in import driven
