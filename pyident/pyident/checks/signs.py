@@ -3,11 +3,15 @@
 A hose or a spring at a joint acts against its inertia, fully where a motion has one frequency, and what a
 model without it leaves may look like friction that drives. So neither speaks for a wrong sign unless it would
 be negative beside a hose, too; and a torque whose friction brakes much has the right one, whatever inertia it
-seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it.
+seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it. A
+wrong sign turns inertia round as well as friction. Reversed rows turn friction round alone, but that of every
+joint: where another joint's brakes, what seems to drive here is a law that the model lacks, as a load that
+sloshes.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -39,24 +43,82 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
 
 def against(of: Balances, k: int) -> str | None:
     """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
-    used = of.samples.use[:, k] > 0
-    de, dde, y = of.samples.dq[used, k], of.samples.ddq[used, k], of.torque[used, k]
-    alone = _solution(of.Phi[used, k], y)
-    power, torque = float(np.mean(np.abs(y * de))), float(np.sqrt(np.mean(np.square(y))))
-
-    def negative(row: np.ndarray, least: float) -> bool:
-        if not alone.negative(row, least):
-            return False
-        beside_hose = _solution(of.beside(k, np.column_stack([of.hose(k), np.ones(len(used))])), y)
-        return beside_hose.negative(np.pad(row, (0, len(beside_hose.p) - len(row))), least)
-
-    rubbing = _friction(of, k, de)
-    if negative(rubbing, LOG_CHECKS.friction_share * power):
-        return "friction would feed energy in"
-    if alone.negative(-rubbing, _BRAKES * power):
+    joint = _Joint(of, k)
+    if joint.negative(joint.rubbing, joint.least_power):
+        return None if _goes_forwards(joint) else "friction would feed energy in"
+    if joint.alone.negative(-joint.rubbing, _BRAKES * joint.power):
         return None
-    least = LOG_CHECKS.friction_share * torque / max(float(np.sqrt(np.mean(dde**2))), 1e-300)
-    return "its inertia would be negative" if negative(inertia(of, k), least) else None
+    return "its inertia would be negative" if joint.negative(joint.turning, joint.least_inertia) else None
+
+
+def _goes_forwards(joint: "_Joint") -> bool:
+    """Whether inertia has the right sign here, as where rows are reversed, and friction another joint's."""
+    if not joint.negative(-joint.turning, joint.least_inertia):
+        return False
+    others = (_Joint(joint.of, k) for k in joint.of.joints if k != joint.k)
+    return any(other.negative(-other.rubbing, other.least_power) for other in others)
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """The equation of joint k (from 0), alone and beside a hose."""
+
+    of: Balances
+    k: int
+
+    @cached_property
+    def used(self) -> np.ndarray:
+        """(N,) samples."""
+        return self.of.samples.use[:, self.k] > 0
+
+    @cached_property
+    def torque(self) -> np.ndarray:
+        """(M,)."""
+        return self.of.torque[self.used, self.k]
+
+    @cached_property
+    def speed(self) -> np.ndarray:
+        """(M,)."""
+        return self.of.samples.dq[self.used, self.k]
+
+    @cached_property
+    def alone(self) -> "_Solution":
+        return _solution(self.of.Phi[self.used, self.k], self.torque)
+
+    @cached_property
+    def beside_hose(self) -> "_Solution":
+        hose = np.column_stack([self.of.hose(self.k), np.ones(len(self.used))])
+        return _solution(self.of.beside(self.k, hose), self.torque)
+
+    @cached_property
+    def power(self) -> float:
+        return float(np.mean(np.abs(self.torque * self.speed)))
+
+    @property
+    def least_power(self) -> float:
+        return LOG_CHECKS.friction_share * self.power
+
+    @property
+    def least_inertia(self) -> float:
+        acceleration = np.sqrt(np.mean(self.of.samples.ddq[self.used, self.k] ** 2))
+        torque = np.sqrt(np.mean(np.square(self.torque)))
+        return LOG_CHECKS.friction_share * float(torque / max(acceleration, 1e-300))
+
+    @cached_property
+    def rubbing(self) -> np.ndarray:
+        """(P,) mean power that its friction takes, per unit of p."""
+        return _friction(self.of, self.k, self.speed)
+
+    @cached_property
+    def turning(self) -> np.ndarray:
+        """(P,) its inertia, per unit of p."""
+        return inertia(self.of, self.k)
+
+    def negative(self, row: np.ndarray, least: float) -> bool:
+        """Whether row p (P,) is below zero by a least amount, and beside a hose, too."""
+        if not self.alone.negative(row, least):
+            return False
+        return self.beside_hose.negative(np.pad(row, (0, len(self.beside_hose.p) - len(row))), least)
 
 
 @dataclass(frozen=True)
