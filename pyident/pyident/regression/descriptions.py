@@ -124,7 +124,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
         Description(
             "gear_ratio", "how far the joint turns per unit that it logs", "1", 1.0, RATIO, least=0.002
         ),
-        Description("torque_gain", "the gain of the logged torque", "1", 0.2, GAIN, least=0.01),
+        Description("torque_gain", "the gain of the logged torque", "1", 1.0, GAIN, least=0.01),
         Description(
             "torque_lag",
             "how late the logged torque comes",

@@ -11,6 +11,7 @@ from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.loads.forces import as_they_are, link_forces_along
 from pyident.regression.regressor import generalised_forces
 
+_SLOPE = 0.2  # of a torque: beyond it the wrong one has bent all that its column is made of
 _STEP = 1e-6  # rad, the largest bend; and of a position's scale
 
 
@@ -33,8 +34,16 @@ class Outside:
 def _gain_said(joint: str, value: float, _: str) -> str:
     """The true torque is the logged one times 1 + value; a factor of all torques is one of all bodies."""
     which = "small" if value > 0 else "large"
-    off = f"its logged torque is {_off(value):.2g} % too {which} against the other joints'"
+    amount = "far" if abs(value) > _SLOPE else f"{_off(value):.2g} %"
+    off = f"its logged torque is {amount} too {which} against the other joints'"
     return f"the gain (torque constant) of {joint}, {off}"
+
+
+def _gain_mended(k: int, value: float, _: str) -> str:
+    if abs(value) > _SLOPE:
+        where = f"the factor of joint{k}.tau in the mapping of the logs"
+        return f"look up {where}: it is far from right, and how far the logs do not tell"
+    return f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs"
 
 
 def _off(gain: float) -> float:
@@ -125,7 +134,7 @@ def _further(motion: Motion, k: int, q: np.ndarray, dq: np.ndarray, ddq: np.ndar
 GAIN = Outside(
     _scaled,
     "multiply joint{k}.tau by 1 + the correction that `diagnose` finds, in the mapping of the log",
-    lambda k, value, _: f"multiply joint{k}.tau by about {1 + value:.3g}, in the mapping of the logs",
+    _gain_mended,
     _gain_said,
 )
 RATIO = Outside(
