@@ -37,9 +37,16 @@ def test_foreign_names_and_units_are_mapped(tmp_path):
             "column joint1.e is not finite.*row 8",
         ),
         (lambda f: f.drop(index=10), "time goes from 0.036 s to 0.044 s at row 11"),
-        (lambda f: f[::-1], "period is -0.004"),
+        (lambda f: f[::-1], "time runs backwards"),
         (lambda f: f.head(1), "1 samples are too few"),
-        (lambda f: f.assign(note="text"), "column note holds something that is not a number"),
+        (lambda f: f.assign(note="text"), "column note holds nothing that is a number"),
+        (
+            lambda f: f.assign(note=["E-STOP", *range(19)]),
+            "column note holds 'E-STOP' in row 1, which is no number",
+        ),
+        (lambda f: f.head(0), "names of columns, and no rows below them"),
+        (lambda f: pd.concat([f, f[["joint1.e"]]], axis=1), "column joint1.e is there twice"),
+        (lambda f: f.assign(time=0.0), "time stands still"),
     ],
 )
 def test_a_wrong_log_is_explained(change, words, tmp_path):

@@ -115,6 +115,20 @@ def grows_evenly(x: np.ndarray) -> bool:
     return bool(np.mean(np.abs(steps - middle) < max(_EVEN * middle, 1e-12)) > 0.8)
 
 
+def no_clock(channel: Channel) -> str:
+    """Why a column that is called a time is none; empty for other columns."""
+    if meaning(channel.column).signal != "time":
+        return ""
+    x = np.asarray(channel.values, float)
+    steps = np.diff(x)
+    if not np.isfinite(x).all():
+        return f"{channel.column} holds no number in row {int(np.argmin(np.isfinite(x))) + 1}"
+    if (steps < 0).any():
+        i = int(np.argmax(steps < 0))
+        return f"{channel.column} goes back from {x[i]:.10g} to {x[i + 1]:.10g} at row {i + 2}"
+    return f"{channel.column} stands still or jumps"
+
+
 def _grows(x: np.ndarray) -> bool:
     """Whether it never falls: rows may come twice, and stamps may be coarse."""
     steps = np.diff(x)

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.drives import of_its_drive
-from pyident.inspection.guesses import NAME, first_guesses
+from pyident.inspection.guesses import NAME, first_guesses, no_clock
 from pyident.inspection.motion import (
     DERIVATIVE,
     nameless,
@@ -185,7 +185,8 @@ def _missing(
 ) -> list[str]:
     asked = []
     if time is None and not rate:
-        asked.append("no column looks like time: how many samples a second were recorded? (rate)")
+        why = "; ".join(filter(None, map(no_clock, channels))) or "no column looks like time"
+        asked.append(f"{why}: how many samples a second were recorded? (rate)")
     places = {c.joint for c in channels if c.signal == "position" and c.name}
     efforts = {c.joint for c in channels if c.signal in ("torque", "current", "voltage") and c.name}
     if joints == 0:

@@ -103,7 +103,7 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
     path = Path(path)
     if not path.is_file():
         raise LogError(no_log(path))
-    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
+    readers = {".csv": _read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
     if path.suffix not in readers:
         raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
     with reading(path):
@@ -150,6 +150,15 @@ def require(log: Sampled, robot: Robot, samples: int) -> None:
         raise LogError(
             f"{log.source}: {len(log)} samples are too few; robot {robot.name} needs {samples} or more"
         )
+
+
+def _read_csv(path: Path) -> pd.DataFrame:
+    """Pandas calls a second column of a name NAME.1, and nobody would know which of them was meant."""
+    names = pd.read_csv(path, header=None, nrows=1, dtype=str).iloc[0]
+    twice = names[names.duplicated()]
+    if len(twice):
+        raise LogError(f"{path}: column {twice.iloc[0]} is there twice; remove one of them or rename it")
+    return pd.read_csv(path)
 
 
 def _read_mat(path: Path) -> pd.DataFrame:
@@ -202,7 +211,7 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
         )
     for name in frame:
         if not pd.api.types.is_numeric_dtype(frame[name]):
-            raise LogError(f"{source}: column {name} holds something that is not a number; remove it")
+            raise LogError(f"{source}: {_no_number(frame[name], first)}")
         values = frame[name].to_numpy(dtype=float)
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
@@ -216,6 +225,20 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
             )
 
 
+def _no_number(column: pd.Series, first: int) -> str:
+    """Where a column holds a text, and which; `first` rows came before."""
+    if not len(column):
+        return "there are names of columns, and no rows below them"
+    bad = np.flatnonzero(pd.to_numeric(column, errors="coerce").isna() & column.notna())
+    if len(bad) == column.notna().sum():
+        return f"column {column.name} holds nothing that is a number; remove it"
+    text = str(column.iloc[bad[0]])[:40]
+    return (
+        f"column {column.name} holds {text!r} in row {first + bad[0] + 1}, which is no number"
+        f"{f', and {len(bad) - 1} more' if len(bad) > 1 else ''}; remove such rows, or the column"
+    )
+
+
 def median_step(time: np.ndarray) -> float:
     """[s] between the samples of a time column (N,)."""
     return float(np.median(np.diff(time)))
@@ -224,9 +247,14 @@ def median_step(time: np.ndarray) -> float:
 def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) -> None:
     """Time (N,) [s] goes on in steps of one period; `first` rows came before. Raises LogError."""
     uneven = np.flatnonzero(np.abs(np.diff(time) - period) > _JITTER * abs(period))
-    if period <= 0 or len(uneven):
+    if period <= 0:
+        how = "stands still" if period == 0 else "runs backwards"
+        raise LogError(
+            f"{source}: time {how} through most of the rows; is it the column of the time, in order?"
+        )
+    if len(uneven):
         i = int(uneven[0]) if len(uneven) else 0
-        short = period <= 0 or np.diff(time).max() <= WIDEST_GAP * period
+        short = np.diff(time).max() <= WIDEST_GAP * period
         raise LogError(
             f"{source}: time goes from {time[i]:.13g} s to {time[i + 1]:.13g} s at row {first + i + 2} where "
             f"the period is {period:.6g} s; cut the log there"

@@ -12,6 +12,7 @@ from pyident.logs.formats.layout import Layout, layout_of, split
 from pyident.logs.formats.recording import Recording, with_whole_stamps
 from pyident.logs.log import LogError
 
+_WORDS = 0.1  # of a column of numbers
 _TAIL = 1 << 16  # bytes of the end of a file, which hold its last line
 
 
@@ -21,6 +22,8 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     frame, notes = _rows(path, layout)
     found = (layout.names or message_names(frame)) if header else None
     names = found or tuple(str(i + 1) for i in range(frame.shape[1]))
+    names, again = _told_apart(names)
+    notes += again
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
     texts: dict[str, pd.Series] = {}
@@ -41,6 +44,18 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
     return Recording(columns, units, clocks, found is not None, tuple(notes), tuple(left))
 
 
+def _told_apart(names: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
+    """Names of which none comes twice, and a note on every one that did."""
+    out: list[str] = []
+    notes: list[str] = []
+    for name in names:
+        count = 1 + names[: len(out)].count(name)
+        out.append(name if count == 1 else f"{name} ({count})")
+        if count > 1:
+            notes.append(f"column {name} is there more than once; no. {count} is called {out[-1]!r} here")
+    return tuple(out), notes
+
+
 def _rows(path: Path, layout: Layout) -> tuple[pd.DataFrame, list[str]]:
     """The rows of the table, columns numbered from 0, and a note on every row that is none."""
     separator = r"\s+" if layout.separator == " " else layout.separator
@@ -52,6 +67,11 @@ def _rows(path: Path, layout: Layout) -> tuple[pd.DataFrame, list[str]]:
     if len(frame) > 1 and _cut_off(path, layout):
         frame = frame.iloc[:-1]
         notes.append("the last row, which is incomplete, left out")
+    words = _words_at_the_end(frame, layout.decimal)
+    if words:
+        frame = frame.iloc[:-words]
+        which = "the last row, which holds" if words == 1 else f"the last {words} rows, which hold"
+        notes.append(f"{which} words where numbers are above, left out")
     again = _names_again(frame, layout)
     if again.any():
         frame = frame.loc[~again]
@@ -70,6 +90,19 @@ def _cut_off(path: Path, layout: Layout) -> bool:
         return False
     above, last = (len(split(line, layout.separator)) for line in lines[-2:])
     return last < layout.width <= above
+
+
+def _words_at_the_end(frame: pd.DataFrame, decimal: str) -> int:
+    """Rows at the end with words where numbers are above them: sums and remarks of a recorder."""
+    bad = np.zeros(len(frame), bool)
+    for at in frame.columns:
+        if pd.api.types.is_numeric_dtype(frame[at]):
+            continue
+        text = frame[at].astype(str).str.strip().str.replace(decimal, ".", regex=False)
+        wrong = np.asarray(pd.to_numeric(text, errors="coerce").isna() & frame[at].notna())
+        if wrong.mean() < _WORDS:
+            bad |= wrong
+    return len(bad) if bad.all() else int(np.argmin(bad[::-1]))
 
 
 def _names_again(frame: pd.DataFrame, layout: Layout) -> np.ndarray:
