@@ -269,9 +269,9 @@ def _orthonormal(A: np.ndarray, scale: np.ndarray, least: float) -> np.ndarray:
 
 def _defect(source: str, time: float, found: Change, channel: str, what: str) -> Defect:
     return Defect("doubtful", "change", channel,
-                  f"{source}: from {round(time, 3):.13g} s on it is another machine than before: parameters of its own "
-                  f"from there leave {max(100 * found.left, 1):.0f} % of the residual. {what}. Cut the log "
-                  "there, and fit the parts apart")  # fmt: skip
+                  f"{source}: from {round(time, 3):.13g} s on it is another machine than before: parameters "
+                  f"of its own from there leave {max(100 * found.left, 1):.0f} % of the residual. {what}. "
+                  "Cut the log there, and fit the parts apart")  # fmt: skip
 
 
 def grown(found: Change, unit: str) -> str:

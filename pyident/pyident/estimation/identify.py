@@ -22,6 +22,8 @@ from pyident.rules.confidence import CONFIDENCE, LEVEL
 
 _NOTHING = 1e-3  # of what the solution says: so near to a bound a parameter is at it
 _WORST = 3  # disagreements that are named
+_IMPOSSIBLE = 5.0  # standard deviations below zero
+_POSITIVE = (".m", ".J[xx]", ".J[yy]", ".J[zz]", ".J_m", ".coulomb", ".viscous")
 
 
 @dataclass(frozen=True)
@@ -187,6 +189,24 @@ def disagreements(found: Identified) -> tuple[str, ...]:
     )
     cause = "an effect that is missing, a wrong sign or zero of a channel, or noise taken for motion"
     return (f"the written model and the logs disagree: {named}; {cause}",)
+
+
+def impossible(found: Identified) -> tuple[str, ...]:
+    """A sentence about sums of masses, inertias and frictions that come out below zero beyond chance.
+
+    found   with intervals that hold
+    """
+    told = [b for b in found.base if np.isfinite(b.std) and b.std > 0 and _cannot_be_negative(b)]
+    below = sorted((b for b in told if b.value < -_IMPOSSIBLE * b.std), key=lambda b: b.value / b.std)
+    if not below:
+        return ()
+    named = "; ".join(f"{b.expression} = {b.value:.4g} ± {CONFIDENCE * b.std:.2g}" for b in below[:_WORST])
+    cause = "a wrong sign, unit or zero of a channel, a wrong axis, or something large that is missing"
+    return (f"no body and no friction is below zero, and the logs ask for {named}: {cause}",)
+
+
+def _cannot_be_negative(b: BaseParameter) -> bool:
+    return all(factor > 0 and name.endswith(_POSITIVE) for factor, name in b.terms)
 
 
 def _unlike(found: Identified, prior: Robot) -> list[str]:

@@ -22,6 +22,7 @@ from pyident.estimation.identify import (
     Identified,
     disagreements,
     identified,
+    impossible,
     near,
     without_intervals,
 )
@@ -143,6 +144,8 @@ def _identified(
     if prior is not None:
         found = near(found, prior)
         notes = (*notes, *found.notes, *disagreements(found))
+    else:
+        notes = (*notes, *impossible(found))
     fast = ringing(found.robot, [d.part.motion for d in start.data], max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
