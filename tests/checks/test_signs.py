@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from analytic_joint import COULOMB, analytic_log, free_joint
+from studies.rigid_arm.arm import COULOMB as COULOMBS
+from studies.rigid_arm.arm import ROTOR, VISCOUS, arm, moved, recorded
 
 from pyident.checks.balances import balances, samples, solved
 from pyident.checks.signs import signs
@@ -62,3 +65,25 @@ def test_a_spring_is_no_wrong_sign():
     signals = samples(free_joint(), hung)
     assert signals is not None
     assert not list(signs(balances(signals), hung.source))
+
+
+def test_what_drives_one_joint_is_no_wrong_sign_and_reversed_rows_are():
+    """Inertia is right in both; in reversed rows friction drives every joint."""
+    pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
+    rng, robot = np.random.default_rng(3), arm()
+    motion = moved(robot, rng, 20.0, 3.0)
+    friction = COULOMBS * np.sign(motion.v) + VISCOUS * motion.v
+    tau = motion.load + ROTOR * motion.a + friction
+
+    def found(tau, way=1):
+        log = recorded(motion, tau, np.zeros(6), rng, "log")
+        turned = log.frame.iloc[::way].reset_index(drop=True).assign(time=log.frame["time"])
+        signals = samples(robot, replace(log, frame=turned))
+        assert signals is not None
+        return [defect.channel for defect in signs(balances(signals), "log")]
+
+    driven = tau.copy()
+    driven[:, 1] -= 3 * friction[:, 1]
+    assert found(tau) == []
+    assert found(driven) == []
+    assert len(found(tau, -1)) > 2

@@ -1,6 +1,8 @@
 """The physically consistent parameters nearest to a solution, against closed forms."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -11,6 +13,8 @@ from studies.rigid_arm.arm import arm
 from flexmodels.link import LINK_PARAMETERS, Link
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.weak_form import condition
+from pyident.estimation.base_parameters import BaseParameter
+from pyident.estimation.identify import impossible
 from pyident.estimation.least_squares import residual_squares, solve_weighted
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.log import Log, LogError
@@ -130,3 +134,14 @@ def test_what_acts_next_to_nothing_does_not_stop_the_solver():
     left = np.sqrt(residual_squares(reduced, np.array([found[name] for name in reduced.columns])))
     least = np.sqrt(residual_squares(reduced, solution.p))
     assert np.all(left < 1.05 * least)
+
+
+def test_a_sum_of_masses_below_zero_is_told():
+    """Beyond chance alone, and of sums alone that no body has below zero."""
+    masses, moment = ((1.0, "link3.m"), (1.0, "link4.m")), ((1.0, "link3.m"), (-2.0, "link4.ms[x]"))
+    found = [BaseParameter(masses, -1.9, 0.01), BaseParameter(moment, -5.0, 0.01)]
+    told = impossible(cast(Any, SimpleNamespace(base=found)))
+    assert len(told) == 1
+    assert "the logs ask for link3.m + 1 link4.m = -1.9 ± 0.02: a wrong sign" in told[0]
+    chance = [BaseParameter(masses, -0.04, 0.01), BaseParameter(masses, -1.9, np.nan)]
+    assert impossible(cast(Any, SimpleNamespace(base=chance))) == ()

@@ -134,3 +134,24 @@ def test_a_note_on_a_turned_sign_does_not_ask_for_it_again(tmp_path):
     found = inspect_log([tmp_path / "raw.csv"], arm())
     assert any("joint3.tau with the other sign fits; the mapping has it" in note for note in found.notes)
     assert found.toml().count("sign = -1") == 2
+
+
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        (TIME[::-1], "time_s goes back from 3.99 to 3.98 at row 2"),
+        (0 * TIME, "time_s stands still or jumps"),
+    ],
+)
+def test_a_time_that_is_none_is_told(time, words, tmp_path):
+    asked = inspected(tmp_path, time_s=time).questions
+    assert any(question.startswith(f"{words}: how many samples a second") for question in asked)
+
+
+def test_files_of_two_rates_keep_their_clocks(tmp_path):
+    pd.DataFrame({"time": TIME, "q1_rad": ANGLE}).to_csv(tmp_path / "pos.csv", index=False)
+    pd.DataFrame({"time": TIME, "tau1_Nm": ANGLE}).iloc[::2].to_csv(tmp_path / "tau.csv", index=False)
+    files = [tmp_path / "pos.csv", tmp_path / "tau.csv"]
+    (tmp_path / "map.toml").write_text(inspect_log(files).toml())
+    log = import_log(files, read_mapping(tmp_path / "map.toml"))
+    assert log.frame["joint1.tau"].to_numpy() == pytest.approx(np.sin(log.frame["time"]), abs=1e-4)

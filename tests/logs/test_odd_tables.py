@@ -167,3 +167,17 @@ def test_groups_of_joints_on_one_topic_have_a_clock_each(tmp_path):
     assert found.columns["finger.time"] == pytest.approx(TIME[::2])
     assert found.columns["finger.position"] == pytest.approx(0.02 + TIME[::2])
     assert found.clocks == dict.fromkeys(("finger.position", "finger.effort"), "finger.time")
+
+
+def test_sums_and_remarks_at_the_end_are_no_samples(tmp_path):
+    rows = "".join(f"{t},{np.sin(t)}\n" for t in TIME)
+    found = read(tmp_path, f"time,q1\n{rows}# mean,0.1\nEnd of file\n")
+    assert len(found.columns["time"]) == len(TIME)
+    assert any("words where numbers are above" in note for note in found.notes)
+
+
+def test_a_name_that_comes_twice_is_told(tmp_path):
+    found = read(tmp_path, "time,q1,q1\n" + "".join(f"{t},{t},{2 * t}\n" for t in TIME))
+    assert list(found.columns) == ["time", "q1", "q1 (2)"]
+    assert found.columns["q1"].tolist() == TIME.tolist()
+    assert found.notes == ("column q1 is there more than once; no. 2 is called 'q1 (2)' here",)

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.drives import of_its_drive
-from pyident.inspection.guesses import NAME, first_guesses, no_clock
+from pyident.inspection.guesses import NAME, first_guesses, grows_evenly, no_clock
 from pyident.inspection.motion import (
     DERIVATIVE,
     nameless,
@@ -21,6 +21,7 @@ from pyident.inspection.motion import (
 from pyident.inspection.of_one_kind import of_one_kind, whole
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal
+from pyident.inspection.words import meaning
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
@@ -89,9 +90,20 @@ def _joined(read: list[tuple[Path, Recording]]) -> Recording:
         columns |= {own[n]: x for n, x in recording.columns.items()}
         units |= {own[n]: unit for n, unit in recording.units.items()}
         clocks |= {own[n]: own[clock] for n, clock in recording.clocks.items()}
+        clock = _own_clock(read[0][1], recording)
+        clocks |= {own[n]: own[clock] for n in recording.columns if clock and n not in (clock, *clocks)}
     notes = tuple(f"{path}: {note}" for path, recording in read for note in recording.notes)
     texts = tuple(name for _, recording in read for name in recording.texts)
     return Recording(columns, units, clocks, all(r.header for _, r in read), notes, texts)
+
+
+def _own_clock(first: Recording, other: Recording) -> str | None:
+    """The column of a further file that counts its time, where that is another than the first one's."""
+    clocks = [n for n, x in other.columns.items() if meaning(n).signal == "time" and grows_evenly(x)]
+    clocks = [n for n in clocks if n not in other.clocks.values()]
+    if not clocks or (same := first.columns.get(clocks[0])) is None:
+        return None
+    return None if np.array_equal(same, other.columns[clocks[0]]) else clocks[0]
 
 
 def _measured(recording: Recording) -> tuple[Recording, list[str]]:
