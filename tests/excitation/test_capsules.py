@@ -7,10 +7,14 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
+from flexmodels.experiment import Experiment
 from flexmodels.files.robot_file import load_robot
 from flexmodels.joint import Joint
 from flexmodels.robot import Robot
 from pyident.excitation.capsules import between, clearances, geometry_of
+from pyident.excitation.design import confined
+from pyident.excitation.drawing import Task
+from pyident.excitation.limits import Limits
 
 
 def brute_force(a, b, c, d) -> float:
@@ -110,3 +114,19 @@ def test_what_stands_on_the_base_is_not_held_against_the_floor():
     shape = geometry_of(load_robot("four_link"), radius=0.06)
     assert [link.least for link in shape.grounded] == [0.0] * len(shape.grounded)
     assert not any("below the floor" in note for note in shape.notes)
+
+
+@pytest.mark.parametrize(("floor", "confined_by"), [(0.0, ["link 2 and the floor"]), (-5.0, [])])
+def test_a_motion_that_links_confine_says_so(floor, confined_by):
+    """Swings of 0.11 of 2 rad, which bring the second bar's end near a floor 0.06 m below it."""
+    many = np.ones(2)
+    limits = Limits(-many, many, 9 * many, 99 * many, 99 * many, np.zeros(2))
+    shape = geometry_of(lying(), radius=0.04, floor=floor)
+    task = Task(lying(), limits, shape, {}, 4.0, 50.0)
+    time = np.arange(201) / 50
+    swing = 0.055 * np.sin(np.pi * time / 2)
+    plan = Experiment(time, np.column_stack([swing, 0 * swing]), np.zeros((201, 2)))
+    told = confined(task, plan)
+    assert len(told) == len(confined_by)
+    for sentence, where in zip(told, confined_by, strict=True):
+        assert f"(joint1 to 6 %, joint2 to 0 % of the range), as {where} would touch" in sentence

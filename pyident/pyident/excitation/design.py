@@ -14,12 +14,14 @@ from pyident.excitation.gradients.slopes import Setting
 from pyident.excitation.gradients.smallest_condition import smallest_condition
 from pyident.excitation.jury import Jury
 from pyident.excitation.limits import where_it_begins
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.rehearsal import Rehearsal, reference_of_plan
 from pyident.excitation.search import Best, Budget, best_of
+from pyident.excitation.violations import of_reference
 
 _SEARCH = 0.8  # of the progress; the rest is the rehearsals'
 _STARTS = 12  # random motions, of which a search takes the best first
 _DRAWN = 8  # of them, that tell which columns are independent
+_CONFINED, _FURTHER = 0.25, 1.25  # of a joint's range; and of the motion
 _TRIED = 3  # offers that are rehearsed at most
 
 Score = Callable[[Along], float]
@@ -173,6 +175,24 @@ def rehearsed(
     if best is None:
         raise refused or RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
     return best
+
+
+def confined(task: Task, plan: Experiment) -> tuple[str, ...]:
+    """A sentence where joints keep to a small part of their range because links would touch."""
+    span = task.limits.upper - task.limits.lower
+    share = np.ptp(plan.reference, axis=0) / np.where(span > 0, span, np.inf)
+    small = [k for k in np.flatnonzero(share < _CONFINED) if np.isfinite(span[k])]
+    further = task.limits.home + _FURTHER * (plan.reference - task.limits.home)
+    motion = reference_of_plan(replace(plan, reference=further))
+    broken = of_reference(task.robot, task.limits, task.geometry, motion) if small else []
+    near = next((violation for violation in broken if violation.what == "distance"), None)
+    if near is None:
+        return ()
+    named = ", ".join(f"joint{k + 1} to {100 * share[k]:.0f} %" for k in small)
+    return (
+        f"the motion keeps to a small part of what the joints may do ({named} of the range), as {near.where} "
+        "would touch: give the radius of the links, if they are thinner, or leave the floor out",
+    )
 
 
 def _as_large_as_allowed(task: Task, offer: Offer, jury: Jury, progress: Progress) -> Design:

@@ -12,7 +12,7 @@ from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.weak_form import recipe
 from pyident.excitation.capsules import Geometry, geometry_of
-from pyident.excitation.design import Design, best_conditioned, designed, measure, most_informative
+from pyident.excitation.design import Design, best_conditioned, confined, designed, measure, most_informative
 from pyident.excitation.drawing import Drawing, Task, starts
 from pyident.excitation.limits import Limits, limits_of, where_it_begins
 from pyident.excitation.prediction import predicted
@@ -114,7 +114,8 @@ def excite(
         prediction = predicted(own, found.plan, task.noise, runs_in_threads)
     if progress:
         progress(1.0)
-    return Planned(robot, found, (*out, *_notes(task), *prediction.notes), prediction, promise)
+    notes = (*out, *_notes(task), *confined(task, found.plan), *prediction.notes)
+    return Planned(robot, found, notes, prediction, promise)
 
 
 def check_plan(
