@@ -203,6 +203,9 @@ def test_fixed_joints_are_merged_and_hinges_added(arm):
     [
         (("revolute", "floating"), "joint shoulder is floating; only revolute"),
         (("<axis", '<mimic joint="weld"/><axis'), "joint shoulder mimics weld"),
+        (("<axis", '<mimic joint="elbow"/><axis'), "joint shoulder mimics elbow, which is not there"),
+        (("<axis", '<mimic joint="shoulder"/><axis'), "joint shoulder mimics itself"),
+        (('xyz="0 0 1"', 'xyz="${direction}"'), "it is xacro, not yet URDF"),
         (("0 0 1", "0 0 0"), "axis of zero length"),
         (('"shoulder" type="revolute"', '"shoulder" type="fixed"'), "no joint that moves"),
         (("</robot>", ""), "cannot be read as URDF"),

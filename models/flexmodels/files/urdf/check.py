@@ -18,8 +18,10 @@ def check_urdf(root: Any) -> None:
     """root: the lxml element `robot`. Raises RobotError."""
     if root.tag != "robot":
         raise RobotError(f"its root is <{root.tag}>, not <robot>")
+    _check_expanded(root)
     _check_names(root)
     _check_tree(root)
+    _check_mimics(root)
     for element in root.iter():
         if isinstance(element.tag, str):
             _check_numbers(element)
@@ -33,6 +35,25 @@ def require_few(joints: int) -> None:
     """Raises RobotError for more joints than can be computed with."""
     if joints > MOST_JOINTS:
         raise RobotError(f"{joints} joints move, {MOST_JOINTS} are the most; make those fixed that can be")
+
+
+def _check_expanded(root: Any) -> None:
+    own = [element for element in root.iter() if isinstance(element.tag, str)]
+    if any("/xacro}" in element.tag or any("${" in value for value in element.values()) for element in own):
+        raise RobotError("it is xacro, not yet URDF; expand it: xacro FILE > robot.urdf")
+
+
+def _check_mimics(root: Any) -> None:
+    joints = {joint.get("name") for joint in root.iterfind("joint")}
+    for joint in root.iterfind("joint"):
+        for mimic in joint.iterfind("mimic"):
+            name, other = joint.get("name"), mimic.get("joint")
+            if other == name:
+                raise RobotError(f"joint {name} mimics itself; leave <mimic> out")
+            if other not in joints:
+                raise RobotError(
+                    f"joint {name} mimics {other}, which is not there; add it or leave <mimic> out"
+                )
 
 
 def _check_names(root: Any) -> None:
@@ -88,7 +109,8 @@ def _ancestors(link: str, parents: dict[str, str]) -> Iterator[str]:
 def _check_numbers(element: Any) -> None:
     for key in _NUMBERS:
         for word in (element.get(key) or "").split():
-            place = f"{key} of <{element.tag}> in {element.getparent().get('name')}"
+            owner = next((above.get("name") for above in element.iterancestors() if above.get("name")), None)
+            place = f"{key} of <{element.tag}> in {owner}"
             try:
                 number = float(word)
             except ValueError:
