@@ -7,6 +7,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
+from pyident.conditioning.smooth_motion import all_reached
 from pyident.conditioning.weak_form import DERIVATIVES
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
@@ -28,7 +29,10 @@ def runs(x: np.ndarray) -> Runs:
 
 
 def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
-    """Rounding of x (N,) that makes a good part of the acceleration, without noise that would smooth it."""
+    """Rounding of x (N,) that makes a good part of the acceleration, without noise that would smooth it.
+
+    Where neither a filter nor a controller is given, frequencies count by their noise: those of the motion.
+    """
     step = step_of(x)
     if step == 0 or noise_of(x) > step or np.ptp(x) < CHANNELS.standing * step:
         return
@@ -36,7 +40,8 @@ def coarse(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]
 
     plan, T = robot.settings.processing, log.period
     nyquist = 0.5 / T
-    top = min(plan.cutoff or nyquist, 0.8 * nyquist / plan.decimate)
+    reached = all_reached(x[:, None])[0] if plan.cutoff is None and robot.controller is None else 1.0
+    top = min(plan.cutoff or nyquist * reached, 0.8 * nyquist / plan.decimate)
     share = (2 * np.pi) ** 2 * np.sqrt(top**5 / 5 / nyquist)  # rms acceleration per rms of white noise
     smooth = sosfiltfilt(np.asarray(butter(4, top / nyquist, output="sos")), x[:, None], axis=0)
     _, _, dde = DERIVATIVES["central"](np.asarray(smooth), T)
