@@ -8,7 +8,7 @@ A step is told from what grows by a second split: beside a step that gains littl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -89,9 +89,10 @@ def changes(of: Balances, log: Log) -> Iterator[Defect]:
         return
     time = log.frame["time"].to_numpy(float)[of.samples.at]
     if (body := last_body(of, one)) is not None and (found := step(of, one, body)) is not None:
-        yield _defect(log.source, time[found.at], found, "",
-                      f"The last link has another body{grown(found, 'kg')}: a load was taken up or put down, "
-                      "or a tool was changed")  # fmt: skip
+        said = _defect(log.source, time[found.at], found, "",
+                       f"The last link has another body{grown(found, 'kg')}: a load was taken up or put "
+                       "down, or a tool was changed")  # fmt: skip
+        yield replace(said, another_body=(log.source, float(time[found.at])))
         return
     frictions = [(k, step(of, one, friction(of, one, i))) for i, k in enumerate(of.joints)]
     told = [(f.left, k, f) for k, f in frictions if f is not None and _both_ways(of, k, f.at)]

@@ -14,12 +14,14 @@ class Defect:
     kind       a word for machines: `stuck`, `sign`, `unit`, `delay`, `order` ...
     channel    the signal, empty where it is the log as a whole
     sentence   what, where and how to mend it, beginning with the log's name
+    another_body   the log, and the time [s] from which its last link has another body; None: no such defect
     """
 
     severity: Severity
     kind: str
     channel: str
     sentence: str
+    another_body: tuple[str, float] | None = None
 
     def json(self) -> dict[str, str]:
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "another_body"}

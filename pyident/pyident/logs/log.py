@@ -211,7 +211,7 @@ def check_columns(frame: pd.DataFrame, source: str, first: int = 0) -> None:
         )
     for name in frame:
         if not pd.api.types.is_numeric_dtype(frame[name]):
-            raise LogError(f"{source}: {_no_number(frame[name], first)}")
+            raise LogError(f"{source}: {_no_number(pd.Series(frame[name]), first)}")
         values = frame[name].to_numpy(dtype=float)
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
@@ -229,8 +229,9 @@ def _no_number(column: pd.Series, first: int) -> str:
     """Where a column holds a text, and which; `first` rows came before."""
     if not len(column):
         return "there are names of columns, and no rows below them"
-    bad = np.flatnonzero(pd.to_numeric(column, errors="coerce").isna() & column.notna())
-    if len(bad) == column.notna().sum():
+    numbers, told = np.asarray(pd.to_numeric(column, errors="coerce"), float), np.asarray(column.notna())
+    bad = np.flatnonzero(np.isnan(numbers) & told)
+    if len(bad) == told.sum():
         return f"column {column.name} holds nothing that is a number; remove it"
     text = str(column.iloc[bad[0]])[:40]
     return (

@@ -32,12 +32,14 @@ Columns = Mapping | str | Path
 
 @dataclass(frozen=True)
 class Given:
-    """A robot as far as its logs can tell of it, the logs, those held out, and notes on all of them."""
+    """A robot as far as its logs can tell of it, the logs, those held out, notes on all of them and their
+    defects."""
 
     robot: Robot
     logs: tuple[Log, ...]
     heldout: tuple[Log, ...]
     notes: tuple[str, ...]
+    defects: tuple[Defect, ...]
 
 
 @dataclass(frozen=True)
@@ -117,9 +119,9 @@ def given(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
         raise LogError("there is no log; give one or more")
-    robot, notes = _reduced(robot, [*fitted, *unseen], force)
+    robot, notes, defects = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
-    return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled))
+    return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled), defects)
 
 
 def opened(
@@ -132,7 +134,7 @@ def opened(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not read:
         raise LogError("there is no log; give one or more")
-    robot, notes = _reduced(robot, [*read, *unseen], force)
+    robot, notes, _ = _reduced(robot, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     whole, modelled = with_loop_torque(robot, in_memory)
     known = {id(old): new for old, new in zip(in_memory, whole, strict=True)}
@@ -145,12 +147,14 @@ def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:
     return [_in_memory(log, robot, mapping) for log in _listed(logs)]
 
 
-def _reduced(robot: Robot, logs: Sequence[Log | LogFile], force: bool) -> tuple[Robot, tuple[str, ...]]:
-    warnings = checked(robot, logs, force).warnings
+def _reduced(
+    robot: Robot, logs: Sequence[Log | LogFile], force: bool
+) -> tuple[Robot, tuple[str, ...], tuple[Defect, ...]]:
+    found = checked(robot, logs, force)
     robot, notes = locked(robot, logs)
     still = standing(robot, logs)
     of_logs = dict.fromkeys(note for log in logs for note in log.notes)  # of the mapping they share, once
-    return robot, (*of_logs, *notes, *still, *warnings)
+    return robot, (*of_logs, *notes, *still, *found.warnings), found.defects
 
 
 def mapping_of(mapping: Columns | None) -> Mapping | None:

@@ -10,6 +10,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
+from pyident.extension.divide import divided
 from pyident.extension.split import split
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
@@ -67,8 +68,10 @@ def diagnose(
     """
     read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
-    found = diagnosed(read.robot, parts.fitted, FmuRuns, parts.unseen, progress or _silent, draft)
-    notes = (*read.notes, *found.notes)
+    fitted, taken_up = divided(parts.fitted, read.defects)
+    unseen, put_down = divided(parts.unseen, read.defects)
+    found = diagnosed(read.robot, fitted, FmuRuns, unseen, progress or _silent, draft)
+    notes = (*read.notes, *taken_up, *put_down, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
 
 

@@ -99,7 +99,8 @@ def _words_at_the_end(frame: pd.DataFrame, decimal: str) -> int:
         if pd.api.types.is_numeric_dtype(frame[at]):
             continue
         text = frame[at].astype(str).str.strip().str.replace(decimal, ".", regex=False)
-        wrong = np.asarray(pd.to_numeric(text, errors="coerce").isna() & frame[at].notna())
+        numbers = np.asarray(pd.to_numeric(text, errors="coerce"), float)
+        wrong = np.isnan(numbers) & np.asarray(frame[at].notna())
         if wrong.mean() < _WORDS:
             bad |= wrong
     return len(bad) if bad.all() else int(np.argmin(bad[::-1]))
