@@ -181,3 +181,14 @@ def test_a_name_that_comes_twice_is_told(tmp_path):
     assert list(found.columns) == ["time", "q1", "q1 (2)"]
     assert found.columns["q1"].tolist() == TIME.tolist()
     assert found.notes == ("column q1 is there more than once; no. 2 is called 'q1 (2)' here",)
+
+
+def test_a_cell_without_a_value_here_and_there_makes_no_clocks():
+    """One in every column but the time."""
+    columns = {"time": TIME, "q1": np.sin(TIME), "tau1": np.cos(TIME), "tau2": 2 * TIME}
+    holed = {
+        name: np.where(np.arange(60) == 7 + 9 * k, np.nan, x) for k, (name, x) in enumerate(columns.items())
+    }
+    found, clocks = with_own_clocks(holed | {"time": TIME})
+    assert clocks == {}
+    assert list(found) == list(columns)

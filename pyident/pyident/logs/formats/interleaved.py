@@ -49,7 +49,8 @@ def _alternate(masks: list[np.ndarray], alone: bool) -> bool:
     if any(mask.sum() < _LEAST or not _regular(mask) for mask in masks):
         return False
     if alone:
-        return len(masks) > 1 and bool(np.logical_or.reduce(masks).all())
+        *slower, _ = sorted(mask.mean() for mask in masks)
+        return len(masks) > 1 and max(slower) < _FILLED and bool(np.logical_or.reduce(masks).all())
     return all(mask.mean() < _FILLED for mask in masks)
 
 
