@@ -225,12 +225,12 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
                 doubt = (f"in {natural}, {c.column} makes the masses {factor:.3g} times the robot file's: "
                          "what is "
                          f"its unit, or is a gear ratio missing?")  # fmt: skip
-            elif c.unit is not None and near != natural:
+            elif c.unit is None:
+                unit = near
+            elif near != natural and max(factor, 1 / factor) > _CLOSE:
                 doubt = (
                     f"the file says {c.unit} of {c.column}, the robot's masses say {near}: which is right?"
                 )
-            else:
-                unit = near
         sure = unit is not None and not doubt and (factor is not None or c.unit is not None)
         why = (*c.why, f"{EXPLAINS} {factor:.2g}") if factor is not None else c.why
         out.append(replace(c, unit=unit, sure=sure, doubt=doubt, why=why))
