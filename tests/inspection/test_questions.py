@@ -155,3 +155,15 @@ def test_files_of_two_rates_keep_their_clocks(tmp_path):
     (tmp_path / "map.toml").write_text(inspect_log(files).toml())
     log = import_log(files, read_mapping(tmp_path / "map.toml"))
     assert log.frame["joint1.tau"].to_numpy() == pytest.approx(np.sin(log.frame["time"]), abs=1e-4)
+
+
+def test_a_unit_that_the_file_gives_stands_where_masses_are_a_little_off(tmp_path):
+    """A kgf cm is 0.87 lbf in, and so much lighter are the bodies in the robot's file."""
+    f, robot = sound(), arm()
+    columns = {"time": f["time"]} | {f"q{k}": f[f"q{k}"] for k in range(1, 7)}
+    columns |= {f"tau{k} [lbf.in]": f[f"tau{k}"] / 0.112985 for k in range(1, 7)}
+    pd.DataFrame(columns).to_csv(tmp_path / "raw.csv", index=False)
+    light = {name: 0.87 * value for name, value in robot.parameters.items() if name.startswith("link")}
+    found = inspect_log([tmp_path / "raw.csv"], robot.with_parameters(light))
+    assert {c.unit for c in found.channels if c.signal == "torque"} == {"lbf.in"}
+    assert not any("which is right" in question for question in found.questions)
