@@ -36,10 +36,18 @@ class UnexplainedRules:
         "few replicas are made",
         f"{_FORCES}half or twice changes none",
     )
+    stretch: float = rule(
+        0.1, "time of all logs that one stretch takes at most", "a longer one is no event", _READING
+    )
+    stretch_share: float = rule(
+        0.6, "excess that lies in one stretch", "with less, the rest matters as much", _READING
+    )
     level: float = rule(0.01, "p-value of a peak, corrected for the spectrum", "convention", "convention")
 
     def __post_init__(self) -> None:
-        in_range(self, "unexplained", 0, 1, "equation", "tie", "material", "level")
+        in_range(
+            self, "unexplained", 0, 1, "equation", "tie", "material", "level", "stretch", "stretch_share"
+        )
 
 
 @dataclass(frozen=True)

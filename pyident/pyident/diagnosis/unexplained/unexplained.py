@@ -15,6 +15,7 @@ from pyident.diagnosis.base.projection import Base, extended, solve_base
 from pyident.diagnosis.base.replicas import judged_replicas
 from pyident.diagnosis.base.residual_over_floor import Examination, whitened
 from pyident.diagnosis.base.setting import Setting, together
+from pyident.diagnosis.unexplained.in_time import one_stretch
 from pyident.diagnosis.unexplained.periodic import Spectrum
 from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess, spline_gains
 from pyident.diagnosis.unexplained.smooth import constant_columns, variables
@@ -61,6 +62,7 @@ def depends_on(
         if beyond[row] <= rules.equation * total:
             break
         rows.append(row)
+        sentences += _happened(examination, base, row)
         pretended = _pretended_by_replicas(examination, workers, row, replicas)
         search = RowSearch(examination, base, row, total, pretended)
         own = search.run(floor)
@@ -69,6 +71,18 @@ def depends_on(
         spectra = spectra or search.spectra
         sentences.append(_sentence(examination.setting.robot, row, own))
     return Unexplained(tuple(sentences), tuple(found), tuple(spectra), tuple(rows))
+
+
+def _happened(examination: Examination, base: Base, row: int) -> list[str]:
+    """Where nearly all that is left of an equation lies in one stretch of time: a sentence."""
+    left, setting = [r[row] for r in base.residual], examination.setting
+    floor = float(examination.floor_energies[row])
+    found = one_stretch(examination.logs, left, floor, setting.rules.unexplained)
+    if found is None:
+        return []
+    where = f"{found.start:.3g} and {found.end:.3g} s after the start of {setting.logs[found.log].source}"
+    side, percent = side_of(setting.robot, row), 100 * found.share
+    return [f"{side}: {percent:.0f} % of what is left lies between {where}; did something touch it there?"]
 
 
 def _pretended_by_replicas(examination: Examination, workers: Workers, row: int, count: int) -> np.ndarray:
