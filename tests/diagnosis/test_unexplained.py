@@ -204,6 +204,7 @@ def test_the_next_equation_is_looked_at_where_the_worst_one_shows_nothing(monkey
 
     monkeypatch.setattr(module, "RowSearch", Blind)
     monkeypatch.setattr(module, "_pretended_by_replicas", lambda *_: np.zeros((0, 0)))
+    monkeypatch.setattr(module, "_happened", lambda *_: [])
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [np.sqrt(np.array([[6.0], [9.0], [2.0]]))])
     three = SimpleNamespace(q=[SimpleNamespace(joint=k, side="motor") for k in (1, 2, 3)])
     setting: Any = SimpleNamespace(rules=RULES, robot=three)
