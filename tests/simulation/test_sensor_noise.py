@@ -76,3 +76,10 @@ def test_a_sensor_that_no_equation_shows_is_no_division_by_zero():
     found = _shared(4 * patterns[:, 0], patterns, [["joint1.e"], ["joint2.e"]])
     assert found == pytest.approx([4.0, 0.0], abs=1e-6)
     assert _shared(np.ones(16), np.zeros((16, 2)), [["joint1.e"], ["joint2.e"]]) == pytest.approx([0.0, 0.0])
+
+
+def test_what_may_have_none_has_none():
+    """Of two sensors that make the same power the second is bounded: the first one's is all of it."""
+    patterns = np.column_stack([np.linspace(1, 2, 16), np.linspace(1, 2, 16)])
+    found = _shared(4 * patterns[:, 0], patterns, [["joint1.e"], ["joint1.tau"]], np.array([np.inf, 0.0]))
+    assert found == pytest.approx([4.0, 0.0], abs=1e-6)

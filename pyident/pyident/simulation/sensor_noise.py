@@ -34,6 +34,7 @@ _PARTS = 8  # of the band
 _PROBE = 1e-3  # noise added, of a channel's rms change between samples
 _ALIKE = 0.6  # weight of "sensors of a kind are equally good" against one part of the band
 _SMOOTH = 101  # lines of a spectrum over which the quietest is looked for
+_LEAST = 1e-12  # of a variance
 _QUIETEST = 1.5  # times its power, as the least of many lines is below them on average
 
 
@@ -134,7 +135,8 @@ def _shared(
     typical = np.maximum(members @ of_kind, 1e-6 / np.linalg.norm(A, axis=0).max())
     alike = _ALIKE * (np.eye(len(typical)) - members @ members.T / (members.sum(axis=0) @ members.T)[:, None])
     rows, wanted = np.vstack([A * typical, alike]), np.concatenate([y, np.zeros(len(typical))])
-    return np.maximum(lsq_linear(rows, wanted, (0, most / typical), method="bvls").x, 0.0) * typical
+    highest = np.maximum(most / typical, _LEAST)  # else there is nothing between the bounds
+    return np.maximum(lsq_linear(rows, wanted, (0, highest), method="bvls").x, 0.0) * typical
 
 
 def _raised(power: np.ndarray, told: np.ndarray) -> float:
@@ -175,9 +177,8 @@ def _patterns(
     def pattern(channel: str) -> np.ndarray:
         frame = log.frame.copy()
         frame[channel] = frame[channel] + noise[channel]
-        noisy = replace(
-            condition(replace(log, frame=frame), robot), use=part.use
-        )  # a mask's edge is no noise
+        again = condition(replace(log, frame=frame), robot)
+        noisy = replace(again, use=part.use)  # another mask's edge is no noise
         return _spectrum(residual_of(robot, noisy, p) - residual) / max(probes[channel], 1e-300) ** 2
 
     return _spectrum(residual), gathered(pattern, probes)
