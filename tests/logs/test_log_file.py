@@ -131,6 +131,7 @@ def test_short_logs_are_read_into_memory(tmp_path, monkeypatch):
         (lambda f: f.drop(index=700), "time goes from 0.699 s to 0.701 s at row 701"),
         (lambda f: f.head(1), "1 samples are too few"),
         (lambda f: f.assign(note="text"), "column note holds nothing that is a number"),
+        (lambda f: pd.concat([f, f[["joint1.e"]]], axis=1), "column joint1.e is there twice"),
     ],
 )
 @pytest.mark.parametrize("reader", [log_file.log_file, read_log], ids=["disk", "memory"])

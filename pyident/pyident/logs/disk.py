@@ -18,6 +18,7 @@ from pyident.logs.log import (
     read_log,
     reading,
     renamed,
+    require_names_once,
 )
 
 LARGE = 16_000_000  # bytes of numbers (Parquet) or text (CSV) from which a log stays on disk
@@ -80,6 +81,9 @@ def log_file(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
     """Go through a CSV or Parquet file once and check every row. Raises LogError."""
     path, columns = Path(path), columns or {}
     length, names, period, ends = 0, (), None, np.empty(0)
+    if path.suffix == ".csv":
+        with reading(path):
+            require_names_once(path)
     for frame in _frames(path, columns):
         names = tuple(frame)
         check_columns(frame, str(path), length)

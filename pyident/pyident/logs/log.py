@@ -153,12 +153,16 @@ def require(log: Sampled, robot: Robot, samples: int) -> None:
 
 
 def _read_csv(path: Path) -> pd.DataFrame:
-    """Pandas calls a second column of a name NAME.1, and nobody would know which of them was meant."""
+    require_names_once(path)
+    return pd.read_csv(path)
+
+
+def require_names_once(path: Path) -> None:
+    """Raises LogError for a CSV in which a name comes twice: pandas calls the second column NAME.1."""
     names = pd.read_csv(path, header=None, nrows=1, dtype=str).iloc[0]
     twice = names[names.duplicated()]
     if len(twice):
         raise LogError(f"{path}: column {twice.iloc[0]} is there twice; remove one of them or rename it")
-    return pd.read_csv(path)
 
 
 def _read_mat(path: Path) -> pd.DataFrame:
