@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from pyident.checks.defect import Defect
-from pyident.extension.divide import divided
+from pyident.extension.divide import divided, instants
 from pyident.logs.log import Log
 
 TIME = 1.7e9 + 0.01 * np.arange(1000)
@@ -21,7 +21,8 @@ def change(source: str, after: float) -> Defect:
 
 def test_a_log_is_two_where_its_last_link_changes():
     other = Defect("doubtful", "delay", "", "b.csv: ...")
-    found, said = divided([log("a.csv"), log("b.csv")], [other, change("a.csv", 4.0)])
+    logs = [log("a.csv"), log("b.csv")]
+    found, said = divided(logs, instants(logs, [other, change("a.csv", 4.0)]))
     assert [part.source for part in found] == [
         "a.csv before 1700000004 s",
         "a.csv from 1700000004 s on",
@@ -34,9 +35,15 @@ def test_a_log_is_two_where_its_last_link_changes():
 
 
 def test_a_log_is_whole_where_a_part_would_be_short():
-    found, said = divided([log("a.csv")], [change("a.csv", 0.5)])
+    found, said = divided([log("a.csv")], instants([log("a.csv")], [change("a.csv", 0.5)]))
     assert [part.source for part in found] == ["a.csv"]
     assert said == ()
+
+
+def test_logs_of_one_name_are_not_taken_for_each_other():
+    """Data frames are all called so."""
+    frames = [log("the data frame"), log("the data frame")]
+    assert instants(frames, [change("the data frame", 4.0)]) == {}
 
 
 def test_machines_are_not_told_of_the_log_apart():

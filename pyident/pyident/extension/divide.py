@@ -1,6 +1,7 @@
 """A log in which a load was taken up or put down, as two: a model has one last link for all of a log."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from pyident.checks.defect import Defect
@@ -9,12 +10,18 @@ from pyident.logs.log import Log
 _LEAST = 0.1  # of a log, that a part of it must be
 
 
-def divided(logs: Sequence[Log], defects: Sequence[Defect]) -> tuple[list[Log], tuple[str, ...]]:
-    """Logs, each as two where its last link has another body from some time on, and a sentence on each.
+def instants(logs: Sequence[Log], defects: Sequence[Defect]) -> dict[str, float]:
+    """Source -> time [s] from which its last link has another body; of logs that have a name of their own.
 
     defects   of these logs
     """
+    named = Counter(log.source for log in logs)
     times = dict(defect.another_body for defect in defects if defect.another_body is not None)
+    return {source: time for source, time in times.items() if named[source] == 1}
+
+
+def divided(logs: Sequence[Log], times: Mapping[str, float]) -> tuple[list[Log], tuple[str, ...]]:
+    """Logs, each as two at the time of its source in `times`, and a sentence on each."""
     out: list[Log] = []
     said: list[str] = []
     for log in logs:

@@ -10,7 +10,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.extension.add_effect import add_effect as extended
-from pyident.extension.divide import divided
+from pyident.extension.divide import divided, instants
 from pyident.extension.split import split
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
@@ -68,8 +68,8 @@ def diagnose(
     """
     read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
     parts = split(read.logs, read.heldout)
-    fitted, taken_up = divided(parts.fitted, read.defects)
-    unseen, put_down = divided(parts.unseen, read.defects)
+    times = instants((*read.logs, *read.heldout), read.defects)
+    (fitted, taken_up), (unseen, put_down) = (divided(logs, times) for logs in (parts.fitted, parts.unseen))
     found = diagnosed(read.robot, fitted, FmuRuns, unseen, progress or _silent, draft)
     notes = (*read.notes, *taken_up, *put_down, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
