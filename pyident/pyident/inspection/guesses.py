@@ -33,9 +33,9 @@ _NATURAL = {"position": ("rad", "m"), "reference": ("rad", "m"), "velocity": ("r
 def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     """Every column by its name, its own unit and its range."""
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
-    units = {name: known_unit(recording.units.get(name, "")) for name in recording.columns}
     said = {name: meaning(name, joints) for name in recording.columns}
-    said = {name: replace(m, unit=units[name] or m.unit) for name, m in said.items()}
+    units = recording.units
+    said = {name: replace(m, unit=known_unit(units.get(name, "")) or m.unit) for name, m in said.items()}
     clock = _time_column(recording, said)
     of_letters, by_letters = lettered(said, robot)
     said |= of_letters

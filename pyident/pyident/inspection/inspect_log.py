@@ -91,7 +91,9 @@ def _joined(read: list[tuple[Path, Recording]]) -> Recording:
         units |= {own[n]: unit for n, unit in recording.units.items()}
         clocks |= {own[n]: own[clock] for n, clock in recording.clocks.items()}
         clock = _own_clock(read[0][1], recording)
-        clocks |= {own[n]: own[clock] for n in recording.columns if clock and n not in (clock, *clocks)}
+        clocks |= {
+            own[n]: own[clock] for n in recording.columns if clock and n not in (clock, *recording.clocks)
+        }
     notes = tuple(f"{path}: {note}" for path, recording in read for note in recording.notes)
     texts = tuple(name for _, recording in read for name in recording.texts)
     return Recording(columns, units, clocks, all(r.header for _, r in read), notes, texts)

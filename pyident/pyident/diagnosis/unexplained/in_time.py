@@ -37,19 +37,18 @@ def one_stretch(
     total = float(sum(x.sum() for x in courses))
     if total <= 2 * floor:
         return None
+    sums = [np.append(0.0, np.cumsum(x)) for x in courses]
     for window in _WINDOWS:
-        best: Stretch | None = None
-        for number, (e, x) in enumerate(zip(logs, courses, strict=True)):
+        found: list[Stretch] = []
+        for number, (e, until) in enumerate(zip(logs, sums, strict=True)):
             n = max(round(window / e.band.period), 1)
-            if n > rules.stretch * count or n > len(x):
-                continue
-            sums = np.convolve(x, np.ones(n), "valid") - floor * n / count
-            at = int(np.argmax(sums))
-            share = float(sums[at]) / (total - floor)
-            if share >= rules.stretch_share and (best is None or share > best.share):
-                start = at * e.band.period
-                best = Stretch(number, start, start + window, share)
-        if best is not None:
+            if n <= rules.stretch * count and n < len(until):
+                energy = until[n:] - until[:-n]
+                at = int(np.argmax(energy))
+                share = (float(energy[at]) - floor * n / count) / (total - floor)
+                found.append(Stretch(number, at * e.band.period, at * e.band.period + window, share))
+        best = max(found, key=lambda stretch: stretch.share, default=None)
+        if best is not None and best.share >= rules.stretch_share:
             return best
     return None
 
