@@ -37,7 +37,7 @@ Reader = Callable[[Path, Robot], Given]
 def _as_logged(folder: Path, robot: Robot) -> Given:
     """All that was logged, taken as it is."""
     logs = tuple(read_log(folder / f"{name}.parquet") for name in LOGS)
-    return Given(robot, logs[:2], logs[2:], ())
+    return Given(robot, logs[:2], logs[2:], (), ())
 
 
 def solve_all(
