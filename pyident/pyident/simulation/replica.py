@@ -16,19 +16,16 @@ from scipy.fft import rfft
 from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
-from flexmodels.settings.controller import Controller
-from pyident.conditioning.motion import Motion
 from pyident.logs.log import Log
-from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
 from pyident.simulation.simulator import Simulator
+from pyident.simulation.stabilising import stabilising_controller
 
 Run = Callable[[Experiment, Mapping[str, float]], pd.DataFrame]
 
 _NOISE_BAND = 0.8  # of the Nyquist frequency: above, a log that differs from its simulation differs by noise
 _FIRST, _POINTS = 0.1, 9  # s, samples: the beginning of a motion that a cubic describes
-_BANDWIDTH = 10.0  # Hz of the stand-in controller
 _MEDIAN = np.log(2)  # of a periodogram's ordinate, per its mean
 
 
@@ -95,7 +92,8 @@ def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...
     for log in logs:
         obstacle = loop_of(robot, log)
         if obstacle:
-            controller = _stand_in(robot, log.signals(robot.coordinates)[:1], log.period)
+            motion = np.vstack([each.signals(robot.coordinates) for each in logs])
+            controller = stabilising_controller(robot, motion, log.period)
             note = f"{Path(log.source).name} is simulated along its measured motion: {obstacle}"
             return replace(robot, controller=controller), tuple(_along(robot, log, note) for log in logs)
     return robot, tuple(_in_loop(robot, log) for log in logs)
@@ -171,29 +169,3 @@ def sensor_noise(repeat: Repeat, simulated: pd.DataFrame, coordinates: tuple[str
         high = f > _NOISE_BAND
         found[name] = float(np.sqrt(np.median(spectrum[high] / gain[high]) / _MEDIAN))
     return found
-
-
-def _stand_in(robot: Robot, q: np.ndarray, period: float) -> Controller:
-    """PD gains that follow the motion at a bandwidth of about 10 Hz, from the model's own mass matrix M.
-
-    A joint's inertia is 1 / (M⁻¹)_kk, what it moves while the others give way: the loop's squared frequencies
-    then add up to as many times ω² as there are joints. By M_kk wrists whose axes align shake far faster.
-    """
-    joints = len(robot.joints)
-    omega = 2 * np.pi * min(_BANDWIDTH, 0.02 / period)
-    M = _mass_matrix(robot, q)
-    free = np.diag(np.linalg.pinv(M, hermitian=True))
-    inertia = np.where(free > 0, 1 / np.where(free > 0, free, 1.0), np.diag(M))
-    Kp, Kd = (inertia * omega**2).tolist(), (2 * inertia * omega).tolist()
-    return Controller(1 / period, tuple(Kp), tuple(Kd), (0.0,) * joints)
-
-
-def _mass_matrix(robot: Robot, q: np.ndarray) -> np.ndarray:
-    """(joints, joints) of the motors, their hinges stiff, at q (1, n)."""
-    joints, p = len(robot.joints), np.array(list(robot.linear_parameters.values()))
-    at, rest = np.repeat(q, joints + 1, axis=0), np.zeros((joints + 1, q.shape[1]))
-    units = rest.copy()
-    units[range(joints), range(joints)] = 1.0
-    motion = Motion(at, rest, units, rest[:, :joints], np.zeros(joints + 1))
-    forces = generalised_forces(robot, motion, p)[:, :joints]
-    return forces[:joints] - forces[joints]
