@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 
 import pyident as pi
 from flexmodels.files.urdf.importer import import_urdf
-from pyident.excitation.rehearsal import reference_of_plan
+from pyident.excitation.rehearsals.rehearsal import reference_of_plan
 from pyident.verbs.robots import export_robot
 
 RATE = 50.0  # Hz at which motions are judged

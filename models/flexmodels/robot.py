@@ -4,13 +4,14 @@ All vectors in base axes at e = 0 ("zero pose"). A link's frame lies at its join
 base axes in the zero pose; its mass moments and inertia are about that point (the paper's eq. (1)).
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import Coordinate, deformation_of, motor_of, torque_of
+from flexmodels.coordinate import Coordinate, deformation_of, joint_name, motor_of, torque_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.effects.restriction import objection
@@ -61,6 +62,13 @@ class Robot:
     def numbered(self) -> Iterator[tuple[int, Joint]]:
         """The driven joints, counted from 1."""
         return enumerate(self.joints, start=1)
+
+    @property
+    def joint_numbers(self) -> dict[str, int]:
+        """Every name of a driven joint and its number: its own, where no other has it, and `joint{k}`."""
+        own = Counter(joint.name for joint in self.joints)
+        named = {joint.name: k for k, joint in self.numbered if joint.name and own[joint.name] == 1}
+        return named | {joint_name(k): k for k, _ in self.numbered}
 
     @property
     def catalogue(self) -> Mapping[str, Effect]:

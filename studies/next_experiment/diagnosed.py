@@ -6,7 +6,7 @@ import pyident as pi
 from flexmodels.coordinate import joint_name
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.rehearsals.rehearsal import Rehearsal
 from pyident.excitation.separation.rivals import Suspect
 
 ALONE, TIED, OTHER, NOTHING = "alone", "in a tie", "the other", "not named"

@@ -15,7 +15,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot, RobotError
-from pyident.excitation.rehearsal import others_like, rehearsal
+from pyident.excitation.rehearsals.rehearsal import others_like, rehearsal
 from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having
 from pyident.excitation.variants import variants

@@ -13,8 +13,8 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot
 from pyident.excitation.capsules import between, clearances, geometry_of
 from pyident.excitation.design import confined
-from pyident.excitation.drawing import Task
 from pyident.excitation.limits import Limits
+from pyident.excitation.task import Task
 
 
 def brute_force(a, b, c, d) -> float:

@@ -9,7 +9,7 @@ from planned_joint import limited
 
 import pyident as pi
 from flexmodels.robot import RobotError
-from pyident.excitation.rehearsal import others_like, rehearsal
+from pyident.excitation.rehearsals.rehearsal import others_like, rehearsal
 from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect
 from pyident.logs.log import Log

@@ -12,7 +12,7 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import RobotError
 from pyident.cli.main import main
 from pyident.excitation.fourier import Reference
-from pyident.excitation.rehearsal import others_like, rehearsal
+from pyident.excitation.rehearsals.rehearsal import others_like, rehearsal
 from pyident.excitation.tables import message, table
 
 

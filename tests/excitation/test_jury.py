@@ -11,9 +11,9 @@ from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.excitation.capsules import geometry_of
-from pyident.excitation.jury import Jury
 from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import Rehearsal, others_like
+from pyident.excitation.rehearsals.jury import Jury
+from pyident.excitation.rehearsals.rehearsal import Rehearsal, others_like
 from pyident.logs.log import Log
 
 TIME = np.arange(0, 3.001, 0.01)

@@ -14,11 +14,11 @@ from flexmodels.experiment import Experiment
 from flexmodels.joint import Limits
 from flexmodels.robot import RobotError
 from pyident.excitation.capsules import geometry_of
-from pyident.excitation.limits import limits_of, where_it_begins
-from pyident.excitation.rehearsal import others_like, reference_of_plan, rehearsal
+from pyident.excitation.limits import amid, limits_of, where_it_begins
+from pyident.excitation.rehearsals.rehearsal import others_like, reference_of_plan, rehearsal
+from pyident.excitation.rehearsals.violations import of_ends, of_reference, of_run
 from pyident.excitation.separation.rivals import Suspect, having, suspect
 from pyident.excitation.tables import write_table
-from pyident.excitation.violations import of_ends, of_reference, of_run
 from pyident.logs.log import Log
 
 TIME = np.arange(501) * 0.004
@@ -52,7 +52,8 @@ def swung(size: float = 1.0, time: np.ndarray = TIME) -> Experiment:
         ({"limits": {"joint1.speed": 0.0}}, "the limit joint1.speed must be above zero"),
         ({"limits": {"joint1.lower": 2.0}}, "joint1.lower must be below joint1.upper"),
         ({"floor": 9.0}, "begins in the zero pose, where link 1 is below the floor at 9 m over the base"),
-        ({"limits": {"joint1.lower": 0.5}}, "the zero pose, where a simulation begins, is outside"),
+        ({"home": {"joint1": 2.0}}, "joint1 cannot set out at 2, as its limits are -1.5 and 1.5"),
+        ({"home": {"elbow": 0.1}}, "there is no elbow that could set out anywhere; its joints are joint1"),
     ],
 )
 def test_a_wish_is_refused(wish, sentence):
@@ -183,7 +184,11 @@ def test_where_a_motion_begins_is_named_by_the_joints_that_cannot_stand_at_zero(
     free = replace(limited(), controller=None)
     assert where_it_begins(free, limits_of(free)) == "in the zero pose"
     outside = limits_of(free, {"joint1.lower": 0.5})
-    assert where_it_begins(free, outside) == "with joint1 at 1 rad, as the zero pose is outside the limits"
+    assert where_it_begins(free, outside) == "with joint1 at 1 rad"
+    assert amid(free, outside, {}) == (
+        "a motion sets out with joint1 at 1 rad, amid its range, as 0 is outside; --home gives another place",
+    )
+    assert amid(free, limits_of(free, {"joint1.lower": 0.5}, {"joint1": 0.6}), {"joint1": 0.6}) == ()
 
 
 def test_a_motion_that_does_not_begin_at_rest_is_told_with_its_speed():

@@ -13,7 +13,7 @@ from flexmodels.robot import RobotError
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.result import Named
 from pyident.excitation.criterion import along
-from pyident.excitation.rehearsal import rehearsal
+from pyident.excitation.rehearsals.rehearsal import rehearsal
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect, taken_out
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns

@@ -10,12 +10,13 @@ from planned_joint import limited
 from flexmodels.experiment import Experiment
 from pyident.excitation.capsules import geometry_of
 from pyident.excitation.design import informative, measure
-from pyident.excitation.drawing import Drawing, Task
+from pyident.excitation.drawing import Drawing
 from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import rehearsal
+from pyident.excitation.rehearsals.rehearsal import rehearsal
 from pyident.excitation.search import Budget
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.separation.tuned import Tuned
+from pyident.excitation.task import Task
 from pyident.excitation.variants import at_rest, variants
 
 

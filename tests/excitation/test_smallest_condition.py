@@ -9,14 +9,15 @@ import pyident as pi
 from flexmodels.files.robot_file import load_robot
 from pyident.excitation.capsules import geometry_of
 from pyident.excitation.design import best_conditioned
-from pyident.excitation.drawing import Drawing, Task
+from pyident.excitation.drawing import Drawing
 from pyident.excitation.followed import followed
 from pyident.excitation.gradients.slopes import Setting
 from pyident.excitation.gradients.smallest_condition import condition_number, smallest_condition
 from pyident.excitation.limits import limits_of
-from pyident.excitation.rehearsal import reference_of_plan, rehearsal
+from pyident.excitation.rehearsals.rehearsal import reference_of_plan, rehearsal
+from pyident.excitation.rehearsals.violations import of_reference
 from pyident.excitation.search import Budget
-from pyident.excitation.violations import of_reference
+from pyident.excitation.task import Task
 from pyident.regression.regressor import regressor
 
 

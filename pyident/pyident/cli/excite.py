@@ -21,6 +21,7 @@ from pyident.cli.common.shared import (
 limit_option = assignments(
     "--limit", "limits", "joint2.speed=1.5", "A limit in addition to the robot file's, in SI units"
 )
+home_option = assignments("--home", "home", "joint2=-1.57", "Where a joint sets out, instead of 0 [rad or m]")
 noise_option = assignments("--noise", "noise", "joint1.e=2e-6", "Standard deviation of a sensor's noise")
 radius_option = click.option(
     "--radius", type=float, help="Radius [m] of the capsules that stand for the links."
@@ -53,6 +54,7 @@ no_floor_option = click.option("--no-floor", is_flag=True, help="There is no flo
     help="What an identification should have: information beside the noise, or a small condition number.",
 )
 @limit_option
+@home_option
 @noise_option
 @radius_option
 @floor_option
@@ -79,6 +81,7 @@ def excite_command(
     reveal: str | None,
     criterion: str,
     limits: dict[str, float],
+    home: dict[str, float],
     noise: dict[str, float],
     radius: float | None,
     floor: float,
@@ -106,6 +109,7 @@ def excite_command(
             duration=duration,
             rate=rate,
             limits=limits,
+            home=home,
             noise=noise,
             radius=radius,
             floor=None if no_floor else floor,

@@ -9,14 +9,15 @@ from flexmodels.experiment import Experiment
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import RobotError
 from pyident.excitation.criterion import Along, Yardstick, along, independent, information, yardstick
-from pyident.excitation.drawing import SHRINK, SMALLEST, Drawing, Task, starts
+from pyident.excitation.drawing import SHRINK, SMALLEST, Drawing, starts
 from pyident.excitation.gradients.slopes import Setting
 from pyident.excitation.gradients.smallest_condition import smallest_condition
-from pyident.excitation.jury import Jury
 from pyident.excitation.limits import where_it_begins
-from pyident.excitation.rehearsal import Rehearsal, reference_of_plan
+from pyident.excitation.rehearsals.jury import Jury
+from pyident.excitation.rehearsals.rehearsal import Rehearsal, reference_of_plan
+from pyident.excitation.rehearsals.violations import of_reference
 from pyident.excitation.search import Best, Budget, best_of
-from pyident.excitation.violations import of_reference
+from pyident.excitation.task import Task
 
 _SEARCH = 0.8  # of the progress; the rest is the rehearsals'
 _STARTS = 12  # random motions, of which a search takes the best first

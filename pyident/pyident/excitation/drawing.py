@@ -1,73 +1,21 @@
 """Numbers become motions that a robot can run: as large as its limits, torques and distances allow."""
 
 import functools
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
 
 import numpy as np
 
-from flexmodels import multisine
 from flexmodels.experiment import Experiment
-from flexmodels.robot import Robot
-from pyident.excitation.capsules import Geometry
 from pyident.excitation.followed import followed, torques
 from pyident.excitation.fourier import Family, Reference
-from pyident.excitation.limits import Limits
-from pyident.excitation.rehearsal import SPREAD
-from pyident.excitation.violations import of_reference
+from pyident.excitation.rehearsals.violations import of_reference
+from pyident.excitation.task import Task
 
 SMALLEST = 0.05  # of the way from home: below, nothing is left of a motion
 SHRINK = 0.92
-_SHARE, _TORQUE_SHARE = 0.95, 0.8  # of the limits, that a reference may use: the rest is for the loop
-_WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
-_LOUDEST = 2.0  # times the robot's own multisine, at most
+_TORQUE_SHARE = 0.8  # of a torque limit, that a reference may use: the rest is for the loop
 _NEARER = 1.25  # by which a motion shrinks whose links come too near
 _COARSE = 50.0  # Hz at which candidates are judged
-
-
-@dataclass(frozen=True)
-class Task:
-    """A robot with what limits it.
-
-    noise    channel -> standard deviation of its sensor
-    spread   share by which its parameters may be off
-    """
-
-    robot: Robot
-    limits: Limits
-    geometry: Geometry
-    noise: Mapping[str, float]
-    duration: float
-    rate: float
-    spread: float = SPREAD
-    harmonics: int = 5
-    repeats: int = 1
-
-    @property
-    def family(self) -> Family:
-        return Family(self.limits.within(_SHARE, 1.0), self.duration, self.harmonics, self.repeats)
-
-    @cached_property
-    def multisine(self) -> np.ndarray:
-        """(N, joints) torques of the robot's own multisine with flat phases; zero where it has none."""
-        time = np.arange(round(self.duration * self.rate) + 1) / self.rate
-        plan, joints = self.robot.settings.identification, len(self.robot.joints)
-        if plan is None or self.robot.controller is None:
-            return np.zeros((len(time), joints))
-        tones = plan.multisine
-        f = np.linspace(tones.lowest, min(tones.highest, 0.4 * self.rate), tones.lines)
-        rng = np.random.default_rng(0)
-        phases = [multisine.flattened(rng.uniform(0, 2 * np.pi, tones.lines), f) for _ in range(joints)]
-        waves = np.column_stack([multisine.wave(time, f, p) for p in phases]) * np.array(tones.rms)
-        fade = np.clip(np.minimum(time, time[-1] - time) / 0.25, 0, 1)[:, None]  # at rest at both ends
-        return waves * fade
-
-    @property
-    def loudest(self) -> np.ndarray:
-        """(joints,) factors of the multisine that the limits of torque allow."""
-        peak = np.abs(self.multisine).max(axis=0)
-        return np.minimum(_LOUDEST, _WAVE_SHARE * self.limits.torque / np.maximum(peak, 1e-12))
 
 
 class Drawing:

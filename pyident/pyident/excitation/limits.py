@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmodels.coordinate import joint_number
 from flexmodels.experiment import identification
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.followed import followed, torques
@@ -43,11 +42,15 @@ class Limits:
         )
 
 
-def limits_of(robot: Robot, given: Mapping[str, float] | None = None) -> Limits:
+def limits_of(
+    robot: Robot, given: Mapping[str, float] | None = None, home: Mapping[str, float] | None = None
+) -> Limits:
     """Limits by `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque`, then those of the file.
 
-    What is left open is taken from the motion of the robot's [identification], an acceleration only where no
-    torque limits it; accelerations and torques may stay open. Raises RobotError.
+    home    joint -> where it sets out [rad or m]; the others do at 0, or amid their range where it has no 0
+    Joints have their names `joint{k}` or their own. What is left open is taken from the motion of the robot's
+    [identification], an acceleration only where no torque limits it; accelerations and torques may stay open.
+    Raises RobotError.
     """
     values = {name: np.full(len(robot.joints), np.nan) for name in QUANTITIES}
     _from_file(robot, values)
@@ -64,26 +67,54 @@ def limits_of(robot: Robot, given: Mapping[str, float] | None = None) -> Limits:
             notes += (f"nothing limits the {name} of {_listed(np.isnan(values[name]))}",)
             values[name] = np.where(np.isnan(values[name]), np.inf, values[name])
     _check(robot, values)
+    return Limits(**values, home=_home(robot, values, home or {}), notes=notes)
+
+
+def _home(robot: Robot, values: Mapping[str, np.ndarray], given: Mapping[str, float]) -> np.ndarray:
+    """(joints,) where motions set out. Raises RobotError."""
     inside = (values["lower"] <= 0) & (values["upper"] >= 0)
-    if not inside.all() and robot.controller is not None:
-        k = int(np.flatnonzero(~inside)[0]) + 1
-        raise RobotError(
-            f"robot {robot.name}: the zero pose, where a simulation begins, is outside the limits of joint{k}"
-        )
     home = np.where(inside, 0.0, (values["lower"] + values["upper"]) / 2)
-    return Limits(**values, home=home, notes=notes)
+    for name, position in given.items():
+        k = robot.joint_numbers.get(name)
+        if k is None:
+            raise RobotError(f"there is no {name} that could set out anywhere; {_joints(robot)}")
+        lower, upper = values["lower"][k - 1], values["upper"][k - 1]
+        if not lower <= position <= upper:
+            raise RobotError(
+                f"robot {robot.name}: {name} cannot set out at {position:g}, as its limits are {lower:g} and "
+                f"{upper:g}"
+            )
+        home[k - 1] = position
+    return home
+
+
+def amid(robot: Robot, limits: Limits, given: Mapping[str, float]) -> tuple[str, ...]:
+    """A note where a motion sets out amid a joint's range, as it has no zero and no `given` place."""
+    known = {robot.joint_numbers[name] for name in given}
+    chosen = (limits.home != 0) & ~np.isin(np.arange(len(robot.joints)) + 1, list(known))
+    if not chosen.any():
+        return ()
+    place = _positions(robot, limits.home, chosen)
+    return (f"a motion sets out with {place}, amid its range, as 0 is outside; --home gives another place",)
 
 
 def where_it_begins(robot: Robot, limits: Limits) -> str:
     """The pose in which every motion sets out, as a sentence goes on with it."""
-    outside = [
-        f"joint{k} at {limits.home[k - 1]:.3g} {'m' if joint.kind == 'prismatic' else 'rad'}"
+    outside = _positions(robot, limits.home, limits.home != 0)
+    return f"with {outside}" if outside else "in the zero pose"
+
+
+def _positions(robot: Robot, home: np.ndarray, which: np.ndarray) -> str:
+    return ", ".join(
+        f"joint{k} at {home[k - 1]:.3g} {'m' if joint.kind == 'prismatic' else 'rad'}"
         for k, joint in robot.numbered
-        if limits.home[k - 1] != 0
-    ]
-    if not outside:
-        return "in the zero pose"
-    return f"with {', '.join(outside)}, as the zero pose is outside the limits"
+        if which[k - 1]
+    )
+
+
+def _joints(robot: Robot) -> str:
+    """Which joints there are."""
+    return f"its joints are {', '.join(robot.joint_numbers)}"
 
 
 def _from_file(robot: Robot, values: dict[str, np.ndarray]) -> None:
@@ -100,15 +131,15 @@ def _from_file(robot: Robot, values: dict[str, np.ndarray]) -> None:
 
 
 def _from_call(robot: Robot, values: dict[str, np.ndarray], given: Mapping[str, float]) -> None:
-    names = {f"joint{k}" for k, _ in robot.numbered}
     for name, value in given.items():
-        joint, _, quantity = name.partition(".")
-        if joint not in names or quantity not in QUANTITIES:
+        joint, _, quantity = name.rpartition(".")
+        k = robot.joint_numbers.get(joint)
+        if k is None or quantity not in QUANTITIES:
             raise RobotError(
-                f"there is no limit {name}; limits are joint1.{', joint1.'.join(QUANTITIES)} and so on, up "
-                f"to joint{len(robot.joints)}"
+                f"there is no limit {name}; limits are joint1.{', joint1.'.join(QUANTITIES)} and so on; "
+                f"{_joints(robot)}"
             )
-        values[quantity][joint_number(joint) - 1] = value
+        values[quantity][k - 1] = value
 
 
 def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Rows
 from pyident.estimation.least_squares import ROUNDING
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.rehearsals.rehearsal import Rehearsal
 from pyident.logs.log import Log, LogError
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
 from pyident.refinement.instruments.noise_scatter import carries, noise_scatter

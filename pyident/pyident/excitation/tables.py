@@ -11,8 +11,8 @@ from flexmodels.atomic import replacing
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot, RobotError
 from pyident.excitation.fourier import Reference
-from pyident.excitation.rehearsal import reference_of_plan
-from pyident.excitation.violations import at_rest
+from pyident.excitation.rehearsals.rehearsal import reference_of_plan
+from pyident.excitation.rehearsals.violations import at_rest
 
 ENDINGS = (".csv", ".json", ".yaml")
 

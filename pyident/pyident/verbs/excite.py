@@ -5,18 +5,13 @@ from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
-
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
-from pyident.conditioning.weak_form import recipe
-from pyident.excitation.capsules import Geometry, geometry_of
 from pyident.excitation.design import Design, best_conditioned, confined, designed, measure, most_informative
-from pyident.excitation.drawing import Drawing, Task, starts
-from pyident.excitation.limits import Limits, limits_of, where_it_begins
+from pyident.excitation.drawing import Drawing, starts
+from pyident.excitation.limits import amid
 from pyident.excitation.prediction import predicted
-from pyident.excitation.rehearsal import (
+from pyident.excitation.rehearsals.rehearsal import (
     SPREAD,
     Rehearsal,
     of_others,
@@ -26,13 +21,13 @@ from pyident.excitation.rehearsal import (
     violations,
     worst,
 )
+from pyident.excitation.rehearsals.violations import of_ends
 from pyident.excitation.search import Budget
 from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect, taken_out
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
-from pyident.excitation.violations import of_ends
-from pyident.logs.log import Log, LogError
+from pyident.excitation.task import Task, require_long_enough, require_over_the_floor, task_of
 from pyident.simulation.fmu_runs import runs_in_threads
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
@@ -41,15 +36,10 @@ from pyident.verbs.planned import Checked, Planned, Promise
 Progress = Callable[[float], None]
 Pair = tuple[Suspect | None, Suspect | None]
 CRITERIA = {"information": most_informative, "condition": best_conditioned}
-ENCODER = 1e-5  # rad or m: noise of an encoder where nothing is known
-_TORQUE = 0.01  # of a torque limit: noise of a measured torque where nothing is known
-_RATE = 250.0  # Hz, of robots without a controller
 _OTHERS = 24
 _PROMISED = range(101, 117)  # seeds of the noise under which a promise is made: none of the search's
 _DESIGNING, _RUNNING = 0.9, 0.6  # of the time; the rest is what a log will tell
 _SEEDS = 2**32 - 1  # as NumPy's older generators take them
-_LARGEST = 1e6  # s, Hz, m or a sensor's noise
-_FEWEST, _MOST = 10, 1e6  # samples of a plan: fewer hold no motion, more do not fit into a search
 
 
 def excite(
@@ -61,6 +51,7 @@ def excite(
     duration: float = 10.0,
     rate: float | None = None,
     limits: Mapping[str, float] | None = None,
+    home: Mapping[str, float] | None = None,
     noise: Mapping[str, float] | None = None,
     radius: float | None = None,
     floor: float | None = 0.0,
@@ -80,6 +71,7 @@ def excite(
     criterion   of an identification: `information` in the sensors' noise, or `condition` of the regressor
     duration    [s];  rate  [Hz] of the plan, none: the controller's
     limits      `joint{k}.lower`, `.upper`, `.speed`, `.acceleration`, `.torque` beside the file's, SI units
+    home        joint -> where it sets out [rad or m]; others do at 0, or amid their range where 0 is outside
     noise       channel -> standard deviation of its sensor, beside an encoder noise of 1e-5
     radius      [m] of the links as capsules;  floor  its height [m] over the base, None: there is none
     spread      share by which the model's parameters may be off; robots so far off keep the limits, too
@@ -99,12 +91,12 @@ def excite(
     robot, pair, out = _without_suspects(robot, pair)
     if criterion not in CRITERIA:
         raise RobotError(f"there is no criterion {criterion!r}; take one of {', '.join(CRITERIA)}")
-    task = _task(robot, duration, rate, limits, noise, radius, floor, spread)
+    task = task_of(robot, duration, rate, limits, noise, radius, floor, spread, home)
     if not seconds > 0 or not 0 <= seed < _SEEDS or evaluations < 1:
         raise RobotError(f"a search needs seconds, an evaluation and a seed from 0 to {_SEEDS - 1}")
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
-    _over_the_floor(task)
-    _long_enough(task)
+    require_over_the_floor(task)
+    require_long_enough(task)
     with rehearsal(robot) as own:
         told = _first(_DESIGNING, progress)
         if pair is not None:
@@ -114,7 +106,8 @@ def excite(
         prediction = predicted(own, found.plan, task.noise, runs_in_threads)
     if progress:
         progress(1.0)
-    notes = (*out, *_notes(task), *confined(task, found.plan), *prediction.notes)
+    begins = amid(robot, task.limits, home or {})
+    notes = (*out, *_notes(task), *begins, *confined(task, found.plan), *prediction.notes)
     return Planned(robot, found, notes, prediction, promise)
 
 
@@ -140,7 +133,9 @@ def check_plan(
     robot = robot_of(model, allow_effects=allow_effects)
     read = plan if isinstance(plan, Experiment) else load_experiment(robot, str(plan))
     rate = 1 / float(read.time[1] - read.time[0])
-    task = _task(robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread, read.reference[0])
+    task = task_of(
+        robot, float(read.time[-1]), rate, limits, noise, radius, floor, spread, begin=read.reference[0]
+    )
     with rehearsal(robot) as own:
         like = others_like(robot, others, seed=2, spread=spread)
         found = of_ends(robot, task.limits, reference_of_plan(read))
@@ -215,80 +210,6 @@ def _apart(
         sigmas = contest.sigmas(found.plan, _PROMISED)
     names = ["nothing" if who is None else who.name for who in pair]
     return found, Promise((names[0], names[1]), sigmas, rivals.robots)
-
-
-def _task(
-    robot: Robot,
-    duration: float,
-    rate: float | None,
-    limits: Mapping[str, float] | None,
-    noise: Mapping[str, float] | None,
-    radius: float | None,
-    floor: float | None,
-    spread: float,
-    begin: np.ndarray | None = None,
-) -> Task:
-    """begin: the pose (joints,) in which a plan begins, None: where the limits let motions set out."""
-    driven = robot.controller or robot.servo
-    own = 1 / driven.period if driven else _RATE
-    if rate is not None and driven and abs(rate - own) > 1e-6 * own:
-        raise RobotError(f"robot {robot.name} is driven at {own:g} Hz; leave the plan at that rate")
-    _require(duration, rate or own, radius, floor, noise or {})
-    if not 0 < spread < 1:
-        raise RobotError(f"parameters cannot be off by {100 * spread:g} %; give a spread above 0 and below 1")
-    allowed: Limits = limits_of(robot, limits)
-    known = {name: ENCODER for name in robot.coordinates}
-    if robot.controller is None:
-        sizes = zip(robot.torques, allowed.torque, strict=True)
-        known |= {name: _TORQUE * float(size) for name, size in sizes if size < float("inf")}
-    unknown = set(noise or {}) - {*robot.coordinates, *robot.torques}
-    if unknown:
-        raise RobotError(
-            f"robot {robot.name} has no sensor {min(unknown)}; they are {robot.coordinates[0]} and so on"
-        )
-    shape: Geometry = geometry_of(robot, radius, floor, allowed.home if begin is None else begin)
-    return Task(robot, allowed, shape, known | dict(noise or {}), duration, rate or own, spread)
-
-
-def _require(
-    duration: float, rate: float, radius: float | None, floor: float | None, noise: Mapping[str, float]
-) -> None:
-    """Raises RobotError for numbers that no motion, link or sensor has."""
-    named = [("the duration", duration), ("the rate", rate)]
-    named += [(f"the noise of {name}", size) for name, size in noise.items()]
-    if radius is not None:
-        named.append(("the radius", radius))
-    for name, value in named:
-        if not 0 < value < _LARGEST:
-            raise RobotError(f"{name} of a plan is {value:g}; it must be above zero and below {_LARGEST:g}")
-    if floor is not None and not abs(floor) < _LARGEST:
-        raise RobotError(f"a floor at {floor:g} m is none; leave it out (--no-floor)")
-    if not _FEWEST <= duration * rate < _MOST:
-        raise RobotError(
-            f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; "
-            f"a plan has from {_FEWEST} to {_MOST:g}"
-        )
-
-
-def _over_the_floor(task: Task) -> None:
-    """Raises RobotError where a motion would begin with links that lie wholly below the floor."""
-    if task.geometry.sunk:
-        begin = where_it_begins(task.robot, task.limits)
-        raise RobotError(
-            f"robot {task.robot.name}: a motion begins {begin}, where {task.geometry.sunk[0]} is below the "
-            f"floor at {task.geometry.floor:g} m over the base; give another --floor, or --no-floor"
-        )
-
-
-def _long_enough(task: Task) -> None:
-    """Raises RobotError where a log of the plan would be refused by the robot's [processing]."""
-    robot, samples = task.robot, range(round(task.duration * task.rate) + 1)
-    rest = pd.DataFrame(0.0, index=samples, columns=[*robot.coordinates, *robot.torques])
-    rest.insert(0, "time", rest.index / task.rate)
-    try:
-        recipe(Log(rest, "a log of the plan"), robot)
-    except LogError as error:
-        raise RobotError(f"{error}; give a longer duration or, without a controller, a higher rate") from None
 
 
 def _first(part: float, progress: Progress | None) -> Progress | None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexmodels.robot import Robot
     from pyident.excitation.design import Design
     from pyident.excitation.prediction import Prediction
-    from pyident.excitation.violations import Violation
+    from pyident.excitation.rehearsals.violations import Violation
 
 ENOUGH = 5.0  # standard deviations that settle a question
 
@@ -70,7 +70,7 @@ class Planned(Result):
 
     def save(self, path: str | Path) -> Path:
         """Write the plan: time, joint{k}.r and joint{k}.tau_ff (.csv, .parquet or .mat). Raises LogError."""
-        from pyident.excitation.rehearsal import plan_frame
+        from pyident.excitation.rehearsals.rehearsal import plan_frame
         from pyident.logs.log import Log, write_log
 
         write_log(Log(plan_frame(self.plan), "the plan"), path)

@@ -19,7 +19,7 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.fading import faded
 from pyident.conditioning.weak_form import condition
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.rehearsals.rehearsal import Rehearsal
 from pyident.excitation.separation.rivals import Rivals, Suspect, law_values
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns, nonlinear_grid

@@ -15,11 +15,12 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import RobotError
 from pyident.excitation.criterion import Yardstick
 from pyident.excitation.design import Design, Offer, Progress, Score, rehearsed, searched
-from pyident.excitation.drawing import Drawing, Task
-from pyident.excitation.rehearsal import Rehearsal
+from pyident.excitation.drawing import Drawing
+from pyident.excitation.rehearsals.rehearsal import Rehearsal
 from pyident.excitation.search import Best, Budget, best_of
 from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.tuned import Tuned
+from pyident.excitation.task import Task
 
 WAVES = (0.0, 0.5, 1.0)  # shares of the multisine that are tried: it shows inertias and hides friction
 REPEATS = (1, 2, 4)  # periods that fill a motion: slow ones reach far, quick ones turn back often

@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.experiment import Experiment, identification
-from pyident.excitation.drawing import Drawing, Task
+from pyident.excitation.drawing import Drawing
 from pyident.excitation.fourier import Reference
+from pyident.excitation.task import Task
 from pyident.excitation.variants import LARGER, SMALLER, at_rest
 
 _QUICKEST, _SLOWEST = 4.0, 0.05  # of the experiment's pace

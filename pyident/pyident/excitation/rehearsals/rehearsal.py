@@ -16,7 +16,7 @@ from pyident.excitation.capsules import Geometry
 from pyident.excitation.followed import followed
 from pyident.excitation.fourier import Reference
 from pyident.excitation.limits import Limits
-from pyident.excitation.violations import Violation, of_reference, of_run
+from pyident.excitation.rehearsals.violations import Violation, of_reference, of_run
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import fmu_here
 

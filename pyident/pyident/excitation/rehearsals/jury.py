@@ -10,8 +10,8 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.excitation.capsules import Geometry
 from pyident.excitation.limits import Limits
-from pyident.excitation.rehearsal import Rehearsal, others_like, violations
-from pyident.excitation.violations import slack
+from pyident.excitation.rehearsals.rehearsal import Rehearsal, others_like, violations
+from pyident.excitation.rehearsals.violations import slack
 
 _REHEARSED = 48  # robots with every parameter off by the most, up or down
 _DEVIATIONS = 4.0  # by which the others must stay from a limit on average: one of thousands may come there
