@@ -98,6 +98,7 @@ def test_a_law_is_written_or_refused(run, tmp_path, reason):
     ("words", "sentence"),
     [
         (("stribeck", "a.csv"), "where does stribeck act? Give --joint K, from 1"),
+        (("stribeck", "--joint", "elbow", "a.csv"), "robot four_link has no joint elbow; its joints are"),
         (("geometry", "joint1.origin[z]"), "there is no log; give one or more behind joint1.origin[z]"),
         (("geometry", "joint9.origin[z]", "a.csv"), "robot four_link has no joint 9; it has 1 to 4"),
     ],
@@ -106,6 +107,13 @@ def test_what_add_lacks_is_said(run, words, sentence):
     done, _ = run("add_effect", None, "add", "four_link", *words, "-o", "new.toml")
     assert done.exit_code == 2
     assert sentence in done.output
+
+
+def test_a_joint_goes_by_its_number_or_its_name(run):
+    for joint in ("2", "joint2"):
+        words = ("add", "four_link", "stribeck", "--joint", joint, "a.csv", "-o", "better.toml")
+        _, asked = run("add_effect", ADDED, *words)
+        assert asked["arguments"][1:3] == ("stribeck", 2)
 
 
 def test_a_place_of_the_description_is_handed_on(run):

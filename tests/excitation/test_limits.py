@@ -1,5 +1,7 @@
 """Where limits come from: what is given, then the robot's file, then its own experiment."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from one_joint import one_joint
@@ -15,6 +17,16 @@ def test_what_is_given_stands_above_the_file():
     assert found.acceleration == pytest.approx([9.0])
     assert (found.lower[0], found.upper[0], found.torque[0]) == (-1.5, 1.5, 60.0)
     assert found.notes == ()
+
+
+def test_joints_go_by_their_own_names_too():
+    """Unless two of them share one, or it is another's number."""
+    (joint,) = limited().joints
+    elbow = replace(limited(), joints=(replace(joint, name="elbow"),))
+    found = limits_of(elbow, {"elbow.speed": 1.25}, {"elbow": 0.3})
+    assert (found.speed[0], found.home[0]) == (1.25, 0.3)
+    odd = tuple(replace(joint, name=name) for name in ("joint2", "twin", "twin"))
+    assert replace(elbow, joints=odd).joint_numbers == {"joint1": 1, "joint2": 2, "joint3": 3}
 
 
 def test_the_own_experiment_fills_what_is_open_and_says_so():

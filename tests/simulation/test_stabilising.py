@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from pyident.simulation.stabilising import _mass_matrices, stabilising_controller
 from scipy.linalg import eigvalsh
 
 from flexmodels.joint import Joint
 from flexmodels.link import Link
 from flexmodels.robot import Robot
+from pyident.simulation.stabilising import _mass_matrices, stabilising_controller
 
 
 def wrist() -> Robot:

@@ -183,7 +183,7 @@ def diagnose_command(
 @click.command(name="add")
 @click.argument("model")
 @click.argument("effect")
-@click.option("--joint", type=int, metavar="K", help="Where the effect acts, from 1.")
+@click.option("--joint", metavar="K", help="Where the effect acts: from 1, or the joint's name.")
 @click.argument("logs", nargs=-1, required=True, metavar="[PLACE] LOG...")
 @_holdout
 @output_option(ROBOT)
@@ -197,7 +197,7 @@ def diagnose_command(
 def add_command(
     model: str,
     effect: str,
-    joint: int | None,
+    joint: str | None,
     logs: tuple[str, ...],
     holdout: tuple[str, ...],
     output: str,
@@ -216,12 +216,12 @@ def add_command(
     Example: pyident add arm.toml stribeck --joint 2 a.csv b.csv -o better.toml
              pyident add arm.toml geometry joint3.origin[z] a.csv -o better.toml
     """
-    effect, joint, logs = _what(model, effect, joint, logs)
-    with progress_bar(f"{effect} at joint {joint}") as progress:
+    effect, number, logs = _what(model, effect, joint, logs)
+    with progress_bar(f"{effect} at joint {number}") as progress:
         found = pi.add_effect(
             model,
             effect,
-            joint,
+            number,
             logs,
             heldout=holdout,
             mapping=mapping,
@@ -239,21 +239,29 @@ def add_command(
 
 
 def _what(
-    model: str, effect: str, joint: int | None, words: tuple[str, ...]
+    model: str, effect: str, joint: str | None, words: tuple[str, ...]
 ) -> tuple[str, int, tuple[str, ...]]:
     """Effect, joint and logs. Raises RobotError."""
-    if effect != "geometry":
-        if joint is None:
-            raise pi.RobotError(f"where does {effect} act? Give --joint K, from 1")
-        return effect, joint, words
     from flexmodels.files.robot_file import load_robot
     from pyident.regression.descriptions import parsed
 
+    if effect != "geometry":
+        if joint is None:
+            raise pi.RobotError(f"where does {effect} act? Give --joint K, from 1")
+        return effect, int(joint) if joint.isdecimal() else _number(load_robot(model), joint), words
     place, *logs = words or ("",)
-    joint, name = parsed(load_robot(model), place)
+    number, name = parsed(load_robot(model), place)
     if not logs:
         raise pi.RobotError(f"there is no log; give one or more behind {place}")
-    return name, joint, tuple(logs)
+    return name, number, tuple(logs)
+
+
+def _number(robot: pi.Robot, joint: str) -> int:
+    """Of a joint by its name. Raises RobotError."""
+    if joint not in robot.joint_numbers:
+        names = ", ".join(robot.joint_numbers)
+        raise pi.RobotError(f"robot {robot.name} has no joint {joint}; its joints are {names}")
+    return robot.joint_numbers[joint]
 
 
 def _models_and_logs(given: tuple[str, ...]) -> tuple[list[str], list[str]]:
