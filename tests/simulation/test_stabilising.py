@@ -48,6 +48,6 @@ def test_its_gains_hold_in_every_pose_of_a_motion():
     for period in (0.001, 0.004, 0.01):
         gains = stabilising_controller(arm, bent, period)
         rates = [eigvalsh(np.diag(gains.Kd), M).max() * period for M in _mass_matrices(arm, bent)]
-        assert max(rates) < 1.0
+        assert max(rates) < 2.0
         at_first = stabilising_controller(arm, bent[:1], period)
         assert max(eigvalsh(np.diag(at_first.Kd), M).max() for M in _mass_matrices(arm, bent)) * period > 2.0

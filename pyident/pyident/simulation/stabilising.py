@@ -10,8 +10,7 @@ from pyident.regression.regressor import generalised_forces
 _BANDWIDTH = 10.0  # Hz
 _SAMPLED = 0.02  # of the sampling rate, that the bandwidth is at most
 _POSES = 40  # of a motion, at which the arm's inertia is taken
-_RISE = 2.0  # by which a joint's inertia in its gains may be above the least that it has along the way
-_FASTEST = 0.8  # of a loop's speed that dies within a sample, in any pose
+_FASTEST = 1.6  # of a speed, that damping takes within a sample in any pose; with 2 a loop swings for ever
 
 
 def stabilising_controller(robot: Robot, q: np.ndarray, period: float) -> Controller:
@@ -20,7 +19,7 @@ def stabilising_controller(robot: Robot, q: np.ndarray, period: float) -> Contro
     A joint's inertia is 1 / (M⁻¹)_kk, what it moves while the others give way: the loop's squared frequencies
     then add up to as many times ω² as there are joints. By M_kk wrists whose axes align shake far faster. It
     changes with the pose, where an arm stretches by more than ten times, and gains for one pose may shake the
-    arm in another: they are for the middle one of the motion, and small enough for all.
+    arm in another: they are for what lies midway between its extremes, and small enough for all poses.
     """
     joints = len(robot.joints)
     omega = 2 * np.pi * min(_BANDWIDTH, _SAMPLED / period)
@@ -28,7 +27,7 @@ def stabilising_controller(robot: Robot, q: np.ndarray, period: float) -> Contro
     inverse = np.linalg.pinv(M, hermitian=True)
     free = np.diagonal(inverse, axis1=1, axis2=2)
     free = np.where(free > 0, 1 / np.where(free > 0, free, 1.0), np.diagonal(M, axis1=1, axis2=2))
-    inertia = np.minimum(np.median(free, axis=0), _RISE * np.abs(free).min(axis=0))
+    inertia = np.sqrt(np.abs(free).min(axis=0) * np.abs(free).max(axis=0))
     rate = 2 * omega * period * float(np.abs(np.linalg.eigvals(inverse * inertia)).max())
     inertia = inertia * min(1.0, _FASTEST / rate)
     Kp, Kd = (inertia * omega**2).tolist(), (2 * inertia * omega).tolist()
