@@ -112,7 +112,7 @@ def test_commands_check_simulate_and_export_the_file(files):
     [
         (["--limit", "joint9.speed=1"], "there is no limit joint9.speed"),
         (["--limit", "joint1.lower=2"], "joint1.lower must be below joint1.upper"),
-        (["--duration", "0.2"], "too short"),
+        (["--duration", "0.2"], "51 samples are too few"),
         (["--separate", "stribeck@1", "nonsense"], "is not EFFECT@JOINT"),
         (["--reveal", "stribeck@4"], "has no joint 4"),
         (["--criterion", "beauty"], "'beauty' is not one of"),

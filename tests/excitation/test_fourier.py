@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from flexmodels.robot import RobotError
 from pyident.excitation.fourier import Family
 from pyident.excitation.limits import Limits
 
@@ -48,6 +47,12 @@ def test_the_way_from_home_shrinks_with_the_scale():
     assert half.ddq == pytest.approx(whole.ddq / 2)
 
 
-def test_a_duration_in_which_nothing_can_be_reached_is_refused():
-    with pytest.raises(RobotError, match="too short"):
-        Family(LIMITS, 1.0, harmonics=4)
+@pytest.mark.parametrize("seed", range(3))
+def test_in_a_short_time_slow_joints_stay_near_home(seed):
+    """A way of 0.4 s has a peak acceleration of way / 0.4² times 10/√3: 0.166 m and 0.0554 m of way."""
+    family = Family(LIMITS, 1.0, harmonics=4)
+    way = np.array([6.0, 2.0]) * 0.4**2 * np.sqrt(3) / 10
+    assert family.room == (pytest.approx(LIMITS.home - way), pytest.approx(LIMITS.home + way))
+    motion = family.reference(3 * np.random.default_rng(seed).standard_normal(family.size), 0.001)
+    assert (np.abs(motion.dq) <= LIMITS.speed * 1.001).all()
+    assert (np.abs(motion.ddq) <= LIMITS.acceleration * 1.005).all()

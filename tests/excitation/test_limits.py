@@ -7,6 +7,7 @@ import pytest
 from one_joint import one_joint
 from planned_joint import limited
 
+from flexmodels.joint import Limits
 from flexmodels.robot import RobotError
 from pyident.excitation.limits import limits_of
 
@@ -44,6 +45,15 @@ def test_an_acceleration_stays_open_where_a_torque_limits_it():
     found = limits_of(limited())
     assert np.isinf(found.acceleration).all()
     assert found.notes == ("nothing limits the acceleration of every joint",)
+
+
+def test_a_joint_that_turns_without_end_keeps_within_half_a_turn():
+    (joint,) = limited().joints
+    endless = replace(joint, limits=Limits(speed=3.0, effort=60.0))
+    robot = replace(limited(), joints=(endless,)).with_settings(identification=None)
+    found = limits_of(robot, home={"joint1": 1.0})
+    assert (found.lower[0], found.upper[0]) == pytest.approx((1.0 - np.pi, 1.0 + np.pi))
+    assert found.notes[0].startswith("nothing limits the position of every joint: a motion stays within half")
 
 
 def test_a_robot_of_which_nothing_is_known_is_refused():

@@ -52,6 +52,7 @@ def swung(size: float = 1.0, time: np.ndarray = TIME) -> Experiment:
         ({"limits": {"joint1.speed": 0.0}}, "the limit joint1.speed must be above zero"),
         ({"limits": {"joint1.lower": 2.0}}, "joint1.lower must be below joint1.upper"),
         ({"floor": 9.0}, "begins in the zero pose, where link 1 is below the floor at 9 m over the base"),
+        ({"limits": {"joint1.speed": 1e-3}}, "10 s is too short: the limits of speed and acceleration leave"),
         ({"home": {"joint1": 2.0}}, "joint1 cannot set out at 2, as its limits are -1.5 and 1.5"),
         ({"home": {"elbow": 0.1}}, "there is no elbow that could set out anywhere; its joints are joint1"),
     ],

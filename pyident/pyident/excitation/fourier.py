@@ -2,8 +2,8 @@
 
 A joint's share of the period is a Fourier series whose coefficients lie in the null space of three linear
 conditions: no speed, no acceleration and no jerk at the period's ends. Before it a polynomial of fifth degree
-takes the joint from home to where the period begins. Every shape is scaled to what the limits of position,
-speed and acceleration allow, so that any vector of numbers is a motion that keeps them.
+takes the joint from home to where the period begins; a slow joint stays near home. Every shape is scaled to
+what the limits of position, speed and acceleration allow: any vector of numbers is a motion that keeps them.
 """
 
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ import numpy as np
 from scipy.linalg import null_space
 
 from flexmodels.experiment import line_profile
-from flexmodels.robot import RobotError
 from pyident.excitation.limits import Limits
 
 _PEAK_SPEED, _PEAK_ACCELERATION = 15 / 8, 10 / np.sqrt(3)  # of the polynomial, per way and time
+_LONGEST = 0.4  # of a motion, that its way from home takes at most
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,6 @@ class Family:
     harmonics: int
     repeats: int = 1
 
-    def __post_init__(self) -> None:
-        if self.approach > self.duration / 2:
-            raise RobotError(
-                f"a motion of {self.duration:g} s is too short: the limits let the robot reach its range "
-                f"only in {self.approach:.3g} s; give at least {2 * self.approach:.3g} s"
-            )
-
     @property
     def joints(self) -> int:
         return len(self.limits.speed)
@@ -59,12 +52,19 @@ class Family:
 
     @cached_property
     def approach(self) -> float:
-        """Time of the way from home [s], enough for the longest one."""
+        """Time of the way from home [s], enough for the longest one, or as long as the motion lets it be."""
         x = self.limits
         way = np.maximum(x.upper - x.home, x.home - x.lower)
         by_speed = _PEAK_SPEED * way / x.speed
         by_acceleration = np.sqrt(_PEAK_ACCELERATION * way / x.acceleration)
-        return float(np.maximum(by_speed, by_acceleration).max())
+        return min(float(np.maximum(by_speed, by_acceleration).max()), _LONGEST * self.duration)
+
+    @cached_property
+    def room(self) -> tuple[np.ndarray, np.ndarray]:
+        """(joints,) lowest and highest positions that are within the limits and reached in that time."""
+        x, T = self.limits, self.approach
+        way = np.minimum(x.speed * T / _PEAK_SPEED, x.acceleration * T**2 / _PEAK_ACCELERATION)
+        return np.maximum(x.lower, x.home - way), np.minimum(x.upper, x.home + way)
 
     @cached_property
     def period(self) -> float:
@@ -129,16 +129,16 @@ class Family:
 
     def _fitted(self, k: int, whole: np.ndarray, pose: float, use: float) -> tuple[float, float, float]:
         """Centre, factor and middle of a shape (3, N) that uses a share of what joint k may do."""
-        x = self.limits
+        x, (lower, upper) = self.limits, (side[k] for side in self.room)
         middle, half = (whole[0].max() + whole[0].min()) / 2, np.ptp(whole[0]) / 2
         share = 1 / (1 + np.exp(-2.5 - use))
         swing = share * min(
-            (x.upper[k] - x.lower[k]) / 2 / max(half, 1e-12),
+            (upper - lower) / 2 / max(half, 1e-12),
             x.speed[k] / max(np.abs(whole[1]).max(), 1e-12),
             x.acceleration[k] / max(np.abs(whole[2]).max(), 1e-12),
         )
-        room = (x.upper[k] - x.lower[k]) / 2 - swing * half
-        return (x.upper[k] + x.lower[k]) / 2 + room * np.tanh(pose), swing, middle
+        room = (upper - lower) / 2 - swing * half
+        return (upper + lower) / 2 + room * np.tanh(pose), swing, middle
 
 
 def _approach(time: np.ndarray, T: float) -> np.ndarray:

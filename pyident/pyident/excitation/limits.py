@@ -55,7 +55,7 @@ def limits_of(
     values = {name: np.full(len(robot.joints), np.nan) for name in QUANTITIES}
     _from_file(robot, values)
     _from_call(robot, values, given or {})
-    notes = _from_experiment(robot, values)
+    notes = (*_from_experiment(robot, values), *_of_endless(robot, values, home or {}))
     for name in ("lower", "upper", "speed"):
         for k in np.flatnonzero(np.isnan(values[name])) + 1:
             raise RobotError(
@@ -171,6 +171,22 @@ def _from_experiment(robot: Robot, values: dict[str, np.ndarray]) -> tuple[str, 
                 f"the limit {name} of {_listed(open_[name])} is that of the robot's [identification]"
             )
     return tuple(notes)
+
+
+def _of_endless(robot: Robot, values: dict[str, np.ndarray], home: Mapping[str, float]) -> tuple[str, ...]:
+    """Half a turn either way, where a joint's limits in the file have no position: it turns without end."""
+    turning = np.array([joint.kind == "revolute" and joint.limits is not None for joint in robot.joints])
+    turning &= np.isnan(values["lower"]) & np.isnan(values["upper"])
+    if not turning.any():
+        return ()
+    begin = np.zeros(len(robot.joints))
+    for name in set(home) & set(robot.joint_numbers):
+        begin[robot.joint_numbers[name] - 1] = home[name]
+    values["lower"] = np.where(turning, begin - np.pi, values["lower"])
+    values["upper"] = np.where(turning, begin + np.pi, values["upper"])
+    return (
+        f"nothing limits the position of {_listed(turning)}: a motion stays within half a turn of its start",
+    )
 
 
 def _check(robot: Robot, values: Mapping[str, np.ndarray]) -> None:

@@ -24,6 +24,7 @@ _FEWEST, _MOST = 10, 1e6  # samples of a plan: fewer hold no motion, more do not
 _SHARE = 0.95  # of the limits, that a reference may use: the rest is for the loop
 _WAVE_SHARE = 0.4  # of a torque limit, that a multisine may take at most
 _LOUDEST = 2.0  # times the robot's own multisine, at most
+_NOWHERE, _SLOW = 0.02, 0.95  # of a range: a motion that gets less far is none, or is worth a note
 
 
 @dataclass(frozen=True)
@@ -149,3 +150,21 @@ def require_long_enough(task: Task) -> None:
         recipe(Log(rest, "a log of the plan"), robot)
     except LogError as error:
         raise RobotError(f"{error}; give a longer duration or, without a controller, a higher rate") from None
+
+
+def slow(task: Task) -> tuple[str, ...]:
+    """A note on joints that cannot get far within a motion. Raises RobotError where none of them can."""
+    lower, upper = task.family.room
+    share = (upper - lower) / (task.family.limits.upper - task.family.limits.lower)
+    if share.max() < _NOWHERE:
+        raise RobotError(
+            f"a motion of {task.duration:g} s is too short: the limits of speed and acceleration leave the "
+            f"joints of robot {task.robot.name} {100 * share.max():.2g} % of their ranges at most"
+        )
+    named = ", ".join(f"joint{k + 1} {100 * share[k]:.0f} %" for k in np.flatnonzero(share < _SLOW))
+    if not named:
+        return ()
+    return (
+        f"in {task.duration:g} s the limits of speed and acceleration leave joints a part of their range "
+        f"({named}); a longer motion tells more",
+    )

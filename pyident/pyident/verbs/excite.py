@@ -27,7 +27,7 @@ from pyident.excitation.separation.contest import Contest
 from pyident.excitation.separation.rivals import Rivals, Suspect, having, suspect, taken_out
 from pyident.excitation.separation.search import Separation
 from pyident.excitation.tables import write_table
-from pyident.excitation.task import Task, require_long_enough, require_over_the_floor, task_of
+from pyident.excitation.task import Task, require_long_enough, require_over_the_floor, slow, task_of
 from pyident.simulation.fmu_runs import runs_in_threads
 from pyident.simulation.references import load_experiment
 from pyident.verbs.inputs import Model, robot_of
@@ -97,6 +97,7 @@ def excite(
     budget, drawing = Budget(evaluations, seconds, seed), Drawing(task)
     require_over_the_floor(task)
     require_long_enough(task)
+    begins = (*amid(robot, task.limits, home or {}), *slow(task))
     with rehearsal(robot) as own:
         told = _first(_DESIGNING, progress)
         if pair is not None:
@@ -106,7 +107,6 @@ def excite(
         prediction = predicted(own, found.plan, task.noise, runs_in_threads)
     if progress:
         progress(1.0)
-    begins = amid(robot, task.limits, home or {})
     notes = (*out, *_notes(task), *begins, *confined(task, found.plan), *prediction.notes)
     return Planned(robot, found, notes, prediction, promise)
 
