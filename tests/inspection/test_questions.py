@@ -140,7 +140,7 @@ def test_a_note_on_a_turned_sign_does_not_ask_for_it_again(tmp_path):
     ("time", "words"),
     [
         (TIME[::-1], "time_s goes back from 3.99 to 3.98 at row 2"),
-        (0 * TIME, "time_s stands still or jumps"),
+        (0 * TIME, "time_s holds one time in 400 rows, as if digits were cut off"),
     ],
 )
 def test_a_time_that_is_none_is_told(time, words, tmp_path):

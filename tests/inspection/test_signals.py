@@ -95,6 +95,23 @@ def test_the_unit_and_sign_of_a_velocity_follow_from_its_position(unit, factor):
     assert (found.unit, found.sign) == (unit, int(np.sign(factor)))
 
 
+@pytest.mark.parametrize(
+    ("turns", "speed", "units"),
+    [
+        (1 / (2 * np.pi), 30 / np.pi, ("rev", "rpm")),
+        (180 / np.pi, 30 / np.pi, ("deg", "rpm")),
+        (180 / np.pi, 1.0, ("deg", "rad/s")),
+        (1.0, 180 / np.pi, ("rad", "deg/s")),
+    ],
+)
+def test_a_speed_in_another_unit_tells_that_of_the_angle(turns, speed, units):
+    """Neither column says its unit: 60 times the derivative are turns and rpm, whatever the range."""
+    channels = [column("a", 24 * turns * ANGLE, "position"), column("b", 24 * speed * SPEED, "velocity")]
+    found = with_velocities_found(with_motion_units(channels, None, 1 / RATE), 1 / RATE)
+    assert tuple(c.unit for c in found) == units
+    assert not any(c.doubt for c in found)
+
+
 def test_a_velocity_of_no_known_unit_stays_open():
     channels = [column("a", ANGLE, "position", "rad"), column("b", 3.0 * SPEED, "velocity")]
     assert with_velocities_found(channels, 1 / RATE)[1].unit is None

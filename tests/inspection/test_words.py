@@ -16,10 +16,24 @@ from pyident.inspection.words import meaning
         ("position_deg_joint2", "deg"),
         ("position_in_rad_1", "rad"),  # no inches
         ("position_1", None),
+        ("pan_trq_mNm", "mN.m"),  # capitals tell it from N.m
+        ("trq1_kNm", "kN.m"),
     ],
 )
 def test_a_unit_may_stand_behind_the_signal_and_before_the_joint(name, unit):
     assert meaning(name).unit == unit
+
+
+def test_the_address_of_an_object_is_no_joint():
+    found = [
+        meaning(f"Axis{k} 0x{what}") for k in (1, 2) for what in ("6064 Position actual value", "6077 Torque")
+    ]
+    assert [(m.joint, m.signal) for m in found] == [
+        (1, "position"),
+        (1, "torque"),
+        (2, "position"),
+        (2, "torque"),
+    ]
 
 
 @pytest.mark.parametrize("column", ["F1 [Nm]", "Kraftaufnehmer 1 [N.m]"])

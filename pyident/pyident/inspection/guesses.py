@@ -18,6 +18,7 @@ from pyident.logs.units import FACTORS, KINDS, known_unit
 NAME = "its name"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
 _STEADY = 0.15  # of its mean: within it a voltage is a supply
+_MOVES = 0.02  # of a clock's rows, at least, that are later than those before
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
 _STAMPED = re.compile(r"header\W?stamp", re.IGNORECASE)
@@ -126,13 +127,17 @@ def no_clock(channel: Channel) -> str:
     if (steps < 0).any():
         i = int(np.argmax(steps < 0))
         return f"{channel.column} goes back from {x[i]:.10g} to {x[i + 1]:.10g} at row {i + 2}"
+    if np.mean(steps > 0) <= _MOVES:
+        times = "one time" if np.ptp(x) == 0 else f"{len(np.unique(x))} times"
+        return f"{channel.column} holds {times} in {len(x)} rows, as if digits were cut off"
     return f"{channel.column} stands still or jumps"
 
 
 def _grows(x: np.ndarray) -> bool:
-    """Whether it never falls: rows may come twice, and stamps may be coarse."""
+    """Whether it never falls: rows may come twice, and stamps may be coarse, but not for ever the same."""
     steps = np.diff(x)
-    return len(x) > 3 and bool(np.isfinite(x).all() and (steps >= 0).all() and (steps > 0).sum() > 2)
+    least = max(2, _MOVES * len(steps))
+    return len(x) > 3 and bool(np.isfinite(x).all() and (steps >= 0).all() and (steps > 0).sum() > least)
 
 
 def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:

@@ -13,12 +13,15 @@ from pyident.logs.units import FACTORS, KINDS
 
 _AGREES = 0.9  # correlation of a velocity with the derivative of its position
 _CLOSE = 0.15  # relative error of a ratio of units
+_PRECISE = 0.03  # the same of units that are hardly ever used together
 _LIKE = 0.98  # correlation of a reference with its position
 DERIVATIVE = "one block of columns is the derivative of another"
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
 _TURN = 1.0  # within a turn either way: if all angles of a recording stay in it, they may be in turns
 _PARTS = 100.5  # to which others, LeRobot among them, scale the range of a joint
 _SYMBOL = re.compile(r"(?<![a-z])(q|qpos|phi|theta)(?![a-z])", re.IGNORECASE)  # of mechanics, in radians
+_SPEEDS = ("rad/s", "deg/s", "rpm", "rev/s")
+_ESTIMATE = re.compile(r"pos_estimate", re.IGNORECASE)  # of a drive that counts in turns (ODrive)
 RANGE = "its range up to"  # of a position whose unit nothing else tells
 
 
@@ -64,7 +67,7 @@ def _not_in_turns(channels: list[Channel]) -> list[Channel]:
     ranged = [c for c in channels if by_range(c) and c.unit == "rad" and c.joint is not None]
     angles = [c for c in ranged if not _SYMBOL.search(c.column)]
     if not angles or max(_reach(c) for c in angles) > _TURN:
-        return channels
+        angles = [c for c in angles if _ESTIMATE.search(c.column)]
     asked = {c.column: in_turns(c) for c in angles}
     return [
         replace(c, sure=False, doubt=c.doubt or asked[c.column]) if c.column in asked else c for c in channels
@@ -119,6 +122,10 @@ def _position(
                 doubt = c.doubt or ("" if ratio > 0 else turned)
                 why = (*c.why, "the derivative that its velocity is")
                 return replace(c, unit=unit, sure=not doubt, doubt=doubt, why=why)
+    unit = _by_unlike(c, speed, period) if not prismatic else None
+    if unit is not None and speed is not None:
+        why = (*c.why, f"the derivative that {speed.column} is in another unit")
+        return replace(c, unit=unit, sure=not c.doubt, why=why)
     reach = _reach(c)
     whole = bool((c.values == np.round(c.values)).all()) and reach > 50
     if whole:
@@ -134,6 +141,23 @@ def _position(
     return replace(c, unit=unit, sure=not doubt, doubt=doubt, why=(*c.why, f"{RANGE} {reach:.3g}"))
 
 
+def _by_unlike(c: Channel, speed: Channel | None, period: float | None) -> str | None:
+    """The unit of an angle whose speed is as many times its derivative as two units make: rev and rpm."""
+    if speed is None or not period or len(speed.values) != len(c.values) or speed.unit is not None:
+        return None
+    ratio, agreement = _slope(c.values, speed.values, period)
+    if abs(agreement) <= _AGREES:
+        return None
+    unlike = [
+        (abs(abs(ratio) * FACTORS[other] / FACTORS[unit] - 1), unit)
+        for unit in ("rad", "deg", "rev")
+        for other in _SPEEDS
+        if abs(FACTORS[unit] / FACTORS[other] - 1) > _CLOSE
+    ]
+    off, unit = min(unlike)
+    return unit if off < _PRECISE else None
+
+
 def with_velocities_found(channels: list[Channel], period: float | None) -> list[Channel]:
     """Velocities without a unit: by their positions'."""
     places = {(c.joint, c.side): c for c in channels if c.signal == "position" and c.unit}
@@ -142,11 +166,7 @@ def with_velocities_found(channels: list[Channel], period: float | None) -> list
         place = places.get((c.joint, c.side)) if c.signal == "velocity" else None
         if place is not None and c.unit is None and period and len(place.values) == len(c.values):
             ratio, agreement = _slope(place.values * FACTORS[place.unit or "1"], c.values, period)
-            units = (
-                ("rad/s", "deg/s", "rpm", "rev/s")
-                if KINDS[place.unit or "rad"] == "angle"
-                else ("m/s", "mm/s")
-            )
+            units = _SPEEDS if KINDS[place.unit or "rad"] == "angle" else ("m/s", "mm/s")
             best = min(units, key=lambda unit: abs(abs(ratio) * FACTORS[unit] - 1))
             if abs(agreement) > _AGREES and abs(abs(ratio) * FACTORS[best] - 1) < _CLOSE:
                 c = replace(c, unit=best, sure=True, sign=1 if ratio > 0 else -1,

@@ -115,6 +115,7 @@ _PLAIN = frozenset(  # of no joint's name
 _AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
 _MOTIONS = frozenset(["angle", "length", "speed"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
+_ADDRESS = re.compile(r"\b0x[0-9A-Fa-f]{2,8}\b")  # of an object on a bus: 0x6064 is no joint
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
     r"(ist|soll|(?:motor|antrieb|abtrieb|rotor)(?:s(?!trom))?)(?=[a-z]{3})"
@@ -138,12 +139,12 @@ class Meaning:
 
 def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     """Of a column's name; joints: names of the robot's joints, which may be part of it."""
-    joint, rest = _joint(name, joints)
+    joint, rest = _joint(_ADDRESS.sub(" ", name), joints)
     words = [word.lower() for part in _SPLIT.split(rest) for word in _CAMEL.split(part) if word]
     words = [part for word in words for part in _parts(word)]
     numbers = [int(word) for word in words if word.isdigit()]
     words = [word for word in words if not word.isdigit()]
-    unit = next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None) or _last_unit(rest)
+    unit = _last_unit(rest) or next((unit for size in (2, 1) if (unit := _unit(words[-size:]))), None)
     if unit and len(words) > 1:
         words = words[:-1]
     unit = unit or _inner_unit(rest)
