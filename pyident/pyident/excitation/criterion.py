@@ -46,10 +46,7 @@ def yardstick(robot: Robot, log: Log, noise: Mapping[str, float]) -> Yardstick:
     expected = clean.y - clean.A @ p
     left = []
     for _ in range(_DRAWS):
-        frame = log.frame.copy()
-        for name, sigma in noise.items():
-            frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
-        part = replace(condition(replace(log, frame=frame), robot), use=clean.part.use)
+        part = replace(condition(log.noisier(noise, rng), robot), use=clean.part.use)
         noisy = equations(robot, [part], [log.period])[0]
         left.append(noisy.y - noisy.A @ p - expected)
     return Yardstick(floor([clean.band] * _DRAWS, left), log.period, len(log))

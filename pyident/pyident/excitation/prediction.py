@@ -115,10 +115,7 @@ def row_noise(robot: Robot, log: Log, part: Conditioned, noise: Mapping[str, flo
     clean = residual_of(robot, part, p)
     squares = np.zeros(part.target.shape[1])
     for _ in range(_DRAWS):
-        frame = log.frame.copy()
-        for name, sigma in noise.items():
-            frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
-        noisy = condition(Log(frame, log.source), robot)
+        noisy = condition(log.noisier(noise, rng), robot)
         left = residual_of(robot, replace(noisy, use=part.use), p) - clean
         squares += (left**2).sum(axis=0) / np.maximum(part.use.sum(axis=0), 1)
     rms = np.sqrt(squares / _DRAWS)

@@ -6,7 +6,7 @@ Columns: `time` [s]; per joint k from 1 `joint{k}.e`, `joint{k}.eps[1..3]`, `joi
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -89,6 +89,11 @@ class Log:
     def signals(self, names: list[str] | tuple[str, ...]) -> np.ndarray:
         """The named columns as (N, len(names))."""
         return self.frame[list(names)].to_numpy(dtype=float, copy=True)
+
+    def noisier(self, noise: Mapping[str, float], rng: np.random.Generator) -> "Log":
+        """With white noise in its sensors: column -> standard deviation."""
+        added = {name: self.frame[name] + s * rng.standard_normal(len(self)) for name, s in noise.items()}
+        return replace(self, frame=self.frame.assign(**added))
 
 
 def no_log(path: Path) -> str:

@@ -106,11 +106,7 @@ def _noise_level(
     robot: Robot, log: Log, noise: Mapping[str, float], band: Band, use: np.ndarray
 ) -> np.ndarray:
     """(n, E) rms that the sensors' noise leaves on each equation, smoothed over frequency."""
-    rng = np.random.default_rng(0)
-    frame = log.frame.copy()
-    for name, sigma in noise.items():
-        frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
-    noisy = replace(log, frame=frame)
+    noisy = log.noisier(noise, np.random.default_rng(0))
     torque = condition(noisy, robot).target - condition(log, robot).target
     left = band.transform((torque - _forces(robot, noisy) + _forces(robot, log)) * use).T
     power = (left[:, : band.bins] ** 2 + left[:, band.bins :] ** 2) / 2

@@ -45,12 +45,13 @@ class Rehearsal:
         That of an encoder passes through the loop. Raises SimulationError.
         """
         if self.fmu is None:
-            return [Log(_sensed(self._follow(plan), noise, seed), self._source) for seed in seeds]
+            clean = self.log(plan)
+            return [clean.noisier(noise, np.random.default_rng(seed)) for seed in seeds]
         encoders = {name: noise[name] for name in self.robot.coordinates if name in noise}
         torques = {name: sigma for name, sigma in noise.items() if name not in encoders}
         frames = self.fmu.simulate_batch(plan, [self.robot.parameters], encoders, list(seeds))
         return [
-            Log(_sensed(frame, torques, seed), self._source)
+            Log(frame, self._source).noisier(torques, np.random.default_rng(seed))
             for frame, seed in zip(frames, seeds, strict=True)
         ]
 
@@ -134,13 +135,6 @@ def worst(found: Iterable[Violation]) -> list[Violation]:
 
 def _beyond(v: Violation) -> float:
     return -v.value if v.what == "distance" else abs(v.value)
-
-
-def _sensed(frame: pd.DataFrame, noise: Mapping[str, float], seed: int) -> pd.DataFrame:
-    rng = np.random.default_rng(seed)
-    return frame.assign(
-        **{name: frame[name] + s * rng.standard_normal(len(frame)) for name, s in noise.items()}
-    )
 
 
 def plan_frame(plan: Experiment) -> pd.DataFrame:

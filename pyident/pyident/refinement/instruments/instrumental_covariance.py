@@ -60,10 +60,7 @@ def _beyond(logs: Repeated, rows: list[Rows], p: np.ndarray, noise: dict[str, fl
     """
     rng, out = np.random.default_rng(0), []
     for d, r, a in zip(logs.data, rows, logs.again, strict=True):
-        frame = a.log.frame.copy()
-        for name, sigma in noise.items():
-            frame[name] = frame[name] + sigma * rng.standard_normal(len(frame))
-        more = in_memory(logs.robot, condition(replace(a.log, frame=frame), logs.robot))
+        more = in_memory(logs.robot, condition(a.log.noisier(noise, rng), logs.robot))
         change = (more.y - d.y) - (predicted(more.A, p) - predicted(d.A, p))
         out.append(beyond_noise(*(smoothed_power(v * r.share) for v in (r.residual(p), change))))
     return out
