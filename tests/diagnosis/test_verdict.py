@@ -10,7 +10,7 @@ from one_joint import one_joint
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.notes import of_ends, of_gears, of_what_is_shared, warnings
+from pyident.diagnosis.notes import of_drifts, of_ends, of_gears, of_what_is_shared, warnings
 from pyident.diagnosis.result import Finding, Named, Place
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, separating, verdict_of
 from pyident.rules.rules import RULES
@@ -184,3 +184,10 @@ def test_one_cause_is_suspected_where_most_joints_are_left(states, who):
     assert [note.startswith(f"{who} left unexplained") for note in plain] == [True] * (who is not None)
     assert [note.endswith("only stand in for it") for note in plain] == [False] * (who is not None)
     assert [note.endswith("only stand in for it") for note in beside] == [True] * (who is not None)
+
+
+def test_drifts_at_many_joints_have_one_cause_that_is_asked_first():
+    drifts = [_finding((name, k)) for k in (1, 2, 3) for name in ("coulomb_drift", "offset_drift")]
+    (note,) = of_drifts(drifts)
+    assert note.startswith("6 drifts at 3 joints: suspect first what they share, as a supply, or torque")
+    assert list(of_drifts([*drifts[:4], _finding(("stribeck", 3))])) == []

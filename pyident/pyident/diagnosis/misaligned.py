@@ -4,9 +4,8 @@ Another clock, a bus, drives that all lag: late by d the positions miss the torq
 these, at every joint, so that laws with a memory are found at several joints, and what is missing besides
 drowns. The column is what moving the positions changes in the equations, the time the one that leaves least
 of them. It has to take most of what exceeds the floor of two joints, and more than of any replica, to be
-believed; or, where nothing stands out and a delay of a sample at most hides in the noise, two joints have to
-measure about the same. It is judged at the frequencies of the motion: a controller answers its encoder's
-noise later than a robot would.
+believed; or, of a sample at most, two joints at which nothing stands out have to measure about the same. It
+is judged at the frequencies of the motion: a controller answers the noise of its encoder later than a robot.
 
 A low pass of the torques (of a drive's current, or of a recorder) delays them likewise, and smears the steps
 of dry friction, which then looks like presliding at every joint; so does one that went forwards and backwards
@@ -91,15 +90,17 @@ def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
 
 
 def _measured_alike(ex: Examination, delayed: Columns) -> bool:
-    """Whether two joints measure about the same delay, though it hides in their noise.
+    """Whether two joints where nothing stands out measure about the same delay, in their noise or above it.
 
     delayed   as of `_change`, by a delay
     """
-    rules = ex.setting.rules.search
-    if standing_out(ex, ex.base).any():
+    rules, joints = ex.setting.rules.search, range(len(ex.setting.robot.joints))
+    quiet = [k for k in joints if not standing_out(ex, ex.base)[k]]
+    if len(quiet) < _JOINTS:
         return False
-    together, alike = float(gain(ex.base, delayed).coefficients[0]), 0
-    for k in range(len(ex.setting.robot.joints)):
+    of_quiet = [{k: X for k, X in log.items() if k in quiet} for log in delayed]
+    together, alike = float(gain(ex.base, of_quiet).coefficients[0]), 0
+    for k in quiet:
         found = _shown(ex, [{k: log[k]} for log in delayed], rules.chance**2)
         alike += found is not None and abs(found.coefficients[0] / together - 1) <= 1 - rules.unseen
     return alike >= _JOINTS
@@ -159,9 +160,16 @@ def _aligned(ex: Examination, alignment: Alignment, floors: Sequence[Floor]) -> 
 
 
 def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
-    """What is left of an equation on average, over its floor; asked: per log (n, E)."""
-    residuals = [r[clear] for r, clear in zip(residuals_of(data), asked, strict=True)]
-    return sum(float(np.square(r).sum()) for r in residuals) / sum(r.size for r in residuals)
+    """What is left of an equation on average, over its floor; asked: per log (n, E).
+
+    The mean is geometric over coordinates: what another law leaves at one joint is no witness of a delay.
+    """
+    squares = sum(
+        (np.square(r) * clear).sum(axis=1) for r, clear in zip(residuals_of(data), asked, strict=True)
+    )
+    count = np.sum([clear.sum(axis=1) for clear in asked], axis=0)
+    there = (count > 0) & (squares > 0)
+    return float(np.exp(np.sum(count[there] * np.log(squares[there] / count[there])) / count[there].sum()))
 
 
 def _shown(ex: Examination, X: Columns, least: float = 0.0) -> Gain | None:

@@ -94,6 +94,17 @@ def of_what_is_shared(places: Sequence[Place], findings: Sequence[Finding]) -> I
     )
 
 
+def of_drifts(findings: Sequence[Finding]) -> Iterator[str]:
+    """Where friction and zeros of many joints drift: one cause in common is likelier than as many."""
+    names = [f.tie[0] for f in findings if f.tie[0].effect.endswith("_drift")]
+    joints = {name.joint for name in names}
+    if len(joints) >= _MANY:
+        yield (
+            f"{len(names)} drifts at {len(joints)} joints: suspect first what they share, as a supply, or "
+            "torque constants that fall while motors warm up: then inertia and gravity seem to fall as well"
+        )
+
+
 def _mostly_left(place: Place) -> bool:
     """Whether the findings take less than half of what exceeds the floor."""
     before, after = (ratio**2 - 1 for ratio in place.over_floor)

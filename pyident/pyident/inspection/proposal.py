@@ -53,7 +53,7 @@ class Proposal:
         if time is not None:
             lines.append(f"time = {{ source = {_quoted(time.column)}, unit = {_quoted(time.unit or '1')} }}")
         else:
-            lines.append(f"rate = {self.rate or 1.0}" + ("" if self.rate else "  # ? samples per second"))
+            lines.append(f"rate = {self.rate}" if self.rate else "# rate = NUMBER  # ? samples per second")
         for c in sorted(self.channels, key=lambda c: (c.joint or 0, c.signal)):
             if c.name is not None and c.signal != "time":
                 lines += ["", *self._signal(c)]

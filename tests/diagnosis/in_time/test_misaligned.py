@@ -34,6 +34,20 @@ def logs_of(friction, samples: float) -> list[Log]:
     return [late(made(arm(), seed, friction, 20.0, PACE), samples) for seed in range(3)]
 
 
+def dragging(q: np.ndarray, v: np.ndarray, load: np.ndarray, time: np.ndarray) -> np.ndarray:
+    out = plain(q, v, load, time)
+    out[:, 2] *= 1 + 1.2 * np.exp(-time / 5)
+    return out
+
+
+def with_noise(log: Log, share: float, seed: int) -> Log:
+    noise = np.random.default_rng(100 + seed).standard_normal((len(log.frame), 6))
+    names = [f"joint{k}.tau" for k in range(1, 7)]
+    torques = log.frame[names].to_numpy(float)
+    torques = torques + share * noise * torques.std(axis=0)
+    return replace(log, frame=log.frame.assign(**dict(zip(names, torques.T, strict=True))))
+
+
 @pytest.mark.parametrize("samples", [LATE, pytest.param(-LATE, marks=pytest.mark.slow)])
 def test_the_time_is_found_and_nothing_else(samples):
     logs = logs_of(plain, samples)
@@ -48,18 +62,22 @@ def test_the_time_is_found_and_nothing_else(samples):
 
 def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
     """As of a torque that is held; drives had been called soft, and torques early, one by one."""
-    logs = logs_of(plain, 0.25)
-    for i, log in enumerate(logs):
-        noise = np.random.default_rng(100 + i).standard_normal((len(log.frame), 6))
-        names = [f"joint{k}.tau" for k in range(1, 7)]
-        torques = log.frame[names].to_numpy(float)
-        torques = torques + 0.06 * noise * torques.std(axis=0)
-        logs[i] = replace(log, frame=log.frame.assign(**dict(zip(names, torques.T, strict=True))))
+    logs = [with_noise(log, 0.06, i) for i, log in enumerate(logs_of(plain, 0.25))]
     search = searched(arm(), logs[:2], never)
     found = search.examination.setting.alignment
     assert found == found.delay
     assert found.late == pytest.approx(0.25 * logs[0].period, rel=0.2)
     assert concluded(search, never, logs[2:]).verdict == "nothing_detectable"
+
+
+def test_what_another_joint_lacks_is_no_witness_of_the_time():
+    """A brake that drags for some seconds after every start; two joints' delays had been named instead."""
+    logs = [with_noise(log, 0.02, i) for i, log in enumerate(logs_of(dragging, 0.25))]
+    search = searched(arm(), logs[:2], never)
+    assert search.examination.setting.alignment.late == pytest.approx(0.25 * logs[0].period, rel=0.2)
+    found = concluded(search, never, logs[2:])
+    assert not any(n.effect.startswith("torque_") for f in found.findings for n in f.tie)
+    assert {p.joint for p in found.places if p.over_floor[0] > 1.5} == {"joint3"}
 
 
 @pytest.mark.slow

@@ -138,11 +138,12 @@ def output_option(
 ) -> Callable[[Command], Command]:
     """`-o FILE` of one kind; with a default it need not be given."""
     endings = ", ".join(kind.endings)
+    # to click a default of None is one, and then nothing is required
+    given: dict[str, Any] = {"required": required} if default is None else {"default": default}
     option = click.option(
         "-o",
         "--output",
-        required=required and default is None,
-        default=default,
+        **given,
         show_default=default is not None,
         type=Output(kind),
         help=f"{kind.what[0].upper()}{kind.what[1:]} to write ({endings}).",
