@@ -2,7 +2,8 @@
 
 Many drives report what is left after their own compensation of the weight. Masses cannot make up for that:
 what falls with them also has inertia. Φ is linear in gravity, so that every other direction is tried by one
-least squares of all joints. What a hose at a joint explains as well speaks for no other gravity.
+least squares of all joints. What a hose at a joint explains as well speaks for no other gravity, unless the
+file has none.
 """
 
 from collections.abc import Iterator
@@ -17,17 +18,19 @@ from pyident.checks.defect import Defect
 from pyident.rules.log_checks import LOG_CHECKS
 
 _AXES = {f"{'-+'[s > 0]}{name}": s * e for name, e in zip("xyz", np.eye(3), strict=True) for s in (-1, 1)}
+_EARTH = 9.81  # m/s2
 _ROWS = 400  # samples are enough to tell directions apart
 
 
 def gravity(of: Balances, source: str) -> Iterator[Defect]:
-    """At most one defect: the torques fit far better without gravity, or with one along another axis.
+    """At most one defect: the torques fit far better with another gravity, along another axis, or with none.
 
     It is gross where little is left then.
     """
     robot = of.samples.robot
-    size = float(np.linalg.norm(robot.gravity))
-    if size == 0 or len(of.joints) < 2 or not misfit(of).material:
+    own = float(np.linalg.norm(robot.gravity))
+    size = own or _EARTH
+    if len(of.joints) < 2 or not misfit(of).material:
         return
     few = of.samples.every(max(1, len(of.samples.at) // _ROWS))
     as_is = balances(few)
@@ -39,12 +42,16 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
         Phi = none.Phi + sum(part * along for part, along in zip(per_axis, direction, strict=True))
         return balances_of(few, Phi, of.columns)
 
-    tried = {name: turned(direction) for name, direction in ({"": np.zeros(3)} | _AXES).items()}
+    directions = ({"": np.zeros(3)} if own else {}) | _AXES
+    tried = {name: turned(direction) for name, direction in directions.items()}
     left = {name: misfit(one) for name, one in tried.items()}
     best = min(left, key=lambda name: left[name].share)
     if left[best].share >= LOG_CHECKS.far_better * now.share:
         return
-    if misfit(tried[best].beside_hoses).share >= LOG_CHECKS.far_better * misfit(as_is.beside_hoses).share:
+    if (
+        own
+        and misfit(tried[best].beside_hoses).share >= LOG_CHECKS.far_better * misfit(as_is.beside_hoses).share
+    ):
         return
     without = "gravity along " + best if best else "no gravity"
     cure = "its direction (gravity in the robot file)" if best else (

@@ -23,6 +23,7 @@ _SEARCH = 0.8  # of the progress; the rest is the rehearsals'
 _STARTS = 12  # random motions, of which a search takes the best first
 _DRAWN = 8  # of them, that tell which columns are independent
 _CONFINED, _FURTHER = 0.25, 1.25  # of a joint's range; and of the motion
+_LESS = (1.0, 0.5, 0.25)  # of the spread that is asked for, one after the other until a motion is left
 _TRIED = 3  # offers that are rehearsed at most
 
 Score = Callable[[Along], float]
@@ -158,8 +159,26 @@ def rehearsed(
     """The offer that is worth most at the size that its rehearsals leave it, the first ones first.
 
     rehearsals   of the robot, and of its rivals
-    Raises RobotError where nobody may run any of them.
+    Where robots so far off as asked may run none of them, others rehearse that are less far off.
+    Raises RobotError where nobody may run any.
     """
+    refused = RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
+    for part in _LESS:
+        found = _best_rehearsed(replace(task, spread=part * task.spread), offers, rehearsals, progress, worth)
+        if isinstance(found, Design):
+            return found
+        refused = found or refused
+    raise refused
+
+
+def _best_rehearsed(
+    task: Task,
+    offers: Sequence[Offer],
+    rehearsals: Sequence[Rehearsal],
+    progress: Progress,
+    worth: Worth | None,
+) -> Design | RobotError | None:
+    """The offer that is worth most, or why there is none."""
     jury = Jury(task.robot, task.limits, task.geometry, rehearsals, task.spread)
     best, most, refused = None, -np.inf, None
     for offer in offers[:_TRIED]:
@@ -173,9 +192,17 @@ def rehearsed(
         value = 0.0 if worth is None else worth(found.plan)
         if value > most:
             best, most = found, value
-    if best is None:
-        raise refused or RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
-    return best
+    return best or refused
+
+
+def nearer(task: Task, design: Design) -> tuple[str, ...]:
+    """A sentence where robots as far off as asked could not rehearse it."""
+    if design.spread >= task.spread:
+        return ()
+    return (
+        f"with parameters {100 * task.spread:g} % off the robot's loop keeps no limits: those "
+        f"that rehearsed this one are {100 * design.spread:.3g} % off; know yours better before you run it",
+    )
 
 
 def confined(task: Task, plan: Experiment) -> tuple[str, ...]:

@@ -7,7 +7,15 @@ from pathlib import Path
 
 from flexmodels.inputs import Experiment
 from flexmodels.robot import Robot, RobotError
-from pyident.excitation.design import Design, best_conditioned, confined, designed, measure, most_informative
+from pyident.excitation.design import (
+    Design,
+    best_conditioned,
+    confined,
+    designed,
+    measure,
+    most_informative,
+    nearer,
+)
 from pyident.excitation.drawing import Drawing, starts
 from pyident.excitation.limits import amid
 from pyident.excitation.prediction import predicted
@@ -107,7 +115,14 @@ def excite(
         prediction = predicted(own, found.plan, task.noise, runs_in_threads)
     if progress:
         progress(1.0)
-    notes = (*out, *_notes(task), *begins, *confined(task, found.plan), *prediction.notes)
+    notes = (
+        *out,
+        *_notes(task),
+        *begins,
+        *nearer(task, found),
+        *confined(task, found.plan),
+        *prediction.notes,
+    )
     return Planned(robot, found, notes, prediction, promise)
 
 
@@ -218,4 +233,10 @@ def _first(part: float, progress: Progress | None) -> Progress | None:
 
 
 def _notes(task: Task) -> tuple[str, ...]:
-    return (*task.limits.notes, *task.geometry.notes)
+    quiet = [name for name in task.robot.torques if name not in task.noise]
+    if task.robot.controller is not None or not quiet:
+        return (*task.limits.notes, *task.geometry.notes)
+    known = (
+        f"nothing tells the noise of {', '.join(quiet)}: what is promised counts none; --noise {quiet[0]}=0.1"
+    )
+    return (*task.limits.notes, *task.geometry.notes, f"{known} gives one")
