@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 import pytest
+from one_joint import one_joint
 from studies.log_checks.swings import Motion, recorded, six_axes
 
 from flexmodels.robot import Robot
@@ -30,6 +32,11 @@ def defects(frame: pd.DataFrame, robot: Robot = ARM) -> dict[str, Defect]:
 def test_another_gravity_is_told(gravity, words):
     found = defects(recorded_under(gravity))
     assert words in found["gravity"].sentence
+
+
+def test_gravity_that_the_file_lacks_is_told():
+    found = defects(recorded_under(ARM.gravity), replace(ARM, gravity=(0.0, 0.0, 0.0)))
+    assert "gravity along -z" in found["gravity"].sentence
 
 
 def test_that_of_the_file_is_not():
@@ -63,3 +70,19 @@ def test_a_joint_with_the_teeth_of_another_gear_is_refused_with_the_ratio(ratio,
     assert ("ratio" in found) == bool(said)
     if said:
         assert f"joint2.e times {said} fits; correct its gear ratio" in found["ratio"].sentence
+
+
+def test_what_is_touched_for_a_while_is_told_with_its_time_and_not_refused():
+    """Of torques of another recording no part explains another."""
+    t = 0.01 * np.arange(2400)
+    slow, fast = 2 * np.pi * 0.37, 2 * np.pi * 0.83
+    v = 0.9 * slow * np.cos(slow * t) + 0.5 * fast * np.cos(fast * t)
+    a = -0.9 * slow**2 * np.sin(slow * t) - 0.5 * fast**2 * np.sin(fast * t)
+    touched = 90 * np.sin(9.1 * t + 1) * (t > 7) * (t < 13)
+    moving = {"time": t, "joint1.e": 0.9 * np.sin(slow * t) + 0.5 * np.sin(fast * t)}
+    own = 0.8 * a + 3 * np.sign(v) + 2 * v
+    found = defects(pd.DataFrame({**moving, "joint1.tau": own + touched}), one_joint())["unrelated"]
+    assert found.severity == "doubtful"
+    assert "but for those from 6.29 to 14.8 s after its start: was something touched" in found.sentence
+    other = pd.DataFrame({**moving, "joint1.tau": 5 * np.sin(4.4 * t + 0.3) + 4 * np.cos(7.3 * t)})
+    assert defects(other, one_joint())["unrelated"].severity == "gross"

@@ -1,14 +1,15 @@
 """Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from flexmodels.coordinate import joint_name, torque_of
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.balances import Balances, balances, solved
+from pyident.checks.balances import Balances, balances, balances_of, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
 from pyident.kinematics.structure import StructureError
@@ -17,6 +18,8 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
+_PARTS, _KNOWN = 8, 0.3  # of a log that nothing explains as a whole; share of them that explain each other
+_EXPLAINED = 0.1  # of a torque, that may be left of it then
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,12 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
     left = {k: of.left_beside(k, of.hose(k)) for k in of.joints}
     lost = [k for k, energy in left.items() if _lost(of, k, energy)]
     if lost and len(lost) == len(left):
+        if (strange := _strange_part(of)) is not None:
+            begin, end = strange
+            yield Defect("doubtful", "unrelated", "", f"{source}: the motion explains the torques but for "
+                         f"those from {begin:.3g} to {end:.3g} s after its start: was something touched or "
+                         "taken up there?")  # fmt: skip
+            return
         yield Defect("gross", "unrelated", "", f"{source}: the motion explains less than half of every "
                                                "torque, "
                      f"whatever the robot's masses and frictions are; positions and torques are not of the "
@@ -115,6 +124,37 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
         yield Defect("doubtful", "unrelated", torque_of(k + 1), f"{source}: {100 * share:.0f} % of "
                      f"{torque_of(k + 1)} is nothing that its motion explains; check that it is this joint's "
                      f"torque")  # fmt: skip
+
+
+def _strange_part(of: Balances) -> tuple[float, float] | None:
+    """Begin and end [s] of the part of a log that differs from the rest, where parts of it explain others."""
+    own, edges = of.samples, np.linspace(0, len(of.samples.at), _PARTS + 1).astype(int)
+    parts = []
+    for first, end in pairwise(edges):
+        inside = np.zeros((len(own.at), 1))
+        inside[first:end] = 1
+        parts.append(balances_of(replace(own, use=own.use * inside), of.Phi, of.columns))
+    left = np.array([_left_by(slice(i, i + 2), parts, of.joints) for i in range(_PARTS - 1)])
+    explained = left < _EXPLAINED
+    best = int(np.argmax(explained.sum(axis=1)))
+    if explained[best].sum() <= max(2, _KNOWN * _PARTS):  # it always explains itself
+        return None
+    odd = np.flatnonzero(~explained[best])
+    return own.period * int(own.at[edges[odd[0]]]), own.period * int(own.at[edges[odd[-1] + 1] - 1])
+
+
+def _left_by(fitted: slice, parts: Sequence[Balances], joints: Sequence[int]) -> np.ndarray:
+    """(parts,) shares of the torques that parameters fitted to some parts leave of each, mean over joints."""
+    shares = np.zeros(len(parts))
+    for k in joints:
+        rights = [part.right(k, part.torque[:, k : k + 1]) for part in parts]
+        normal = np.sum([part.normal[k] for part in parts[fitted]], axis=0)
+        right = np.sum([b for b, _ in rights[fitted]], axis=0)
+        p = solved(normal, right[:, 0])[0]
+        for i, (part, (b, yy)) in enumerate(zip(parts, rights, strict=True)):
+            left = float(yy[0]) - 2 * float(b[:, 0] @ p) + float(p @ part.normal[k] @ p)
+            shares[i] += left / max(part.variance(k), 1e-300) / len(joints)
+    return shares
 
 
 def constants(of: Balances, robot: Robot, source: str) -> Iterator[Defect]:
