@@ -140,6 +140,8 @@ def _strange_part(of: Balances) -> tuple[float, float] | None:
     if explained[best].sum() <= max(2, _KNOWN * _PARTS):  # it always explains itself
         return None
     odd = np.flatnonzero(~explained[best])
+    if not len(odd):
+        return None
     return own.period * int(own.at[edges[odd[0]]]), own.period * int(own.at[edges[odd[-1] + 1] - 1])
 
 
