@@ -59,6 +59,18 @@ def test_what_was_meant_is_named(words, sentence, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    "words",
+    [("excite", "four_link"), ("log", "import", "log.csv", "--mapping", "m.toml"), ("export", "four_link")],
+)
+def test_a_file_to_write_is_asked_for_before_anything_runs(words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "log.csv").write_text("time\n0\n")
+    done = CliRunner().invoke(main, list(words))
+    assert done.exit_code == 2, done.output
+    assert "Missing option '-o'" in done.output
+
+
 def test_what_judges_or_settles_an_identification_is_looked_at_before_it(tmp_path, monkeypatch):
     """Minutes of work are not lost by a path with a slip in it."""
     monkeypatch.setattr("pyident.verbs.fit._identified", None)

@@ -134,7 +134,7 @@ def test_a_message_and_a_table_hold_the_motion():
     assert told["joint_names"] == ["joint1"]
     assert told["points"][2]["time_from_start"] == {"sec": 1, "nanosec": 250_000_000}
     assert told["points"][1]["positions"] == [1.0]
-    assert table(limited(), motion, degrees=True)["joint1.position"].tolist() == pytest.approx(
+    assert table(limited(), motion, degrees=True)["joint1.position [deg]"].tolist() == pytest.approx(
         [0.0, 57.29577951, 114.59155903]
     )
 

@@ -40,12 +40,16 @@ def write_table(robot: Robot, plan: Experiment, path: str | Path, rate: float, d
 
 
 def table(robot: Robot, motion: Reference, degrees: bool = False) -> pd.DataFrame:
-    """A row per time: positions and speeds of the joints under their own names."""
+    """A row per time: positions and speeds of the joints under their own names, with units other than SI."""
     out = {"time": motion.time}
-    for what, values in (("position", motion.q), ("speed", motion.dq)):
+    for what, values, per in (("position", motion.q, ""), ("speed", motion.dq, "/s")):
         for k, joint in robot.numbered:
-            factor = 1.0 if not degrees else np.degrees(1.0) if joint.kind == "revolute" else 1000.0
-            out[f"{joint.name or f'joint{k}'}.{what}"] = factor * values[:, k - 1]
+            unit, factor = ("deg", np.degrees(1.0)) if joint.kind == "revolute" else ("mm", 1000.0)
+            name = f"{joint.name or f'joint{k}'}.{what}"
+            if degrees:
+                out[f"{name} [{unit}{per}]"] = factor * values[:, k - 1]
+            else:
+                out[name] = values[:, k - 1]
     return pd.DataFrame(out)
 
 
