@@ -1,6 +1,7 @@
 """Units and kinds of columns by how they move, each against a motion whose derivative is known."""
 
 import re
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -157,9 +158,20 @@ def test_a_proposal_says_every_correction():
         r'offset = 0\.25\ndelay = 0\.004\ntime = "t2"\ndrive = 1\.0',
         text,
     )
-    assert "rate = 1.0  # ? samples per second" in replace(proposal, rate=None).toml()
+    unknown = replace(proposal, rate=None).toml()
+    assert "# rate = NUMBER  # ? samples per second" in unknown
+    assert "rate" not in tomllib.loads(unknown)  # which import refuses
     timed = replace(proposal, channels=(column("t", TIME, "time", "s", None), place))
     assert 'time = { source = "t", unit = "s" }' in timed.toml()
+
+
+def test_a_gap_in_the_time_is_told_and_leaves_the_rate(tmp_path):
+    time = np.where(np.arange(len(TIME)) < 900, TIME, TIME + 3.0)
+    frame = pd.DataFrame({"t": time, "q1": ANGLE, "tau1": np.cos(9 * TIME)})
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    found = inspect_log([tmp_path / "a.csv"], one_joint())
+    assert any(note.startswith("t has a gap of 3") and "at row 901: cut" in note for note in found.notes)
+    assert {round(c.rate, 6) for c in found.channels} == {RATE}
 
 
 def test_no_file_is_one_sentence():

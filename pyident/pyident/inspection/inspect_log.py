@@ -10,7 +10,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.drives import of_its_drive
-from pyident.inspection.guesses import NAME, first_guesses, grows_evenly, no_clock
+from pyident.inspection.guesses import NAME, first_guesses, gap, grows_evenly, no_clock
 from pyident.inspection.motion import (
     DERIVATIVE,
     nameless,
@@ -58,6 +58,7 @@ def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: flo
     notes += [f"{c.column} jumps by whole turns: unwrap = true joins it" for c in channels if c.turn]
     time = next((c for c in channels if c.signal == "time"), None)
     period = _period(time) if time is not None else 1 / rate if rate else None
+    notes += [said for said in (gap(time) if time is not None else "",) if said]
     channels = nameless(channels, robot, period)
     channels = with_velocities_found(with_motion_units(channels, robot, period), period)
     channels = _one_each(channels, robot)
