@@ -242,13 +242,13 @@ def _what(
     model: str, effect: str, joint: str | None, words: tuple[str, ...]
 ) -> tuple[str, int, tuple[str, ...]]:
     """Effect, joint and logs. Raises RobotError."""
-    from flexmodels.files.robot_file import load_robot
-    from pyident.regression.descriptions import parsed
-
     if effect != "geometry":
         if joint is None:
             raise pi.RobotError(f"where does {effect} act? Give --joint K, from 1")
-        return effect, int(joint) if joint.isdecimal() else _number(load_robot(model), joint), words
+        return effect, int(joint) if joint.isdecimal() else _number(model, joint), words
+    from flexmodels.files.robot_file import load_robot
+    from pyident.regression.descriptions import parsed
+
     place, *logs = words or ("",)
     number, name = parsed(load_robot(model), place)
     if not logs:
@@ -256,8 +256,11 @@ def _what(
     return name, number, tuple(logs)
 
 
-def _number(robot: pi.Robot, joint: str) -> int:
+def _number(model: str, joint: str) -> int:
     """Of a joint by its name. Raises RobotError."""
+    from flexmodels.files.robot_file import load_robot
+
+    robot = load_robot(model)
     if joint not in robot.joint_numbers:
         names = ", ".join(robot.joint_numbers)
         raise pi.RobotError(f"robot {robot.name} has no joint {joint}; its joints are {names}")
