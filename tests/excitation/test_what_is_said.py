@@ -7,6 +7,12 @@ import pytest
 from planned_joint import FEW, limited
 
 import pyident as pi
+from flexmodels.experiment import Experiment
+from pyident.excitation.design import Offer, nearer
+from pyident.excitation.design import rehearsed as rehearsals_of
+from pyident.excitation.rehearsals.jury import Jury
+from pyident.excitation.search import Best
+from pyident.excitation.task import task_of
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
 from pyident.verbs.planned import Promise
 
@@ -101,3 +107,24 @@ def test_a_law_of_the_model_is_asked_about_and_a_note_says_how():
     assert found.promise.supposed["stribeck@1"] == pytest.approx({"level": 0.5, "velocity": 0.05})
     assert "stribeck@1 is in the model: it was taken out to be asked about" in found.notes[0]
     assert "joint1.stribeck.level" not in found.prediction.values
+
+
+@pytest.mark.parametrize(("holds", "rehearsed"), [(0.3, 0.25), (0.15, 0.125), (0.07, 0.0625), (0.05, None)])
+def test_where_no_robot_so_far_off_may_move_others_rehearse_it(monkeypatch, holds, rehearsed):
+    """A loop that holds parameters off by `holds` at most; nothing is run."""
+    monkeypatch.setattr(Jury, "__init__", lambda self, *given: setattr(self, "spread", given[-1]))
+    monkeypatch.setattr(Jury, "others", [], raising=False)
+    monkeypatch.setattr(Jury, "broken", lambda self, plan: "the loop" if self.spread > holds else "")
+    task = task_of(limited(), 3.0, None, None, None, None, None, 0.25)
+    time = np.arange(751) / 250
+    plan = Experiment(time, 0.3 * np.sin(np.pi * time / 3)[:, None] ** 4, np.zeros((751, 1)))
+    offer = Offer(plan, Best(np.zeros(1), 0.0, 1, False))
+    if rehearsed is None:
+        with pytest.raises(pi.RobotError, match=r"keeps a limit of the loop with parameters 6.25 % off"):
+            rehearsals_of(task, [offer], (), lambda share: None)
+        return
+    design = rehearsals_of(task, [offer], (), lambda share: None)
+    assert design.spread == rehearsed
+    said = nearer(task, design)
+    assert bool(said) == (rehearsed < 0.25)
+    assert all(f"rehearsed with {100 * rehearsed:g} % (plan check --spread {rehearsed:g})" in s for s in said)

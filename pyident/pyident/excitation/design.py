@@ -200,8 +200,8 @@ def nearer(task: Task, design: Design) -> tuple[str, ...]:
     if design.spread >= task.spread:
         return ()
     return (
-        f"with parameters {100 * task.spread:g} % off the robot's loop keeps no limits: those "
-        f"that rehearsed this one are {100 * design.spread:.3g} % off; know yours better before you run it",
+        f"with parameters {100 * task.spread:g} % off the robot's loop keeps no limits: this "
+        f"one was rehearsed with {100 * design.spread:.3g} % (plan check --spread {design.spread:.3g})",
     )
 
 
