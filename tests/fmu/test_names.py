@@ -28,7 +28,7 @@ def test_no_two_parameters_share_a_name():
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_two_fmus_go_into_one_program(fmi, tmp_path):
-    """Compiled as they are, their sources share no name, the standard's own functions included."""
+    """Compiled as they are, without a warning, they share no name, the standard's own functions included."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         pytest.skip("no C compiler")
@@ -38,7 +38,15 @@ def test_two_fmus_go_into_one_program(fmi, tmp_path):
         with zipfile.ZipFile(path) as archive:
             archive.extractall(tmp_path / name)
         folder = tmp_path / name / "sources"
-        command = [compiler, "-std=gnu99", "-O0", "-c", *(f.name for f in sorted(folder.glob("*.c")))]
+        command = [
+            compiler,
+            "-std=gnu99",
+            "-O0",
+            "-Wall",
+            "-Werror",
+            "-c",
+            *(f.name for f in sorted(folder.glob("*.c"))),
+        ]
         subprocess.run(command, cwd=folder, check=True)
         parts += [str(f) for f in sorted(folder.glob("*.o"))]
     calls = [f"{name}_fmi{fmi}GetVersion" for name in ("first", "second")]

@@ -55,7 +55,7 @@ static void slopes(const double *parameters, const double *x, const double *forc
     }
 }
 
-int equilibrium(const double *parameters, double *x, double *force) {
+int equilibrium(const double *parameters, double x[N_STATES], double force[N_COORDINATES]) {
     double left = HUGE_VAL, added = 1;
     int i, round;
     for (round = 0; round < MAX_ROUNDS; ++round) {
@@ -78,7 +78,8 @@ int equilibrium(const double *parameters, double *x, double *force) {
 }
 
 #ifdef MODEL_DERIVATIVES
-void equilibrium_forward(const double *parameters, const double *x, const double *dp, double *dx, double *dforce) {
+void equilibrium_forward(const double *parameters, const double *x, const double *dp, double dx[N_STATES],
+                         double dforce[N_COORDINATES]) {
     double right[N_COORDINATES];
     Matrix A;
     int i, j;
