@@ -164,9 +164,8 @@ def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
 
     The mean is geometric over coordinates: what another law leaves at one joint is no witness of a delay.
     """
-    squares = sum(
-        (np.square(r) * clear).sum(axis=1) for r, clear in zip(residuals_of(data), asked, strict=True)
-    )
+    pairs = zip(residuals_of(data), asked, strict=True)
+    squares = np.sum([(np.square(r) * clear).sum(axis=1) for r, clear in pairs], axis=0)
     count = np.sum([clear.sum(axis=1) for clear in asked], axis=0)
     there = (count > 0) & (squares > 0)
     return float(np.exp(np.sum(count[there] * np.log(squares[there] / count[there])) / count[there].sum()))
