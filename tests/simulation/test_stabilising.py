@@ -51,3 +51,10 @@ def test_its_gains_hold_in_every_pose_of_a_motion():
         assert max(rates) < 2.0
         at_first = stabilising_controller(arm, bent[:1], period)
         assert max(eigvalsh(np.diag(at_first.Kd), M).max() for M in _mass_matrices(arm, bent)) * period > 2.0
+
+
+def test_an_arm_of_which_nothing_is_known_gets_a_loop_without_gains():
+    robot = wrist()
+    empty = robot.with_parameters(dict.fromkeys(robot.linear_parameters, 0.0))
+    gains = stabilising_controller(empty, np.zeros((3, 3)), 0.004)
+    assert (gains.Kp, gains.Kd) == ((0.0,) * 3, (0.0,) * 3)

@@ -97,8 +97,12 @@ class Balances:
         reach = int(np.ceil(own.blurred / max(own.period * float(np.median(np.diff(own.at))), 1e-300)))
         window = np.ones(2 * reach + 1)
         near = [np.convolve(still, window, "same") > 0 for still in (own.use == 0).T.astype(float)]
-        use = own.use * ~np.array(near).T
-        return balances_of(replace(own, use=use), self.Phi, self.columns)
+        return self.within(~np.array(near).T)
+
+    def within(self, inside: np.ndarray) -> "Balances":
+        """With those samples alone that are `inside` (M,) or (M, joints)."""
+        use = self.samples.use * inside.reshape(len(inside), -1)
+        return balances_of(replace(self.samples, use=use), self.Phi, self.columns)
 
     @cached_property
     def torque(self) -> np.ndarray:

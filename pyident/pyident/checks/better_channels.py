@@ -1,15 +1,14 @@
 """Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 
 from flexmodels.coordinate import joint_name, torque_of
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.checks.balances import Balances, balances, balances_of, solved
+from pyident.checks.balances import Balances, balances, solved
 from pyident.checks.defect import Defect
 from pyident.checks.transformations import Transformation, transformations
 from pyident.kinematics.structure import StructureError
@@ -128,34 +127,29 @@ def unexplained(of: Balances, source: str) -> Iterator[Defect]:
 
 def _strange_part(of: Balances) -> tuple[float, float] | None:
     """Begin and end [s] of the part of a log that differs from the rest, where parts of it explain others."""
-    own, edges = of.samples, np.linspace(0, len(of.samples.at), _PARTS + 1).astype(int)
-    parts = []
-    for first, end in pairwise(edges):
-        inside = np.zeros((len(own.at), 1))
-        inside[first:end] = 1
-        parts.append(balances_of(replace(own, use=own.use * inside), of.Phi, of.columns))
-    left = np.array([_left_by(slice(i, i + 2), parts, of.joints) for i in range(_PARTS - 1)])
+    own, count = of.samples, len(of.samples.at)
+    edges = np.linspace(0, count, _PARTS + 1).astype(int)
+    number = np.searchsorted(edges, np.arange(count), side="right") - 1
+    left = _left_by_neighbours([of.within(number == i) for i in range(_PARTS)], of.joints)
     explained = left < _EXPLAINED
     best = int(np.argmax(explained.sum(axis=1)))
-    if explained[best].sum() <= max(2, _KNOWN * _PARTS):  # it always explains itself
-        return None
     odd = np.flatnonzero(~explained[best])
-    if not len(odd):
+    if not len(odd) or explained[best].sum() <= max(2, _KNOWN * _PARTS):  # a pair always explains itself
         return None
     return own.period * int(own.at[edges[odd[0]]]), own.period * int(own.at[edges[odd[-1] + 1] - 1])
 
 
-def _left_by(fitted: slice, parts: Sequence[Balances], joints: Sequence[int]) -> np.ndarray:
-    """(parts,) shares of the torques that parameters fitted to some parts leave of each, mean over joints."""
-    shares = np.zeros(len(parts))
+def _left_by_neighbours(parts: Sequence[Balances], joints: Sequence[int]) -> np.ndarray:
+    """(parts - 1, parts) shares of torques that parameters of two neighbours leave of each, over joints."""
+    shares = np.zeros((len(parts) - 1, len(parts)))
     for k in joints:
+        normal = np.array([part.normal[k] for part in parts])
         rights = [part.right(k, part.torque[:, k : k + 1]) for part in parts]
-        normal = np.sum([part.normal[k] for part in parts[fitted]], axis=0)
-        right = np.sum([b for b, _ in rights[fitted]], axis=0)
-        p = solved(normal, right[:, 0])[0]
-        for i, (part, (b, yy)) in enumerate(zip(parts, rights, strict=True)):
-            left = float(yy[0]) - 2 * float(b[:, 0] @ p) + float(p @ part.normal[k] @ p)
-            shares[i] += left / max(part.variance(k), 1e-300) / len(joints)
+        right, energy = np.array([b[:, 0] for b, _ in rights]), np.array([float(yy[0]) for _, yy in rights])
+        whole = np.array([max(part.variance(k), 1e-300) for part in parts]) * len(joints)
+        for i in range(len(shares)):
+            p = solved(normal[i : i + 2].sum(axis=0), right[i : i + 2].sum(axis=0))[0]
+            shares[i] += (energy - 2 * right @ p + normal @ p @ p) / whole
     return shares
 
 

@@ -94,8 +94,8 @@ def _measured_alike(ex: Examination, delayed: Columns) -> bool:
 
     delayed   as of `_change`, by a delay
     """
-    rules, joints = ex.setting.rules.search, range(len(ex.setting.robot.joints))
-    quiet = [k for k in joints if not standing_out(ex, ex.base)[k]]
+    rules, out = ex.setting.rules.search, standing_out(ex, ex.base)
+    quiet = [k for k in range(len(ex.setting.robot.joints)) if not out[k]]
     if len(quiet) < _JOINTS:
         return False
     of_quiet = [{k: X for k, X in log.items() if k in quiet} for log in delayed]

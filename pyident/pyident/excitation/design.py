@@ -162,13 +162,14 @@ def rehearsed(
     Where robots so far off as asked may run none of them, others rehearse that are less far off.
     Raises RobotError where nobody may run any.
     """
-    refused = RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
+    refused: RobotError | None = None
     for part in _LESS:
-        found = _best_rehearsed(replace(task, spread=part * task.spread), offers, rehearsals, progress, worth)
-        if isinstance(found, Design):
-            return found
-        refused = found or refused
-    raise refused
+        less = replace(task, spread=part * task.spread)
+        try:
+            return _best_rehearsed(less, offers, rehearsals, progress, worth)
+        except RobotError as error:
+            refused = error
+    raise refused or RobotError("no spread to rehearse with")
 
 
 def _best_rehearsed(
@@ -177,8 +178,8 @@ def _best_rehearsed(
     rehearsals: Sequence[Rehearsal],
     progress: Progress,
     worth: Worth | None,
-) -> Design | RobotError | None:
-    """The offer that is worth most, or why there is none."""
+) -> Design:
+    """The offer that is worth most. Raises RobotError."""
     jury = Jury(task.robot, task.limits, task.geometry, rehearsals, task.spread)
     best, most, refused = None, -np.inf, None
     for offer in offers[:_TRIED]:
@@ -192,7 +193,9 @@ def _best_rehearsed(
         value = 0.0 if worth is None else worth(found.plan)
         if value > most:
             best, most = found, value
-    return best or refused
+    if best is None:
+        raise refused or RobotError(f"robot {task.robot.name}: no motion was found that keeps the limits")
+    return best
 
 
 def nearer(task: Task, design: Design) -> tuple[str, ...]:

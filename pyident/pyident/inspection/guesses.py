@@ -12,7 +12,7 @@ from pyident.inspection.channel import LETTERS, ORDER, RANK, Channel
 from pyident.inspection.letters import lettered
 from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
-from pyident.logs.gaps import WIDEST_GAP
+from pyident.logs.gaps import widest_gap
 from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
@@ -168,14 +168,13 @@ def _rate(recording: Recording, name: str, clock: str | None) -> float:
     return 1 / step if step > 0 else float("nan")
 
 
-def gap(time: Channel) -> str:
-    """A note on the widest gap in the time, where one would not be bridged; empty: there is none."""
-    x = np.asarray(time.values, float)
-    steps, usual = np.diff(x), usual_step(x)
-    if not len(steps) or not np.nanmax(steps) > WIDEST_GAP * usual > 0:
-        return ""
-    i, seconds = int(np.nanargmax(steps)), FACTORS[time.unit or "s"]
-    return f"{time.column} has a gap of {seconds * steps[i]:.3g} s at row {i + 2}: cut the log there"
+def gap(time: Channel) -> tuple[str, ...]:
+    """A note where the time has a gap that an import would not fill."""
+    steps = np.diff(np.asarray(time.values, float))
+    if (i := widest_gap(steps, usual_step(time.values))) is None:
+        return ()
+    seconds = FACTORS[time.unit or "s"] * steps[i]
+    return (f"{time.column} has a gap of {seconds:.3g} s at row {i + 2}: cut the log there",)
 
 
 def _time_unit(channel: Channel) -> Channel:

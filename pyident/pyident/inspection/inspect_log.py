@@ -58,7 +58,7 @@ def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: flo
     notes += [f"{c.column} jumps by whole turns: unwrap = true joins it" for c in channels if c.turn]
     time = next((c for c in channels if c.signal == "time"), None)
     period = _period(time) if time is not None else 1 / rate if rate else None
-    notes += [said for said in (gap(time) if time is not None else "",) if said]
+    notes += gap(time) if time is not None else ()
     channels = nameless(channels, robot, period)
     channels = with_velocities_found(with_motion_units(channels, robot, period), period)
     channels = _one_each(channels, robot)

@@ -143,7 +143,7 @@ def _position(
 
 def _by_unlike(c: Channel, speed: Channel | None, period: float | None) -> str | None:
     """The unit of an angle whose speed is as many times its derivative as two units make: rev and rpm."""
-    if speed is None or not period or len(speed.values) != len(c.values) or speed.unit is not None:
+    if speed is None or not period or speed.unit is not None:
         return None
     ratio, agreement = _slope(c.values, speed.values, period)
     if abs(agreement) <= _AGREES:

@@ -5,6 +5,13 @@ import numpy as np
 WIDEST_GAP = 5.5  # periods: over more, nothing is known of a motion
 
 
+def widest_gap(steps: np.ndarray, period: float) -> int | None:
+    """Which of the steps of a time is a gap too wide to be filled, the widest; None: none is."""
+    if not len(steps) or not np.nanmax(steps) > WIDEST_GAP * period > 0:
+        return None
+    return int(np.nanargmax(steps))
+
+
 def in_short_gaps(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Empty cells (N,) of a column (N,) between filled ones that are no farther apart than rows may be.
 

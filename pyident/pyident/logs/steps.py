@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from pyident.logs.gaps import WIDEST_GAP, in_short_gaps
+from pyident.logs.gaps import in_short_gaps, widest_gap
 from pyident.logs.log import LogError
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
@@ -83,9 +83,9 @@ def evened(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     worst = float(np.abs(steps - period).max())
     if worst <= _UNEVEN * period:
         return frame.reset_index(drop=True), []
-    if steps.max() > WIDEST_GAP * period:
-        row = int(frame.index[int(np.argmax(steps)) + 1]) + 1
-        raise LogError(f"{source}: a gap of {steps.max():.3g} s at row {row}; cut the log there")
+    if (gap := widest_gap(steps, period)) is not None:
+        row = int(frame.index[gap + 1]) + 1
+        raise LogError(f"{source}: a gap of {steps[gap]:.3g} s at row {row}; cut the log there")
     even = np.arange(time[0], time[-1] + 1e-9 * period, period)
     out = {name: _at_times(str(name), time, frame[name].to_numpy(float), even) for name in frame}
     return pd.DataFrame(out), [_resampled(steps, period)]

@@ -29,7 +29,7 @@ def stabilising_controller(robot: Robot, q: np.ndarray, period: float) -> Contro
     free = np.where(free > 0, 1 / np.where(free > 0, free, 1.0), np.diagonal(M, axis1=1, axis2=2))
     inertia = np.sqrt(np.abs(free).min(axis=0) * np.abs(free).max(axis=0))
     rate = 2 * omega * period * float(np.abs(np.linalg.eigvals(inverse * inertia)).max())
-    inertia = inertia * min(1.0, _FASTEST / rate)
+    inertia = inertia * min(1.0, _FASTEST / max(rate, 1e-300))
     Kp, Kd = (inertia * omega**2).tolist(), (2 * inertia * omega).tolist()
     return Controller(1 / period, tuple(Kp), tuple(Kd), (0.0,) * joints)
 

@@ -233,10 +233,15 @@ def _first(part: float, progress: Progress | None) -> Progress | None:
 
 
 def _notes(task: Task) -> tuple[str, ...]:
+    return (*task.limits.notes, *task.geometry.notes, *_unknown_noise(task))
+
+
+def _unknown_noise(task: Task) -> tuple[str, ...]:
+    """A note where nothing tells the noise of torques that are measured."""
     quiet = [name for name in task.robot.torques if name not in task.noise]
     if task.robot.controller is not None or not quiet:
-        return (*task.limits.notes, *task.geometry.notes)
-    known = (
-        f"nothing tells the noise of {', '.join(quiet)}: what is promised counts none; --noise {quiet[0]}=0.1"
+        return ()
+    return (
+        f"nothing tells the noise of {', '.join(quiet)}: what is promised counts none; "
+        f"--noise {quiet[0]}=0.1 gives one",
     )
-    return (*task.limits.notes, *task.geometry.notes, f"{known} gives one")
