@@ -6,7 +6,10 @@ WIDEST_GAP = 5.5  # periods: over more, nothing is known of a motion
 
 
 def widest_gap(steps: np.ndarray, period: float) -> int | None:
-    """Which of the steps of a time is a gap too wide to be filled, the widest; None: none is."""
+    """Which of the steps (N,) [any unit] of a time is too wide a gap to be filled, the widest; None: none is.
+
+    period   usual step, in the same unit
+    """
     if not len(steps) or not np.nanmax(steps) > WIDEST_GAP * period > 0:
         return None
     return int(np.nanargmax(steps))
