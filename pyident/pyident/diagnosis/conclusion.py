@@ -35,6 +35,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
+from pyident.regression.loads.swinging_drive import from_values
 
 
 def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Sequence[Log]) -> Diagnosis:
@@ -131,9 +132,14 @@ def _share_of_excess(view: Search, candidates: Sequence[Candidate], region: Regi
 def _together(search: Search, found: Found, others: Sequence[Candidate], held: HeldOut) -> Named:
     """A candidate as it is reported, with the coefficients that it has beside others.
 
-    An error of the robot file is small beside the noise, so that its value is that of all logs.
+    An error of the robot file is small beside the noise, so that its value is that of all logs. Of a drive on
+    which a link swings it is its spring's, as what noise lessens is the size of the swing.
     """
     if found.candidate.describes:
+        spring = from_values(found.candidate.values).get(found.candidate.joint)
+        if spring is not None and spring.swings:
+            told = np.array([spring.compliance])
+            return named(search, replace(found, gain=replace(found.gain, coefficients=told)))
         value = held.together(search.resting_on(others), found.candidate)
         return named(search, replace(found, gain=replace(found.gain, coefficients=value)))
     own = gain_beside(search, others, found.candidate)

@@ -21,13 +21,14 @@ from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.base.standing_out import unsettled
-from pyident.diagnosis.bending import about_bends
+from pyident.diagnosis.bending import about_bends, links_swing, swinging
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.late_torque import own_ways
 from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
+from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection, select
@@ -139,7 +140,8 @@ def _aligned(
     if found.needed:
         heard = within(robot, found.band)
         moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
-        search = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
+        in_time = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
+        search = search if links_swing(search, in_time) else in_time
     progress(1.0)
     return search
 
@@ -229,10 +231,10 @@ def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[S
     fewer names leave no more.
     """
     beside = search.resting_on(selection.candidates)
-    bent = about_bends(search) if beside.stands_out else None
+    bent = about_bends(search) if unsettled(search.examination, beside.base) else None
     if bent is None:
         return search, selection
-    again = _selected(bent, held)
+    again = _selected(bent, held, swinging(bent, held))
     after = bent.resting_on(again.candidates).lacking.sum()
     fewer = len(again.steps) < len(selection.steps)
     less = after <= (1.0 if fewer else 1 - search.rules.explained[0]) * beside.lacking.sum()
@@ -248,8 +250,8 @@ def _with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: 
     return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)
 
 
-def _selected(search: Search, held: HeldOut) -> Selection:
-    return with_descriptions(search, select(search, held), held)
+def _selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selection:
+    return with_descriptions(search, select(search, held, given), held)
 
 
 def _from_signatures(

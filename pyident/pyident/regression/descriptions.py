@@ -19,6 +19,7 @@ from flexmodels.joint import Joint
 from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.forces import as_they_are, link_forces_along
+from pyident.regression.loads.swinging_drive import NO_SPRINGS, Springs
 from pyident.regression.outside_file import BEND, GAIN, LAG, RATIO, Outside
 
 DRIVE = "drive_compliance"
@@ -42,6 +43,7 @@ class Description:
     positive  no correction is below 0
     whole     of the robot, not of a joint: it is listed at joint 1
     causal    a negative correction would be ahead of its time, as no sensor is: named by its share
+    relative  to the other joints': where there are none, bodies make up for it
     measured  of torques that are measured: a known controller logs the one that it commands, in time
     """
 
@@ -56,6 +58,7 @@ class Description:
     whole: bool = False
     causal: bool = False
     measured: bool = False
+    relative: bool = False
     least: float = 0.0
     least_samples: float = 0.0
 
@@ -124,7 +127,9 @@ DESCRIPTIONS: Mapping[str, Description] = {
         Description(
             "gear_ratio", "how far the joint turns per unit that it logs", "1", 1.0, RATIO, least=0.002
         ),
-        Description("torque_gain", "the gain of the logged torque", "1", 1.0, GAIN, least=0.01),
+        Description(
+            "torque_gain", "the gain of the logged torque", "1", 1.0, GAIN, relative=True, least=0.01
+        ),
         Description(
             "torque_lag",
             "how late the logged torque comes",
@@ -177,6 +182,7 @@ def description_names(robot: Robot, joint: int) -> list[str]:
         if not (d.turning and own.kind != "revolute")
         and not (d.rigid and own.flexible)
         and not (d.measured and robot.controller is not None)
+        and not (d.relative and len(robot.joints) == 1)
         and not (d.whole and (joint != 1 or d.name.removesuffix("]")[-1] not in tilts))
     ]
 
@@ -216,11 +222,11 @@ def place_name(joint: int, name: str) -> str:
 
 
 def description_column(
-    robot: Robot, joint: int, name: str, motion: Motion, about: float = 0.0
+    robot: Robot, joint: int, name: str, motion: Motion, about: Springs = NO_SPRINGS
 ) -> dict[int, np.ndarray]:
     """Row -> (N,): ∂(Φ p)/∂θ at the robot's own parameters, per unit of the correction.
 
-    about   a drive's compliance [rad/(N m)] whose whole effect, over it, is asked for in place of the slope
+    about   springs of drives, the joint's last, whose whole effect is asked for in place of a slope
     """
     outside = outside_file(name)
     if outside is not None:

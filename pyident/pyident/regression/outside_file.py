@@ -9,6 +9,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.loads.forces import as_they_are, link_forces_along
+from pyident.regression.loads.swinging_drive import Springs, carries, swung
 from pyident.regression.regressor import generalised_forces
 
 _SLOPE = 0.2  # of a torque: beyond it the wrong one has bent all that its column is made of
@@ -20,12 +21,12 @@ class Outside:
     """What may be wrong and stands in no robot file.
 
     column    row -> (N,), what the correction changes in the torques, per unit; of a robot, a motion, a joint
-              (from 1), and the correction about which it is asked for, 0: the slope
+              (from 1), and the springs about which it is asked for, none: the slope
     mend      where it is put right instead;  by: the same of a joint and a correction that was found
     said      of a joint's name and a correction, with its unit there, as `by`
     """
 
-    column: Callable[[Robot, Motion, int, float], dict[int, np.ndarray]]
+    column: Callable[[Robot, Motion, int, Springs], dict[int, np.ndarray]]
     mend: str
     by: Callable[[int, float, str], str]
     said: Callable[[str, float, str], str]
@@ -74,18 +75,18 @@ def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
     return generalised_forces(robot, motion, p)[:, k - 1]
 
 
-def _scaled(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
+def _scaled(robot: Robot, motion: Motion, k: int, _: Springs) -> dict[int, np.ndarray]:
     return {k - 1: -_torque(robot, motion, k)}
 
 
-def _stretched(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
+def _stretched(robot: Robot, motion: Motion, k: int, _: Springs) -> dict[int, np.ndarray]:
     """The links' torques where joint k turns further than it logs; its own laws only change their values."""
     own = (_STEP * rate[:, k - 1] for rate in (motion.q, motion.dq, motion.ddq))
     other = link_forces_along(robot, _further(motion, k, *own))
     return dict(enumerate((other - as_they_are(robot, motion)) / _STEP))
 
 
-def _later(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarray]:
+def _later(robot: Robot, motion: Motion, k: int, _: Springs) -> dict[int, np.ndarray]:
     """Minus the torque's rate; across a reversal, where friction makes it a step, that of one side."""
     torque = _torque(robot, motion, k)
     if motion.time is None:
@@ -99,21 +100,31 @@ def _later(robot: Robot, motion: Motion, k: int, _: float) -> dict[int, np.ndarr
     return {k - 1: -(counted * rates).sum(axis=0) / np.maximum(counted.sum(axis=0), 1)}
 
 
-def _bent(robot: Robot, motion: Motion, k: int, about: float) -> dict[int, np.ndarray]:
+def _bent(robot: Robot, motion: Motion, k: int, about: Springs) -> dict[int, np.ndarray]:
     """The links' torques where link k lags its motor by the load it carries, per compliance of the drive.
 
     The log has the motor's angle q; the link is at q - c F, with its load F and a compliance c (Spong 1987).
-    Rotors and their friction turn with the motor, so that nothing else changes. About a compliance it is the
-    whole change, over this, with the load of the link where it is, to second order.
+    Rotors and their friction turn with the motor, so that nothing else changes. About a spring it is the
+    whole change, over its compliance, with the load of the link where it is, to second order; where links
+    swing, all that the last spring changes beside the others.
     """
     load = carried_loads(robot, motion)[:, k - 1]
     if motion.time is None or not load.any():
         return {k - 1: np.zeros(len(load))}
-    compliance = about or _STEP / float(np.abs(load).max())
-    if about:
+    own = about.get(k)
+    if own is not None and own.swings:
+        if not all(carries(robot, motion, joint) for joint in about):
+            return {k - 1: np.zeros(len(load))}
+        others = {joint: spring for joint, spring in about.items() if joint != k}
+        change = swung(robot, motion, about)
+        if others:
+            change -= swung(robot, motion, others)
+        return dict(enumerate(change / own.compliance))
+    compliance = _STEP / float(np.abs(load).max()) if own is None else own.compliance
+    if own is not None:
         load = carried_loads(robot, _behind(motion, k, compliance * load))[:, k - 1]
-    other = link_forces_along(robot, _behind(motion, k, compliance * load))
-    return dict(enumerate((other - as_they_are(robot, motion)) / compliance))
+    change = link_forces_along(robot, _behind(motion, k, compliance * load)) - as_they_are(robot, motion)
+    return dict(enumerate(change / compliance))
 
 
 def _behind(motion: Motion, k: int, bend: np.ndarray) -> Motion:

@@ -55,7 +55,7 @@ def _is_torque(name: str) -> bool:
 def _moves(log: Log, name: str) -> bool:
     """Whether a channel goes somewhere, beyond noise about one value."""
     x = log.frame[name].to_numpy(float)
-    return bool(np.std(x) > 0 and np.sqrt(np.mean(np.diff(x) ** 2)) < np.std(x))
+    return bool(np.ptp(x) > 0 and np.sqrt(np.mean(np.diff(x) ** 2)) < np.std(x))
 
 
 def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:

@@ -22,6 +22,7 @@ from pyident.regression.descriptions import (
     description_column,
     description_names,
 )
+from pyident.regression.loads.swinging_drive import NO_SPRINGS, Springs, as_values, from_values, up_to
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Band, Equations
@@ -114,26 +115,23 @@ def every_law(
     return candidates(robot, logs, order_peaks(robot, logs, p, rules, joints))
 
 
-def described(
-    robot: Robot, still: Container[int] = (), bends: Mapping[int, float] | None = None
-) -> list[Candidate]:
+def described(robot: Robot, still: Container[int] = (), bends: Springs = NO_SPRINGS) -> list[Candidate]:
     """Every quantity of the robot's description that may be wrong.
 
     still   joints, from 1, that stand in one place: masses make up for what is wrong with those
-    bends   joint -> compliance about which its drive's is described, none: as a slope
+    bends   springs about which drives are described, each beside those before it; none: as slopes
     """
-    about = bends or {}
     return [
-        drive(joint, about.get(joint, 0.0)) if name == DRIVE else Candidate(name, joint)
+        drive(joint, up_to(bends, joint)) if name == DRIVE else Candidate(name, joint)
         for joint, _ in robot.numbered
         for name in description_names(robot, joint)
         if joint not in still or DESCRIPTIONS[name].whole
     ]
 
 
-def drive(joint: int, about: float) -> Candidate:
-    """That a joint's drive bends, described about a compliance [rad/(N m)]; 0: as a slope."""
-    return Candidate(DRIVE, joint, (("about", about),) if about > 0 else ())
+def drive(joint: int, about: Springs = NO_SPRINGS) -> Candidate:
+    """That a joint's drive bends, described about its spring, the last, beside others; none: as a slope."""
+    return Candidate(DRIVE, joint, as_values(about))
 
 
 def law_of(robot: Robot, candidate: Candidate) -> Effect:
@@ -243,7 +241,7 @@ def needed_torque(robot: Robot, motion: Motion) -> np.ndarray:
 def slopes(robot: Robot, candidate: Candidate, motion: Motion) -> dict[str, dict[int, np.ndarray]]:
     """Linear parameter -> row -> (N,), the torques that one unit of it makes along a motion."""
     if candidate.describes:
-        about = dict(candidate.values).get("about", 0.0)
+        about = from_values(candidate.values)
         return {"correction": description_column(robot, candidate.joint, candidate.effect, motion, about)}
     return effect_columns(robot, candidate.joint, candidate.effect, motion, dict(candidate.values))
 

@@ -204,7 +204,7 @@ class _Bilinear:
         mu = coefficient
         H = self.PP + mu * (self.PT + self.PT.T) + mu**2 * self.TT
         b = self.Py + mu * self.Ty
-        scale = np.sqrt(np.diag(H))
+        scale = np.sqrt(np.maximum(np.diag(H), 0.0))  # rounding: below 0 of what hardly acts
         scale[scale == 0] = 1.0
         scaled = H / np.outer(scale, scale) + _KEPT * np.eye(len(H))
         p = self.p + solve(scaled, (b - H @ self.p) / scale, assume_a="sym") / scale

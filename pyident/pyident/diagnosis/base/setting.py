@@ -21,6 +21,7 @@ from pyident.refinement.instruments.simulated_rows import lightest_rotors
 from pyident.refinement.instruments.stand_in import driven
 from pyident.refinement.remove_bias import seen
 from pyident.regression.equations import Problem
+from pyident.regression.loads.swinging_drive import Springs
 from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along
@@ -45,7 +46,7 @@ class Setting:
     own_noise   log -> noise of its own, where it tells it
     estimator   by which logs and replicas are fitted alike
     alignment   what kept positions and torques of the logs apart, which is put right
-    bends   joint (from 1) -> compliance [rad/(N m)] of its drive, about which its bend is described
+    bends   springs of drives, about which their bends are described, each beside those before it
     """
 
     robot: Robot
@@ -59,7 +60,7 @@ class Setting:
     rules: Rules = RULES
     estimator: Estimator = weighted
     alignment: Alignment = NOTHING
-    bends: Mapping[int, float] = field(default_factory=dict)
+    bends: Springs = field(default_factory=dict)
 
     @property
     def logs(self) -> list[Log]:

@@ -57,14 +57,15 @@ class Selection:
         return candidates_of(self.steps)
 
 
-def select(search: Search, held: HeldOut) -> Selection:
-    """What a search comes to, whatever it rests on."""
+def select(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selection:
+    """What a search comes to, whatever it rests on. given: what is named already, and stays."""
     search = search.resting_on(())
     first = search.step()
-    chosen: list[Step] = []
+    chosen = list(given)
     refusals: dict[Region, Refusal] = {}
     imitators: dict[str, str] = {}
-    view, step = search, first
+    view = search.resting_on(candidates_of(given))
+    step = view.step()
     while len(chosen) < search.rules.most:
         lead = next((f for f in step.ranked if _may_lead(view, f, chosen, refusals)), None)
         if lead is None:
@@ -77,7 +78,7 @@ def select(search: Search, held: HeldOut) -> Selection:
         chosen = with_orders(search, as_orders(chosen, group))
         view = search.resting_on(candidates_of(chosen))
         step = view.step()
-    chosen = _judged_together(search, chosen, held)
+    chosen = _judged_together(search, chosen, held, len(given))
     return Selection(tuple(chosen), first, imitators, tuple(refusals.values()))
 
 
@@ -216,7 +217,7 @@ def _left_by(view: Search, step: Step, others: Sequence[Step]) -> str:
     """The law that was named already, in words, and whose inexact form a step mends; empty: none.
 
     The same law with other values explains as much as the step does, or what that law could not be told from
-    takes most of it. view: it rests on the others.
+    takes most of it. The view rests on the others.
     """
     lead = step.best
     same = {f.candidate.family for f in step.tie if law_of(view.robot, f.candidate).order is None}
@@ -248,17 +249,15 @@ def _imitator(view: Search, lead: Found, faults: dict[str, str]) -> Refusal:
     return Refusal(lead.candidate, region, share, None, next(iter(faults.values()), "it only imitates"))
 
 
-def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut) -> list[Step]:
-    """Each effect ranked again with the others in the base; those that others have made needless are gone."""
-    if len(steps) < 2:
-        return list(steps)
+def _judged_together(search: Search, steps: Sequence[Step], held: HeldOut, given: int) -> list[Step]:
+    """Effects ranked again with the others in the base, but those given; needless ones are gone."""
     kept = list(steps)
-    for old in steps:
+    for old in steps[given:] if len(steps) > 1 else ():
         new = None
         while new is None and old in kept:
             new = _beside(search, old, [s for s in kept if s is not old], held)
             if new is None:
-                kept.remove(_least_missed(search, kept, old))
+                kept.remove(_least_missed(search, kept[given:], old))
         if new is not None:
             kept[kept.index(old)] = new
     return kept

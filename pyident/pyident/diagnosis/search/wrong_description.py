@@ -45,6 +45,8 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     among = search_of(search.examination.of_others(listed))
     steps, imitators = list(selection.steps), dict(selection.imitators)
     for step in selection.steps:
+        if step.best.candidate.describes:
+            continue
         view = among.resting_on(candidates_of(s for s in steps if s is not step))
         rivals = _rivals(view, step, held)
         if rivals is None:

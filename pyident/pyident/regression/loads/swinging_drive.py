@@ -1,0 +1,144 @@
+"""How links swing on drives that bend, along their motors' motion, and what that changes in the torques.
+
+A motor turns as q(t), its link as q − b. Drives, of stiffnesses K and dampings D, carry what their links ask
+for, which is linear in the lag b and its rates where it is small (Spong 1987):
+
+    F(q, q̇, q̈) − F_q b − F_v ḃ − M b̈ = K b + D ḃ
+
+with F the loads of links that follow their motors and F_q, F_v, M = F_a their slopes. Slowly, b is F / K;
+near √(K / M) a link swings. Links of one arm swing together: M has all pairs of drives that bend. Between
+samples b̈ is taken as a parabola (Numerov), right to the fourth order of the step; where a link swings too
+fast for that, as a straight line, which is stable at any step.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.regression.loads.bodies import carried_loads
+from pyident.regression.loads.forces import as_they_are, link_forces_along
+from pyident.regression.recent import Recent
+
+_STEP = 1e-6  # rad and m, and per second
+_LEAST = 0.05  # of the median inertia: bodies that were fitted badly may have less, or none, in some poses
+_FOLLOWED = 3.0  # (ω h)²: up to 6 such a parabola is stable
+_slopes: Recent[np.ndarray] = Recent(32)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A drive's compliance [rad/(N m), m/N], and the damping ratio of its link on it, inf: it only sags."""
+
+    compliance: float
+    damping: float
+
+    @property
+    def swings(self) -> bool:
+        """Whether the link has a swing of its own."""
+        return math.isfinite(self.damping)
+
+
+Springs = Mapping[int, Spring]  # by joint, from 1, in the order in which they are told
+NO_SPRINGS: Springs = {}
+
+
+def up_to(springs: Springs, joint: int) -> Springs:
+    """A joint's, where links swing behind those before it; none where it has none."""
+    if joint not in springs or not springs[joint].swings:
+        return {joint: springs[joint]} if joint in springs else {}
+    order = list(springs)
+    return {k: springs[k] for k in order[: order.index(joint) + 1] if springs[k].swings}
+
+
+def as_values(springs: Springs) -> tuple[tuple[str, float], ...]:
+    """As named values."""
+    return tuple((f"{k}.{name}", value) for k, s in springs.items() for name, value in asdict(s).items())
+
+
+def from_values(values: Sequence[tuple[str, float]]) -> Springs:
+    """Of `as_values`."""
+    pairs = zip(values[::2], values[1::2], strict=True)
+    return {int(name.partition(".")[0]): Spring(c, z) for (name, c), (_, z) in pairs}
+
+
+def carries(robot: Robot, motion: Motion, joint: int) -> bool:
+    """Whether a log has times, and the robot's own bodies an inertia at a joint, from 1, along its motion."""
+    return motion.time is not None and len(motion.q) > 2 and typical_inertia(robot, motion, joint) > 0
+
+
+def typical_inertia(robot: Robot, motion: Motion, joint: int) -> float:
+    """The median of what the robot's own bodies have at a joint, from 1 [kg m², kg]."""
+    return float(np.median(_slopes_at(robot, motion, joint)[2, joint - 1]))
+
+
+def swung(robot: Robot, motion: Motion, springs: Springs) -> np.ndarray:
+    """(n, N) what the links' torques change by where they swing on their drives' springs, by joint, from 1.
+
+    They begin as links that lag slowly. Joints must carry something, as `carries` says.
+    """
+    joints = list(springs)
+    slopes = np.stack([_slopes_at(robot, motion, k) for k in joints], axis=1)  # (3, S, n, N)
+    load = carried_loads(robot, motion)[:, [k - 1 for k in joints]]
+    step = float(np.median(np.diff(np.asarray(motion.time))))
+    rates = _lags(slopes[:, :, [k - 1 for k in joints]], load, list(springs.values()), step)
+    return -np.einsum("rsit,rts->it", slopes, rates)
+
+
+def _slopes_at(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
+    """(3, n, N): the links' torques per unit of a joint's angle, speed and acceleration."""
+
+    def made() -> np.ndarray:
+        found = []
+        for name, step in (("q", _STEP), ("dq", _STEP), ("ddq", 1.0)):
+            further = getattr(motion, name).copy()
+            further[:, joint - 1] += step
+            other = link_forces_along(robot, replace(motion, **{name: further}))
+            found.append((other - as_they_are(robot, motion)) / step)
+        return np.array(found)
+
+    return _slopes.of((robot, motion), made, joint)
+
+
+def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: float) -> np.ndarray:
+    """(3, N, S): lags of S links and their rates. slopes (3, S, S, N), of the first joint's by the second."""
+    F_q, F_v, M = (own.transpose(2, 1, 0) for own in slopes)  # (N, S, S)
+    K = np.array([1 / spring.compliance for spring in springs])
+    M = M + 0.0
+    own = np.arange(len(K))
+    middle = np.median(M[:, own, own], axis=0)
+    M[:, own, own] = np.maximum(M[:, own, own], _LEAST * middle)
+    D = 2 * np.array([s.damping for s in springs]) * np.sqrt(middle * K)
+    stiff, damped = np.linalg.solve(M, F_q + np.diag(K)), np.linalg.solve(M, F_v + np.diag(D))
+    force = np.linalg.solve(M, load[:, :, None])[:, :, 0]
+    lag = _numerov(stiff, damped, force, load / K, h)
+    rate = np.gradient(lag, h, axis=0)
+    acceleration = force - np.einsum("nij,nj->ni", stiff, lag) - np.einsum("nij,nj->ni", damped, rate)
+    return np.array([lag, rate, acceleration])
+
+
+def _numerov(
+    stiff: np.ndarray, damped: np.ndarray, force: np.ndarray, first: np.ndarray, h: float
+) -> np.ndarray:
+    """(N, S) b of b̈ + damped ḃ + stiff b = force, at steps h; it begins with two of `first`."""
+    N, S = force.shape
+    inner = (
+        10 if np.abs(stiff).max() * h * h < _FOLLOWED else 2
+    )  # the middle one's weight, the outer ones' being 1
+    weight = h * h / (inner + 2)
+    A, B, eye = weight * stiff, damped[1:-1] * h / 2, np.eye(S)
+    right = first.copy()
+    right[2:] = (force[2:] + inner * force[1:-1] + force[:-2]) * weight
+    lower, upper = 3 * S - 1, S - 1
+    banded = np.zeros((lower + upper + 1, N * S))
+    blocks = ((0, eye + A[2:] + B), (1, inner * A[1:-1] - 2 * eye), (2, eye + A[:-2] - B))
+    for back, block in (*blocks, (None, np.broadcast_to(eye, (2, S, S)))):
+        rows = np.arange(2, N) if back is not None else np.arange(2)
+        for i, j in np.ndindex(S, S):
+            at = (rows - (back or 0)) * S + j
+            banded[upper + rows * S + i - at, at] = block[:, i, j]
+    return solve_banded((lower, upper), banded, right.ravel()).reshape(N, S)
