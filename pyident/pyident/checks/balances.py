@@ -14,6 +14,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.smooth_motion import all_reached
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import regressor
@@ -233,9 +234,9 @@ def _edge(q: np.ndarray) -> float:
     """The filter's edge as a share of the Nyquist frequency: well above what the joints' speeds hold.
 
     By the motion (N, joints), never by a robot file's cutoff: below what a motion holds, a filter passes for
-    a delay.
+    a delay. Where a coarse encoder has most of the speeds' energy, it is where the motion ends in its noise.
     """
     spectrum = np.square(np.abs(np.fft.rfft(np.diff(q, axis=0), axis=0)))
     energy = np.cumsum(spectrum.sum(axis=1))
     highest = float(np.searchsorted(energy, EQUATIONS.energy * energy[-1])) / max(len(energy) - 1, 1)
-    return float(np.clip(EQUATIONS.above * highest, *EQUATIONS.band))
+    return float(np.clip(min(EQUATIONS.above * highest, max(all_reached(q))), *EQUATIONS.band))

@@ -28,7 +28,7 @@ _DEGREE = 5  # of the polynomial that finds an end's derivatives
 _FEWEST = 4 * _DEGREE  # samples of it
 _LENGTHS = (2.0, 4.0)  # of the samples of an end's derivatives: over which curves with these fade
 _BEYOND = 0.25  # of these samples: so far the polynomial goes on without their noise growing
-_SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
+SHORTEST = 10 * _FEWEST  # samples of a motion that tells its noise
 
 
 def smooth(x: np.ndarray, corner: float) -> np.ndarray:
@@ -53,7 +53,7 @@ def without_noise(motion: Motion) -> Motion:
 
     As it is where it is no log's, without times, and where torques are held, as means under hats have less.
     """
-    if motion.time is None or motion.tau_before is not None or len(motion.q) < _SHORTEST:
+    if motion.time is None or motion.tau_before is not None or len(motion.q) < SHORTEST:
         return motion
     corners = all_reached(motion.q)
     q, dq, ddq = (all_smooth(rate, corners) for rate in (motion.q, motion.dq, motion.ddq))

@@ -13,6 +13,7 @@ from flexmodels.robot import Robot, RobotError
 from pyident.checks.check_log import check_log as defects_of
 from pyident.checks.check_log import checked
 from pyident.checks.defect import Defect
+from pyident.conditioning.own_cutoff import with_own_cutoff
 from pyident.conditioning.standing import standing
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.disk import LogFile
@@ -152,9 +153,10 @@ def _reduced(
 ) -> tuple[Robot, tuple[str, ...], tuple[Defect, ...]]:
     found = checked(robot, logs, force)
     robot, notes = locked(robot, logs)
+    robot, filtered = with_own_cutoff(robot, [log for log in logs if isinstance(log, Log)])
     still = standing(robot, logs)
     of_logs = dict.fromkeys(note for log in logs for note in log.notes)  # of the mapping they share, once
-    return robot, (*of_logs, *notes, *still, *found.warnings), found.defects
+    return robot, (*of_logs, *notes, *filtered, *still, *found.warnings), found.defects
 
 
 def mapping_of(mapping: Columns | None) -> Mapping | None:

@@ -8,7 +8,8 @@ torques keep all their frequencies. Elsewhere the noise stays in the motion, and
 reversals: at a hard edge the noise of high frequencies would be at the low ones, too.
 
 The filter of the robot's file would do less: it bends the motion about its corner, blurs reversals and leaves
-them in, and thins out. It only ends the band that is judged (`unfiltered`).
+them in, and thins out. It only ends the band that is judged (`unfiltered`); but it stays for joints that bend
+in an unknown loop, as their motion keeps its noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -68,7 +69,8 @@ def denoises(robot: Robot) -> bool:
 def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
     """The robot without its file's filter, judged up to where the equations would be sound with it."""
     plan = robot.settings.processing
-    if plan.cutoff is None and plan.decimate == 1:
+    flexible = any(joint.flexible for joint in robot.joints)
+    if (plan.cutoff is None and plan.decimate == 1) or (flexible and robot.controller is None):
         return robot
     band = min(band_top(robot, log.period) for log in logs)
     return within(robot.with_settings(processing=replace(plan, cutoff=None, decimate=1)), band)
