@@ -79,3 +79,18 @@ def test_a_wave_whose_phase_turns_with_the_speed_is_found_part_by_part(order):
 def test_noise_has_no_wave_at_any_speed():
     for seed in range(10):
         assert peaks_at_speeds([noise(seed)], [ANGLE], [SPEED], ORDERS, RULES.periodic) == []
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_wave_that_fills_its_neighbours_as_an_axis_dwells_stands_out(seed):
+    """From place to place, at rest two thirds of the time: each place is a sum of all orders."""
+    rng, time = np.random.default_rng(seed), np.arange(0, 40, 0.01)
+    places = rng.uniform(-1.9, 1.9, 9)
+    way, number = np.clip((time % 4.5) / 1.5, 0, 1), (time // 4.5).astype(int) % 8
+    angle = places[number] + (places[number + 1] - places[number]) * way**3 * (10 - 15 * way + 6 * way**2)
+    speeds = np.abs(np.gradient(angle, time))
+    orders = orders_within([angle], speeds, 0.01, RULES.periodic.highest, RULES.periodic)
+    hiss = rng.normal(0, 2, len(time))
+    x = 25 * np.cos(36 * angle + 0.4) + hiss
+    assert peaks_of([x - x.mean()], [angle], orders, RULES.periodic) == pytest.approx([36.0], abs=0.5)
+    assert peaks_of([hiss], [angle], orders, RULES.periodic) == []

@@ -18,6 +18,7 @@ from pyident.rules.periodic import PeriodicRules
 
 _PER_PEAK = 3.0  # orders tried per resolved one
 _MEDIAN = float(np.log(2))  # of an exponential variable, per its mean
+_MOST = 0.5  # of a signal's energy
 _ANSWERED = 2  # peaks with a size of their own at every speed: each costs as much as many laws
 _BLOCK = 64  # orders at once
 
@@ -52,12 +53,31 @@ def lowest_order(angles: Sequence[np.ndarray]) -> float:
 def peaks_of(
     left: Sequence[np.ndarray], angles: Sequence[np.ndarray], orders: np.ndarray, rules: PeriodicRules
 ) -> list[float]:
-    """Orders that stand out of signals (N,) along angles (N,), the strongest first."""
+    """Orders that stand out of signals (N,) along angles (N,), the strongest first.
+
+    At angles that are passed unevenly a strong wave fills its neighbours: one that is most of the signals
+    counts against what these hold without it.
+    """
     if len(orders) < rules.neighbours:
         return []
-    energy = np.sum([_energies(r, q, orders) for r, q in zip(left, angles, strict=True)], axis=0)
     chance = np.log(len(orders) / rules.chance) * (1 + len(left)) / 2  # of a mean over logs, at most
-    return _peaks(_over_neighbours(energy, rules), chance, orders, rules)
+    step, found, rest = float(orders[1] - orders[0]), [], list(left)
+    energy = _of_all(rest, angles, orders)
+    while len(found) < rules.peaks:
+        ratio = _over_neighbours(energy, rules)
+        at = int(np.argmax(np.where(_apart(orders, found), ratio, 0.0)))
+        order, own, before = float(orders[at]), energy[at], rest
+        rest = [r - _wave(r, q, np.ones(len(q)), order, step) for r, q in zip(rest, angles, strict=True)]
+        energy = _of_all(rest, angles, orders)
+        most = _size(rest) < (1 - _MOST) * _size(before) and own >= chance * _noise(energy, rules)[at]
+        if ratio[at] < chance and not most:
+            break
+        found.append(order)
+    return found
+
+
+def _size(signals: Sequence[np.ndarray]) -> float:
+    return sum(float(np.square(x).sum()) for x in signals)
 
 
 def peaks_at_speeds(
@@ -86,8 +106,18 @@ def peaks_at_speeds(
 
 def _over_neighbours(energy: np.ndarray, rules: PeriodicRules) -> np.ndarray:
     """(F,) over the mean of what its neighbours say that noise is."""
-    typical = median_filter(energy, rules.neighbours, mode="reflect")
-    return energy / np.maximum(typical / _MEDIAN, 1e-300)
+    return energy / _noise(energy, rules)
+
+
+def _noise(energy: np.ndarray, rules: PeriodicRules) -> np.ndarray:
+    """(F,) the mean of noise, as the neighbours of an order have it."""
+    return np.maximum(median_filter(energy, rules.neighbours, mode="reflect") / _MEDIAN, 1e-300)
+
+
+def _apart(orders: np.ndarray, found: Sequence[float]) -> np.ndarray:
+    """(F,) which orders are none of those found."""
+    width = 2 * _PER_PEAK * (orders[1] - orders[0])
+    return np.all([np.abs(orders - other) > width for other in found] or [np.ones(len(orders), bool)], axis=0)
 
 
 def _peaks(ratio: np.ndarray, chance: float, orders: np.ndarray, rules: PeriodicRules) -> list[float]:
@@ -95,7 +125,7 @@ def _peaks(ratio: np.ndarray, chance: float, orders: np.ndarray, rules: Periodic
     for i in np.argsort(-ratio):
         if ratio[i] < chance or len(out) == rules.peaks:
             break
-        if all(abs(orders[i] - other) > 2 * _PER_PEAK * (orders[1] - orders[0]) for other in out):
+        if _apart(orders, out)[i]:
             out.append(float(orders[i]))
     return out
 
@@ -129,6 +159,11 @@ def _wave(x: np.ndarray, angle: np.ndarray, turning: np.ndarray, order: float, s
     bounds = (order - step, order + step)
     best: Any = minimize_scalar(lambda n: -float(np.square(of(n)).sum()), bounds=bounds, method="bounded")
     return of(float(best.x))
+
+
+def _of_all(left: Sequence[np.ndarray], angles: Sequence[np.ndarray], orders: np.ndarray) -> np.ndarray:
+    """(F,) energies of all logs."""
+    return np.sum([_energies(r, q, orders) for r, q in zip(left, angles, strict=True)], axis=0)
 
 
 def _energies(r: np.ndarray, q: np.ndarray, orders: np.ndarray) -> np.ndarray:

@@ -47,7 +47,7 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
         search = _beside_a_delay(search, moving)
     found = search.gain_of(candidate)
     value = found.coefficients
-    if candidate.describes and not (worth_name(search, candidate, value) and _can_be(candidate, value)):
+    if candidate.describes and not (worth_name(search, candidate, value) and can_be(candidate, value)):
         return False
     energies = _in_replicas(search, candidate)
     if np.mean(energies >= found.energy) >= rules.level:
@@ -68,8 +68,8 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
     return DESCRIPTIONS[error.effect].worth_name(value, period)
 
 
-def _can_be(error: Candidate, value: np.ndarray) -> bool:
-    """Whether a value (K,) is not ahead of its time."""
+def can_be(error: Candidate, value: np.ndarray) -> bool:
+    """Whether a value (K,), in SI units, is not ahead of its time."""
     return not DESCRIPTIONS[error.effect].causal or bool(np.all(value > 0))
 
 

@@ -30,7 +30,7 @@ from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.measured import measured, worth_name
+from pyident.diagnosis.search.measured import can_be, measured, worth_name
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import outside_file, place_name
@@ -70,7 +70,10 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     """Errors that explain what a law was named for, and as much; the view rests on all other laws."""
     rules, law, errors = view.rules, step.best, view.step()
     best = errors.best
-    if not _sized(view, best) or admission(view, best, [best.candidate], held).reason:
+    if (
+        not _sized(view, best, _shares(view, step, best)[1])
+        or admission(view, best, [best.candidate], held).reason
+    ):
         return None
     share, of_error = _shares(view, step, best)
     beside = view.with_further([best.candidate])
@@ -129,12 +132,15 @@ def _shares(view: Search, step: Step, error: Found) -> tuple[float, float]:
     return share_in(view, step.candidates, region), share_in(view, [error.candidate], region)
 
 
-def _sized(view: Search, error: Found) -> bool:
-    """Whether its value lies where its column, a slope, holds, and is worth a name."""
+def _sized(view: Search, error: Found, share: float) -> bool:
+    """Whether its value lies where its column, a slope, holds, and is worth a name; one ahead of its time, of
+    a torque that comes early, only if it takes hardly less than all.
+    """
     lower, upper = bounds(view.robot, error.candidate)
     value = error.gain.coefficients
     inside = bool(np.all((value > lower) & (value < upper)))
-    return inside and worth_name(view, error.candidate, value)
+    sound = can_be(error.candidate, value) or share >= view.rules.whole
+    return inside and sound and worth_name(view, error.candidate, value)
 
 
 def _beside(
@@ -153,7 +159,9 @@ def _beside(
         step = _worth_names(view, view.step())
         entry = admission(view, step.best, [step.best.candidate], held)
         nameable = (
-            _sized(view, step.best) and _alike(step, pending) and not _left_by_slopes(view, step, named)
+            _sized(view, step.best, entry.share)
+            and _alike(step, pending)
+            and not _left_by_slopes(view, step, named)
         )
         if entry.reason or not entry.region.rows or not nameable:
             break
@@ -176,7 +184,7 @@ def _beside(
 
 def _worth_names(view: Search, step: Step) -> Step:
     """Without rivals whose values no slope holds for, or that are too small for a name."""
-    return replace(step, tie=tuple(f for f in step.tie if f is step.best or _sized(view, f)))
+    return replace(step, tie=tuple(f for f in step.tie if f is step.best or _sized(view, f, 0.0)))
 
 
 def _told_apart(named: Sequence[Step]) -> list[Step]:
