@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from pyident.diagnosis.base.projection import extended, gain, joined, solve_base, taken_over
+from pyident.diagnosis.base.projection import extended, gain, joined, solution_of, solve_base, taken_over
 
 N, E, P = 2, 30, 4  # coordinates, equations, parameters
 
@@ -106,3 +106,13 @@ def test_joined_columns_on_different_equations():
     assert set(out[0]) == {0, 1}
     np.testing.assert_array_equal(out[0][0], [[1, 0, 0]] * 3)
     np.testing.assert_array_equal(out[0][1], [[0, 2, 2]] * 3)
+
+
+def test_what_is_left_of_forces_that_cancel_determines_nothing():
+    """A moment about gravity: rounding, 1e-16 of other columns, was scaled to one and took 1e14 kg m."""
+    rng = np.random.default_rng(5)
+    A = rng.normal(size=(400, 4)) * [100.0, 10.0, 1.0, 1e-14]
+    y = A[:, :3] @ [0.5, -2.0, 3.0] + 0.01 * rng.normal(size=400)
+    p, directions = solution_of([np.linalg.qr(np.column_stack([A, y]), mode="r")])
+    np.testing.assert_allclose(p, [0.5, -2.0, 3.0, 0.0], atol=0.01)
+    assert directions.shape == (4, 3)

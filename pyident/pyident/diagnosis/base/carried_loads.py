@@ -22,7 +22,16 @@ from scipy.optimize import minimize_scalar
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns
-from pyident.diagnosis.base.projection import Base, Columns, extended, gain, joined, triangles, wider
+from pyident.diagnosis.base.projection import (
+    CANCELLED,
+    Base,
+    Columns,
+    extended,
+    gain,
+    joined,
+    triangles,
+    wider,
+)
 from pyident.regression.candidate_columns import effect_columns
 from pyident.regression.loads.bodies import (
     carried_loads,
@@ -204,10 +213,11 @@ class _Bilinear:
         mu = coefficient
         H = self.PP + mu * (self.PT + self.PT.T) + mu**2 * self.TT
         b = self.Py + mu * self.Ty
-        scale = np.sqrt(np.maximum(np.diag(H), 0.0))  # rounding: below 0 of what hardly acts
-        scale[scale == 0] = 1.0
-        scaled = H / np.outer(scale, scale) + _KEPT * np.eye(len(H))
-        p = self.p + solve(scaled, (b - H @ self.p) / scale, assume_a="sym") / scale
+        scale = np.sqrt(np.maximum(np.diag(H), 0.0))
+        seen = scale > CANCELLED * scale.max()
+        scale[~seen] = 1.0
+        scaled = np.where(np.outer(seen, seen), H / np.outer(scale, scale), 0.0) + _KEPT * np.eye(len(H))
+        p = self.p + solve(scaled, seen * (b - H @ self.p) / scale, assume_a="sym") / scale
         return float(self.yy - 2 * b @ p + p @ H @ p), p
 
     def best(self) -> tuple[float, np.ndarray]:

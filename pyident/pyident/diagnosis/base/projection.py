@@ -20,6 +20,7 @@ from pyident.regression.spectrum import Equations
 from pyident.regression.triangle import Triangle
 
 _IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
+CANCELLED = 1e-13  # of the longest column: what is left of forces that cancel, as of a moment about gravity
 _ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
 
 Columns = Sequence[Mapping[int, np.ndarray]]  # per log: row -> (E, K) whitened columns
@@ -88,10 +89,11 @@ def triangles(whitened: Sequence[Equations]) -> list[np.ndarray]:
 def solution_of(rows: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """`p` (P,) and `directions` (P, R) of a base, from its equations' triangles."""
     scale = np.sqrt(sum(np.square(R[:, :-1]).sum(axis=0) for R in rows))
-    scale[scale == 0] = 1.0
+    kept = scale > CANCELLED * scale.max()
+    scale[~kept] = 1.0
     triangle = Triangle(len(scale))
     for R in rows:
-        triangle.fold(R[:, :-1] / scale, R[:, -1])
+        triangle.fold(R[:, :-1] * kept / scale, R[:, -1])
     R = triangle.full
     U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]
