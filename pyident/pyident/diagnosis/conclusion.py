@@ -13,6 +13,7 @@ from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_o
 from pyident.diagnosis.coefficients import gain_beside, loosely_told
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.notes import (
+    doubted_joints,
     in_doubt,
     in_motion,
     in_time,
@@ -58,7 +59,8 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=in_time(ex.setting) + sentence_of(verdict, findings, places, localised),
+        sentence=in_time(ex.setting)
+        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places)),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(

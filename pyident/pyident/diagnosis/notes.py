@@ -116,10 +116,8 @@ def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal
 
     refusals   what comes nearest by place
     """
-    ex, ratio = beside.examination, in_bands(beside.examination, beside.base).ratio
-    doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
+    ex, doubted = beside.examination, _doubted(beside, places)
     ends = (*EDGES, float(ex.floor.frequencies[-1]))
-    doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
     rows = np.flatnonzero(doubted.any(axis=1))
     said = []
     for row in rows:
@@ -139,6 +137,20 @@ def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal
             f"these logs do not show below {lowest:.2g} Hz, or something small that is missing"
             f"{why}; a log of a motion that repeats would tell"
         )
+
+
+def doubted_joints(beside: Search, places: Sequence[Place]) -> list[str]:
+    """Joints at which slow noise may be all that exceeds the floor, or not."""
+    rows = np.flatnonzero(_doubted(beside, places).any(axis=1))
+    return list(dict.fromkeys(joint_name(beside.robot.q[row].joint) for row in rows))
+
+
+def _doubted(beside: Search, places: Sequence[Place]) -> np.ndarray:
+    """(n, bands): times that a residual exceeds its floor as slow noise may, else 0."""
+    ex, ratio = beside.examination, in_bands(beside.examination, beside.base).ratio
+    doubted = np.where(bands_in_doubt(ex, beside.base), np.sqrt(ratio), 0.0)
+    doubted[[p.state == "unexplained" for p in places]] = 0.0  # something held-out logs show, too
+    return doubted
 
 
 def of_time(setting: Setting) -> Iterator[str]:

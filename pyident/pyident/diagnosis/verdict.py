@@ -40,11 +40,20 @@ def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
 
 
 def sentence_of(
-    verdict: VerdictName, findings: Sequence[Finding], places: Sequence[Place], place: tuple[str, str]
+    verdict: VerdictName,
+    findings: Sequence[Finding],
+    places: Sequence[Place],
+    place: tuple[str, str],
+    doubted: Sequence[str] = (),
 ) -> str:
-    """places: every side of every joint, in the robot's order; place: where it fails most."""
+    """What a diagnosis says.
+
+    places    every side of every joint, in the robot's order;  place: where it fails most
+    doubted   joints at which slow noise may be all that exceeds the floor, or not
+    """
     if verdict == "nothing_detectable":
-        return "Nothing is missing that these logs could show."
+        unless = f"; at {', '.join(doubted)} they do not tell it from slow noise" if doubted else ""
+        return f"Nothing is missing that these logs could show{unless}."
     open_places = [p for p in places if p.state == "unexplained"]
     if verdict == "unexplained":
         listed = [f"{p.joint}, {p.balance} side" for p in open_places] or [f"{place[0]}, {place[1]} side"]

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pyident.logs.log import Log
     from pyident.refinement.closed_loop import ClosedLoopFit
 
+_FAR = 2.0  # times the estimate's error
 _COMBINATIONS = 4  # base parameters that a sentence writes out
 
 
@@ -130,6 +131,12 @@ class Fit(Result):
         lines = [f"relative torque error {what}: {_percentages(self.identified.relative_error)}"]
         if written:
             lines.append(f"relative torque error of the model that is written: {_percentages(written)}")
+            if written["all"] > max(100, _FAR * self.identified.relative_error["all"]):
+                lines.append(
+                    "do not use the model that is written: it leaves more than the torques themselves, as "
+                    "these logs show too little of the bodies; --prior with a robot file of about their "
+                    "masses holds them, and logs in which all joints move at once tell more"
+                )
             bound = self.identified.at_bound
             if bound:
                 lines.append(
