@@ -1,6 +1,7 @@
 """What outcomes say of themselves."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -58,6 +59,16 @@ def test_both_errors_are_told_and_that_of_the_model_follows_from_its_file(fit, t
     assert written == pytest.approx(100 * np.sqrt((left**2).sum() / (rows[:, :, -1] ** 2).sum()), rel=1e-6)
     assert "model that is written" in fit.summary()
     assert "these errors hold the sensors' noise" in " ".join(fit.summary().split())
+
+
+def test_a_written_model_that_is_no_robot_is_told(fit):
+    """Bodies of tons that cancel each other, as logs say that move one joint at a time."""
+    robot = fit.identified.robot
+    heavy = {name: 1e4 * v for name, v in robot.parameters.items() if name.startswith("link")}
+    found = replace(fit.identified, robot=robot.with_parameters(heavy))
+    told = replace(fit, identified=found).summary()
+    assert "do not use the model that is written" in " ".join(told.split())
+    assert "do not use" not in fit.summary()
 
 
 def test_an_outcome_is_short_in_a_list_and_whole_in_a_notebook(fit):

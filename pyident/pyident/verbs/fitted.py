@@ -134,8 +134,7 @@ class Fit(Result):
             if written["all"] > max(100, _FAR * self.identified.relative_error["all"]):
                 lines.append(
                     "do not use the model that is written: it leaves more than the torques themselves, as "
-                    "these logs show too little of the bodies; --prior with a robot file of about their "
-                    "masses holds them, and logs in which all joints move at once tell more"
+                    "these logs show too little of the bodies; logs in which all joints move tell more"
                 )
             bound = self.identified.at_bound
             if bound:
