@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexmodels.coordinate import joint_name, joint_number
+from flexmodels.effects.structure import joint_spring
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import OwnWay
 from pyident.conditioning.standing import standing_in
@@ -241,6 +242,16 @@ def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
                     f"{n.effect} at {n.joint}: its {p.name}, {value:.3g}, lies at the end of what it may be; "
                     "so the law may stand in for a force of another form"
                 )
+
+
+def of_springs(findings: Sequence[Finding]) -> Iterator[str]:
+    """Where what is named a spring pushes its joint away: no spring does."""
+    for n in (n for f in findings for n in f.tie if n.effect == joint_spring.name):
+        if n.values["stiffness"] < 0:
+            yield (
+                f"{n.effect} at {n.joint}: its stiffness is below zero, as of a balancer, a rope over the joint "
+                "or gravity that is tilted in the robot file, not of a spring"
+            )
 
 
 def of_mends(findings: Sequence[Finding]) -> Iterator[str]:

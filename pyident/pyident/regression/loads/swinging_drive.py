@@ -27,6 +27,7 @@ from pyident.regression.recent import Recent
 _STEP = 1e-6  # rad and m, and per second
 _LEAST = 0.05  # of the median inertia: bodies that were fitted badly may have less, or none, in some poses
 _FOLLOWED = 3.0  # (ω h)²: up to 6 such a parabola is stable
+_FARTHEST = 1.0  # rad, m: a spring too soft to hold its link, beyond all that is linear
 _slopes: Recent[np.ndarray] = Recent(32)
 
 
@@ -79,7 +80,8 @@ def typical_inertia(robot: Robot, motion: Motion, joint: int) -> float:
 def swung(robot: Robot, motion: Motion, springs: Springs) -> np.ndarray:
     """(n, N) what the links' torques change by where they swing on their drives' springs, by joint, from 1.
 
-    They begin as links that lag slowly. Joints must carry something, as `carries` says.
+    They begin as links that lag slowly; 0 where springs do not hold them. Joints must carry something, as
+    `carries` says.
     """
     joints = list(springs)
     slopes = np.stack([_slopes_at(robot, motion, k) for k in joints], axis=1)  # (3, S, n, N)
@@ -105,7 +107,10 @@ def _slopes_at(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
 
 
 def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: float) -> np.ndarray:
-    """(3, N, S): lags of S links and their rates. slopes (3, S, S, N), of the first joint's by the second."""
+    """(3, N, S): lags of S links and their rates, 0 where springs do not hold them.
+
+    slopes   (3, S, S, N), of the first joint's torque by the second
+    """
     F_q, F_v, M = (own.transpose(2, 1, 0) for own in slopes)  # (N, S, S)
     K = np.array([1 / spring.compliance for spring in springs])
     M = M + 0.0
@@ -115,7 +120,10 @@ def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: fl
     D = 2 * np.array([s.damping for s in springs]) * np.sqrt(middle * K)
     stiff, damped = np.linalg.solve(M, F_q + np.diag(K)), np.linalg.solve(M, F_v + np.diag(D))
     force = np.linalg.solve(M, load[:, :, None])[:, :, 0]
-    lag = _numerov(stiff, damped, force, load / K, h)
+    with np.errstate(over="ignore", invalid="ignore"):
+        lag = _numerov(stiff, damped, force, load / K, h)
+    if not np.all(np.abs(lag) < _FARTHEST):
+        return np.zeros((3, *lag.shape))
     rate = np.gradient(lag, h, axis=0)
     acceleration = force - np.einsum("nij,nj->ni", stiff, lag) - np.einsum("nij,nj->ni", damped, rate)
     return np.array([lag, rate, acceleration])
@@ -141,4 +149,4 @@ def _numerov(
         for i, j in np.ndindex(S, S):
             at = (rows - (back or 0)) * S + j
             banded[upper + rows * S + i - at, at] = block[:, i, j]
-    return solve_banded((lower, upper), banded, right.ravel()).reshape(N, S)
+    return solve_banded((lower, upper), banded, right.ravel(), check_finite=False).reshape(N, S)
