@@ -115,6 +115,7 @@ _PLAIN = frozenset(  # of no joint's name
 _AXES = frozenset(["axis", "axes", "joint", "joints", "achse", "achsen"])
 _MOTIONS = frozenset(["angle", "length", "speed"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
+_CAPITALS = {"A": {"current", "voltage"}, "V": {"current", "voltage"}, "N": {"torque"}}
 _ADDRESS = re.compile(r"\b0x[0-9A-Fa-f]{2,8}\b")  # of an object on a bus: 0x6064 is no joint
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
@@ -223,9 +224,9 @@ def _found(words: list[str], kind: str | None) -> list[str]:
 def _last_unit(name: str) -> str | None:
     """The unit that a name ends with, where its capitals matter (cur_mA, current_A)."""
     *words, last = _SPLIT.split(name)
-    if last in ("A", "V"):  # an axis may be called so, but that of a current
-        electric = {_BARE.get(word.lower()) for word in words if len(word) > 1} & {"current", "voltage"}
-        return known_unit(last) if electric else None
+    if last in _CAPITALS:  # an axis may be called so, but that of a current
+        said = {_BARE.get(word.lower()) for word in words if len(word) > 1}
+        return known_unit(last) if said & _CAPITALS[last] else None
     return known_unit(last) if len(last) > 1 and last not in ("min", "rev") else None
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-_TIME = re.compile(r"time|stamp|zeit|^_*t$", re.IGNORECASE)
+TIME = re.compile(r"time|stamp|zeit|^_*t$", re.IGNORECASE)
 _FILLED = 0.9  # of the rows: a column with more has gaps, and no clock of its own
 _LEAST = 4  # rows of a source
 _RAGGED = 5  # times the usual distance of filled rows: a longer one is a gap
@@ -28,7 +28,7 @@ def with_own_clocks(columns: Mapping[str, np.ndarray]) -> tuple[dict[str, np.nda
     alone = len(rising) == len(whole)
     if not rising or not groups or not _alternate([filled[names[0]] for names in groups.values()], alone):
         return dict(columns), {}
-    clock = next((name for name in rising if _TIME.search(name)), rising[0])
+    clock = next((name for name in rising if TIME.search(name)), rising[0])
     sources = sorted(groups.values(), key=lambda names: -int(filled[names[0]].sum()))
     main = [*whole, *sources.pop(0)] if alone else whole
     out = {name: columns[name][filled[main[-1]]] for name in main}

@@ -5,13 +5,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from pyident.logs.formats.joint_rows import by_joint
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
 
+_TEXTS = (pa.types.is_string, pa.types.is_large_string, pa.types.is_dictionary)
 _INFO = Path("meta/info.json")
 
 
@@ -26,14 +29,20 @@ def read_parquet(path: Path, episode: int | None = None) -> Recording:
     info = _info(root) if root else {}
     file = _episode_file(path, episode or 0) if path.is_dir() else path
     columns: dict[str, np.ndarray] = {}
+    texts: dict[str, pd.Series] = {}
     with pq.ParquetFile(file) as content:
         rows = _rows(content, file, episode) if root else None
         for name in content.schema_arrow.names:  # one at a time: a log may nearly fill the memory
             column = content.read([name])[name]
+            column = column if rows is None else column.filter(rows)
             named = _names(info.get("features", {}).get(name, {}).get("names"))
-            columns |= _columns(name, column if rows is None else column.filter(rows), named)
+            columns |= _columns(name, column, named)
+            if not info and any(of(column.type) for of in _TEXTS):
+                texts[name] = pd.Series(column.to_pandas())
     if not columns:
         raise LogError(f"{file} holds no column of numbers")
+    if not info and (split := by_joint(columns, texts, str(path))) is not None:
+        return split
     if "timestamp" not in columns and "fps" in info:
         length = len(next(iter(columns.values())))
         columns["timestamp"] = np.arange(length) / float(info["fps"])
