@@ -14,7 +14,8 @@ from flexmodels.files.robot_file import load_robot
 from flexmodels.settings.servo import Servo
 from pyident.inspection.channel import Channel
 from pyident.inspection.inspect_log import inspect_log
-from pyident.inspection.motion import nameless, with_motion_units, with_velocities_found
+from pyident.inspection.motion import with_motion_units, with_velocities_found
+from pyident.inspection.nameless import nameless
 from pyident.inspection.proposal import Proposal
 from pyident.logs.log import LogError
 

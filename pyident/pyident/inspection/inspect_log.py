@@ -11,13 +11,8 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, first_guesses, gap, grows_evenly, no_clock
-from pyident.inspection.motion import (
-    DERIVATIVE,
-    nameless,
-    with_motion_units,
-    with_velocities_found,
-    with_whole_turns,
-)
+from pyident.inspection.motion import with_motion_units, with_velocities_found, with_whole_turns
+from pyident.inspection.nameless import DERIVATIVE, nameless
 from pyident.inspection.of_one_kind import of_one_kind, whole
 from pyident.inspection.physics import EXPLAINS, with_physics
 from pyident.inspection.proposal import Proposal

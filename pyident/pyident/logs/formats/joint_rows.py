@@ -1,4 +1,4 @@
-"""Tables with a row per joint, in turn: a column says whose row it is, and each joint gets columns of its own."""
+"""Tables with a row per joint, in turn: a column says whose row it is; each joint gets columns of its own."""
 
 import re
 from collections.abc import Mapping
