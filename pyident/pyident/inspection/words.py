@@ -15,8 +15,8 @@ _WORDS: dict[str, str] = {
     "time": "t time timestamp timestamps stamp zeit clock tsec secs elapsed",
     "position": "q pos position positions angle angles theta e qm phi encoder enc winkel lage state x "
     "istwert weg hub stroke travel qpos",
-    "velocity": "dq qd vel velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w rate "
-    "dqm qvel spd geschw",
+    "velocity": "dq qd vel velo velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w "
+    "rate dqm qvel spd geschw",
     "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot qacc",
     "torque": "tau trq torque torques tauest effort efforts moment drehmoment force kraft load mot_torque "
     "m taum qfrc",

@@ -5,6 +5,7 @@ import csv
 import io
 from collections import Counter
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from pyident.logs.units import known_unit, without_unit
 
 _LOOK = 200  # lines
 _HEAD = 1 << 18  # bytes
+_MARKS = ("#", "##", "%", "//", ";", "!")
 _SEPARATORS = (",", ";", "\t", "|", " ")
 
 
@@ -23,6 +25,7 @@ class Layout:
     """separator, decimal sign; names and units of the columns; number of the first line of numbers.
 
     heads   the cells of the line of names as they stand in the file;  width: columns of most rows
+    odd     a note where the line of names has another number of cells than the rows
     """
 
     separator: str
@@ -32,6 +35,7 @@ class Layout:
     heads: tuple[str, ...]
     first: int
     width: int
+    odd: str = ""
     encoding: str = "utf-8-sig"
 
 
@@ -82,7 +86,8 @@ def _tried(lines: list[str], separator: str) -> tuple[tuple[float, int], Layout]
     good = [len(row) == width and share > 0.5 for row, share in zip(rows, numeric, strict=True)]
     first = next((i for i in range(len(rows)) if good[i]), len(rows))
     fitting = [share for i, share in enumerate(numeric) if good[i]]
-    layout = Layout(separator, decimal, *_heads(rows[:first], width), first, width)
+    above, odd = _fitted(rows[:first], rows[first:], width)
+    layout = Layout(separator, decimal, *_heads(above, width), first, width, odd)
     score = float(np.mean(fitting)) * len(fitting) / max(len(rows) - first, 1) if fitting else 0.0
     return (round(score, 2) if width > 1 else 0.5 * score, width), layout
 
@@ -110,6 +115,35 @@ def _numeric(row: list[str], decimal: str) -> float:
     return numbers / len(cells) if cells else 0.0
 
 
+def _fitted(above: list[list[str]], below: list[list[str]], width: int) -> tuple[list[list[str]], str]:
+    """Lines above the numbers, of as many cells as these where that is sure, and a note where it is not so.
+
+    A comment mark that stands alone is no name. A first column that counts the rows may have none.
+    """
+    bare = [row[1:] if len(row) > width and row[0].strip() in _MARKS else row for row in above]
+    bare = [row[:width] if len(row) > width and not any(row[width:]) else row for row in bare]
+    rows = [row for row in bare if any(cell.strip() for cell in row)]
+    if not rows or len(rows[-1]) < 2 or any(len(row) == width for row in rows):
+        return bare, ""
+    count = len(rows[-1])
+    names = [row for row in rows if len(row) == count]
+    whole = [row for row in below if len(row) == width]
+    if count == width - 1 and not any(row[-1].strip() for row in whole):
+        return [[*row, ""] for row in names], ""
+    if count == width - 1 and _counts([row[0] for row in whole]):
+        said = "the first column, which counts the rows and has no name, is called index"
+        return [["" if _is_units(row) else "index", *row] for row in names], said
+    numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in rows[-1])
+    said = f"there are {count} names above rows of {width} cells: none is used; give as many names as cells"
+    return bare, said if 2 * numbers < count else ""
+
+
+def _counts(cells: list[str]) -> bool:
+    """Whether cells count rows, one by one."""
+    numbers = [int(cell) for cell in cells if cell.strip().isdigit()]
+    return 1 < len(cells) == len(numbers) and all(b == a + 1 for a, b in pairwise(numbers))
+
+
 def _heads(
     rows: list[list[str]], width: int
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None, tuple[str, ...]]:
@@ -117,6 +151,8 @@ def _heads(
     fitting = [[cell.strip() for cell in row] for row in rows if len(row) == width]
     if not fitting:
         return None, None, ()
+    if pairs := next(filter(None, map(_of_pairs, fitting)), None):
+        return pairs, None, ()
     units = None
     if len(fitting) > 1 and _is_units(fitting[-1]):
         units = tuple(cell.lstrip("#%").strip("[]() ") for cell in fitting.pop())
@@ -125,6 +161,14 @@ def _heads(
     if len(set(names)) < len(names):
         names = [cell if names.count(n) > 1 else n for cell, n in zip(heads, names, strict=True)]
     return tuple(names), units or (tuple(inside) if any(inside) else None), tuple(fitting[-1])
+
+
+def _of_pairs(row: list[str]) -> tuple[str, ...] | None:
+    """Names of columns that come in twos, a time and a value, from a line `Name, q1, Name, q2` above them."""
+    said, names = set(row[::2]), row[1::2]
+    if len(row) < 4 or len(row) % 2 or said != {"Name"} or len(set(names) - {""}) < len(names):
+        return None
+    return tuple(name for value in names for name in (f"{value}.time", value))
 
 
 def _is_units(row: list[str]) -> bool:
