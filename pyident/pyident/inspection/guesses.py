@@ -9,20 +9,15 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import LETTERS, ORDER, RANK, Channel
-from pyident.inspection.letters import lettered
-from pyident.inspection.words import Meaning, meaning
+from pyident.inspection.clock import rate, same_as, time_column, time_unit
+from pyident.inspection.letters import lettered, not_symbols
+from pyident.inspection.words import Meaning, first_of, meaning
 from pyident.logs.formats.recording import Recording
-from pyident.logs.gaps import widest_gap
-from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS, KINDS, known_unit
 
 NAME = "its name"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
 _STEADY = 0.15  # of its mean: within it a voltage is a supply
-_MOVES = 0.02  # of a clock's rows, at least, that are later than those before
-_EVEN = 0.2  # of the median step: a clock's steps
-_TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
-_STAMPED = re.compile(r"header\W?stamp", re.IGNORECASE)
 _NO_JOINT = ("time", "other", "unknown")
 _KIND = {"position": ("angle", "length"), "reference": ("angle", "length"), "velocity": ("speed",),
          "torque": ("effort",), "feedforward": ("effort",), "current": ("electric", "none"),
@@ -35,20 +30,21 @@ _NATURAL = {"position": ("rad", "m"), "reference": ("rad", "m"), "velocity": ("r
 def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     """Every column by its name, its own unit and its range."""
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
-    said = {name: meaning(name, joints) for name in recording.columns}
+    said = {name: meaning(first_of(name, recording.columns), joints) for name in recording.columns}
     units = recording.units
     said = {name: replace(m, unit=known_unit(units.get(name, "")) or m.unit) for name, m in said.items()}
-    clock = _time_column(recording, said)
+    clock = time_column(recording, said)
+    times = set(recording.clocks.values()) | same_as(clock, recording)
+    said |= {name: replace(said[name], signal="time", joint=None) for name in times}
     of_letters, by_letters = lettered(said, robot)
-    said |= of_letters
+    said |= not_symbols(said, joints) | of_letters
     numbers, ordered = _numbers({name: m for name, m in said.items() if name not in of_letters}, robot)
     numbers, ranked = _ranked(numbers, said, ordered, len(robot.joints) if robot else None)
     numbers |= {name: m.joint for name, m in of_letters.items() if isinstance(m.joint, int)}
-    times = set(recording.clocks.values()) | ({clock} if clock else set())
     found = []
     for name, values in recording.columns.items():
         m = said[name]
-        signal = "time" if name == clock else "other" if m.signal == "time" or name in times else m.signal
+        signal = "time" if name == clock else "other" if m.signal == "time" else m.signal
         if (signal == "voltage" and _supply(values)) or (signal == "switch" and not _switched(values)):
             signal = "other"
         unit = m.unit
@@ -71,7 +67,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
             Channel(
                 column=name,
                 values=np.asarray(values, float),
-                rate=_rate(recording, name, clock),
+                rate=rate(recording, name, clock),
                 signal=signal,
                 joint=None if signal == "time" else numbers.get(name),
                 side=side,
@@ -82,7 +78,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
                 doubt=doubt if signal in ("position", "torque", "velocity") else "",
             )
         )
-    found = [_time_unit(c) if c.signal == "time" else c for c in found]
+    found = [time_unit(c) if c.signal == "time" else c for c in found]
     seconds = {c.column: FACTORS[c.unit or "s"] for c in found if c.signal == "time"}
     return [replace(c, rate=c.rate / seconds.get(c.clock or clock or "", 1.0)) for c in found]
 
@@ -106,89 +102,6 @@ def si(channel: Channel) -> np.ndarray:
     """The column (N,) in SI with sign and offset, the unit as guessed."""
     factor = FACTORS[channel.unit or "1"]
     return channel.sign * factor * channel.values + channel.offset * factor
-
-
-def grows_evenly(x: np.ndarray) -> bool:
-    """Whether a column (N,) could be a clock."""
-    steps = np.diff(x)
-    if len(steps) < 3 or not np.isfinite(steps).all() or (steps <= 0).any():
-        return False
-    middle = float(np.median(steps))
-    return bool(np.mean(np.abs(steps - middle) < max(_EVEN * middle, 1e-12)) > 0.8)
-
-
-def no_clock(channel: Channel) -> str:
-    """Why a column that is called a time is none; empty for other columns."""
-    if meaning(channel.column).signal != "time":
-        return ""
-    x = np.asarray(channel.values, float)
-    steps = np.diff(x)
-    if not np.isfinite(x).all():
-        return f"{channel.column} holds no number in row {int(np.argmin(np.isfinite(x))) + 1}"
-    if (steps < 0).any():
-        i = int(np.argmax(steps < 0))
-        return f"{channel.column} goes back from {x[i]:.10g} to {x[i + 1]:.10g} at row {i + 2}"
-    if np.mean(steps > 0) <= _MOVES:
-        times = "one time" if np.ptp(x) == 0 else f"{len(np.unique(x))} times"
-        return f"{channel.column} holds {times} in {len(x)} rows, as if digits were cut off"
-    return f"{channel.column} stands still or jumps"
-
-
-def _grows(x: np.ndarray) -> bool:
-    """Whether it never falls: rows may come twice, and stamps may be coarse, but not for ever the same."""
-    steps = np.diff(x)
-    least = max(2, _MOVES * len(steps))
-    return len(x) > 3 and bool(np.isfinite(x).all() and (steps >= 0).all() and (steps > 0).sum() > least)
-
-
-def _time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
-    own = set(recording.clocks.values())
-    whole = {name: x for name, x in recording.columns.items() if len(x) == _longest(recording)}
-    able = [name for name, x in whole.items() if grows_evenly(x)]
-    named = [name for name in able if said[name].signal == "time"]
-    if not named and recording.header:  # a bus answers when it can
-        named = [name for name, x in whole.items() if said[name].signal == "time" and _grows(x)]
-    named.sort(key=lambda name: _STAMPED.search(name) is None)  # when it was measured, not when it arrived
-    if named:
-        return next((name for name in named if name not in own or len(named) == 1), named[0])
-    counts = [n for n in able if said[n].signal == "other"]
-    rest = [n for n in able if n not in counts]
-    return rest[0] if rest and (not recording.header or said[rest[0]].signal == "unknown") else None
-
-
-def _longest(recording: Recording) -> int:
-    return max(len(x) for x in recording.columns.values())
-
-
-def _rate(recording: Recording, name: str, clock: str | None) -> float:
-    own = recording.clocks.get(name, clock)
-    if own is None:
-        return float("nan")
-    step = usual_step(np.asarray(recording.columns[own], float))
-    return 1 / step if step > 0 else float("nan")
-
-
-def gap(time: Channel) -> tuple[str, ...]:
-    """A note where the time has a gap that an import would not fill."""
-    steps = np.diff(np.asarray(time.values, float))
-    if (i := widest_gap(steps, usual_step(time.values))) is None:
-        return ()
-    seconds = FACTORS[time.unit or "s"] * steps[i]
-    return (f"{time.column} has a gap of {seconds:.3g} s at row {i + 2}: cut the log there",)
-
-
-def _time_unit(channel: Channel) -> Channel:
-    """s, ms, µs or ns by its steps; steps of one may be numbers of samples."""
-    step = usual_step(channel.values)
-    if channel.unit is not None:
-        return replace(channel, sure=True)
-    unit = next((unit for unit, (low, high) in _TIMES.items() if low <= step < high), None)
-    counted = step == 1 and bool((channel.values == np.round(channel.values)).all())
-    if unit is None or counted:
-        ask = "it counts samples or milliseconds" if counted else f"its steps are {step:.3g}"
-        return replace(channel, unit=unit, doubt=f"what is the unit of time? {ask}")
-    seconds = step * FACTORS[unit]
-    return replace(channel, unit=unit, sure=True, why=(*channel.why, f"steps of {1e3 * seconds:.4g} ms"))
 
 
 def _numbers(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, int], set[str]]:

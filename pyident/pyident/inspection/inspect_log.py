@@ -9,8 +9,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
+from pyident.inspection.clock import gap, grows_evenly, no_clock, starts_again
 from pyident.inspection.drives import of_its_drive
-from pyident.inspection.guesses import NAME, first_guesses, gap, grows_evenly, no_clock
+from pyident.inspection.guesses import NAME, first_guesses, si
 from pyident.inspection.motion import with_motion_units, with_velocities_found, with_whole_turns
 from pyident.inspection.nameless import DERIVATIVE, nameless
 from pyident.inspection.of_one_kind import of_one_kind, whole
@@ -24,6 +25,7 @@ from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS
 
 _LARGEST = 1e100  # in whatever unit
+_ROUNDED = 1e-3  # of a column's range: how far rounding takes one from the same in another unit
 _EFFORTS = ("torque", "current", "voltage")
 
 
@@ -151,10 +153,16 @@ def _owned(c: Channel, owner: Channel) -> Channel:
     """The channel of a signal, or none where another column is taken for it."""
     if c.column == owner.column:
         return c
-    if _rank(c) > _rank(owner):
+    if _rank(c) > _rank(owner) or _same(c, owner):
         return replace(c, signal="other", sure=False, doubt="", why=(*c.why, f"{owner.column} is taken"))
     return replace(c, signal="other", sure=False, doubt=f"{c.column} and {owner.column} both look like "
                    f"{c.name}: {owner.column} is taken; is that right?")  # fmt: skip
+
+
+def _same(c: Channel, other: Channel) -> bool:
+    """Whether a column is another one again, or the same in another unit."""
+    x, y = si(c), si(other)
+    return x.shape == y.shape and bool(np.abs(x - y).max() <= _ROUNDED * np.ptp(y))
 
 
 def _explained(channels: list[Channel]) -> bool:
@@ -193,8 +201,9 @@ def _asked(c: Channel) -> Channel:
 def _missing(
     channels: list[Channel], robot: Robot | None, joints: int, time: Channel | None, rate: float | None
 ) -> list[str]:
-    asked = []
-    if time is None and not rate:
+    again = next(filter(None, map(starts_again, channels)), None)
+    asked = [again] if again else []
+    if time is None and not rate and not again:
         why = "; ".join(filter(None, map(no_clock, channels))) or "no column looks like time"
         asked.append(f"{why}: how many samples a second were recorded? (rate)")
     places = {c.joint for c in channels if c.signal == "position" and c.name}

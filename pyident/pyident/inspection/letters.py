@@ -9,11 +9,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from flexmodels.robot import Robot
-from pyident.inspection.words import Meaning, meaning
+from pyident.inspection.words import Meaning, is_symbol, meaning
 from pyident.logs.units import KINDS, known_unit
 
 _NO_JOINT = ("time", "other", "unknown")
 _SLIDERS, _HINGES = "xyz", "abc"
+_CARTESIAN = frozenset(["x", "y", "z", "w", "rx", "ry", "rz"])
+_ALONE = re.compile(r"(?<![A-Za-z0-9])([A-Za-z]|[Rr][XYZxyz])(\d?)(?![A-Za-z0-9])")
 _UNIT = re.compile(r"^(.*?)[ _.]([^ _.]+)$")
 
 
@@ -50,6 +52,41 @@ def lettered(said: dict[str, Meaning], robot: Robot | None) -> tuple[dict[str, M
     left = {_kind(m) for name, m in said.items() if name not in found and m.joint is not None}
     found = {name: m for name, m in found.items() if _kind(m) not in left}
     return found, guessed & set(found)
+
+
+def not_symbols(said: dict[str, Meaning], joints: tuple[str, ...]) -> dict[str, Meaning]:
+    """What columns mean of which a letter tells the axis, not the signal: left_s0, left_e0 and left_w0.
+
+    said     of all columns, by their whole names
+    joints   the names of the robot's joints: what they are part of needs no letters
+    Three letters or more in one place tell it, where some of them stand for no signal. X, y and z are those
+    of a point, which is no joint's.
+    """
+    alike: dict[tuple[str, str], dict[str, str]] = defaultdict(dict)
+    for name in said:
+        if any(joint.lower() in name.lower() for joint in joints if len(joint) > 1):
+            continue
+        for found in _ALONE.finditer(name):
+            before, after = name[: found.start()], name[found.end() :]
+            if re.search("[A-Za-z]", before + after) and not re.search(r"\d", before + after):
+                alike[before, after][found.group().lower()] = name
+    out: dict[str, Meaning] = {}
+    for (before, after), names in alike.items():
+        letters = {axis.rstrip("0123456789") for axis in names}
+        if letters <= _CARTESIAN and ({"x", "y"} <= letters or {"rx", "ry"} <= letters):
+            out |= {name: replace(said[name], signal="other", joint=None) for name in names.values()}
+        elif _axes(letters):
+            m, word = meaning(f"{before} {after}"), re.sub("[^A-Za-z]", "", before).lower()
+            out |= {name: replace(m, joint=f"{word}_{axis}") for axis, name in names.items()}
+    return out
+
+
+def _axes(letters: set[str]) -> bool:
+    """Whether letters are those of axes: q is that of an angle, and among some others t that of time."""
+    strange = sum(not is_symbol(letter) for letter in letters)
+    return len(letters) > 2 and strange > 0 and "q" not in letters and (
+        "t" not in letters or 2 * strange >= len(letters)
+    )  # fmt: skip
 
 
 def _measures(m: Meaning, kind: str) -> bool:

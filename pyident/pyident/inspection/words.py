@@ -1,6 +1,7 @@
 """What a column's name says: signal, joint, side and unit, in the words that loggers use."""
 
 import re
+from collections.abc import Container
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
@@ -105,7 +106,7 @@ _OTHER = frozenset(
         "factor",
     ]
 )
-_MEASURED = frozenset(["act", "actual", "meas", "measured", "ist", "present"])
+_MEASURED = frozenset(["act", "actual", "meas", "measured", "msr", "ist", "present"])
 _OF_THE_MODEL = frozenset(["bias", "passive", "constraint", "smooth", "inverse", "gravcomp"])  # MuJoCo's qfrc
 _SWITCH = frozenset(["enable", "enabled"])
 _SWITCHED = frozenset(["torque", "motor", "servo", "drive"])
@@ -117,11 +118,14 @@ _MOTIONS = frozenset(["angle", "length", "speed"])
 _MEASURES = {"angle": "position", "length": "position", "speed": "velocity", "effort": "torque"}
 _CAPITALS = {"A": {"current", "voltage"}, "V": {"current", "voltage"}, "N": {"torque"}}
 _ADDRESS = re.compile(r"\b0x[0-9A-Fa-f]{2,8}\b")  # of an object on a bus: 0x6064 is no joint
+_TYPE = re.compile(r"(?<![A-Za-z0-9])[A-Za-z][1-9]\d{2,}(?![A-Za-z0-9])")  # of a robot, as R800: no r
+_AGAIN = re.compile(r" \(\d+\)$")  # the mark of a name that comes twice
+_PLACES = frozenset([*_AXES, *_MOTOR, *_LINK, "j", "gelenk"])
 _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
     r"(ist|soll|(?:motor|antrieb|abtrieb|rotor)(?:s(?!trom))?)(?=[a-z]{3})"
 )  # Antriebsmoment
-_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])|(?<=Q)(?=[A-Z][a-z])")
 
 
 @dataclass(frozen=True)
@@ -140,7 +144,7 @@ class Meaning:
 
 def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     """Of a column's name; joints: names of the robot's joints, which may be part of it."""
-    joint, rest = _joint(_ADDRESS.sub(" ", name), joints)
+    joint, rest = _joint(_without_type(_ADDRESS.sub(" ", name)), joints)
     words = [word.lower() for part in _SPLIT.split(rest) for word in _CAMEL.split(part) if word]
     words = [part for word in words for part in _parts(word)]
     numbers = [int(word) for word in words if word.isdigit()]
@@ -156,9 +160,27 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK | _SWITCH]
     if joint is None and len(left) and "observation" not in left:
         joint = "_".join(w for w in left if w not in _PLAIN)
-    return Meaning(
-        _signal(words, KINDS.get(unit or "")), joint if joint != "" else None, side, unit, _wanted(words)
-    )
+    signal = _signal(words, KINDS.get(unit or ""))
+    if signal == "unknown" and isinstance(joint, int) and all(w in _PLACES or known_unit(w) for w in words):
+        signal = _MEASURES.get(KINDS.get(unit or "", ""), signal)  # j1_deg
+    return Meaning(signal, joint if joint != "" else None, side, unit, _wanted(words))  # pyright: ignore
+
+
+def is_symbol(letter: str) -> bool:
+    """Whether a single letter stands for a signal where nothing else says so."""
+    return letter in _BARE or letter in _WANTED
+
+
+def first_of(name: str, names: Container[str]) -> str:
+    """A name that was marked as it comes twice (`q1 (2)`), without the mark."""
+    bare = _AGAIN.sub("", name)
+    return bare if bare in names else name
+
+
+def _without_type(name: str) -> str:
+    """Without the type of a robot, R800, where another number is left."""
+    bare = _TYPE.sub(" ", name)
+    return bare if re.search(r"\d", bare) else name
 
 
 def _of_the_load(words: list[str], kind: str | None) -> list[str]:
@@ -211,6 +233,8 @@ def _found(words: list[str], kind: str | None) -> list[str]:
     What a unit measures says more than a letter.
     """
     named = {word: _BARE[word] for word in words if word in _BARE}
+    if "q" in named:  # the m of m1_q is no moment
+        named.pop("m", None)
     long = {word: signal for word, signal in named.items() if len(word) > 1}
     chosen = list((long if set(long.values()) - {"time"} else named).values())
     if not chosen and kind in _MOTIONS and set(words) & (_MOTOR | _LINK):

@@ -27,7 +27,7 @@ class Recording:
 
 
 _SECONDS = re.compile(r"(.*?)[._/]?secs?", re.IGNORECASE)
-_NANOSECONDS = re.compile(r"(.*?)[._/]?n(?:ano)?secs?", re.IGNORECASE)
+_NANOSECONDS = re.compile(r"(.*?)[._/]?(?:nano|(?<!i)n)secs?", re.IGNORECASE)  # but InSec
 
 
 def with_whole_stamps(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
