@@ -12,6 +12,7 @@ from inspection.styles import arm, sound
 
 from pyident.inspection.inspect_log import inspect_log
 from pyident.logs.foreign import import_log
+from pyident.logs.log import LogError
 from pyident.logs.mapping import read_mapping
 
 TIME = np.arange(400) * 0.01
@@ -167,3 +168,19 @@ def test_a_unit_that_the_file_gives_stands_where_masses_are_a_little_off(tmp_pat
     found = inspect_log([tmp_path / "raw.csv"], robot.with_parameters(light))
     assert {c.unit for c in found.channels if c.signal == "torque"} == {"lbf.in"}
     assert not any("which is right" in question for question in found.questions)
+
+
+def test_a_signal_that_names_no_joint_is_asked_for_it(tmp_path):
+    """And the mapping that holds nothing yet says what it is to hold."""
+    columns = {"t": TIME, "theta": ANGLE, "alpha": 2 * ANGLE, "tau_theta": 3 * ANGLE}
+    pd.DataFrame(columns).to_csv(tmp_path / "raw.csv", index=False)
+    found = inspect_log([tmp_path / "raw.csv"], arm())
+    assert found.questions == (
+        "theta looks like a position, but of which joint? no name says so; 6 positions are needed",
+        "tau_theta looks like a torque, but of which joint? no name says so; 6 torques are needed",
+    )
+    (tmp_path / "m.toml").write_text(found.toml())
+    with pytest.raises(LogError, match=r'it maps no column; give each its table, \[signals."joint1.e"\]'):
+        read_mapping(tmp_path / "m.toml")
+    (tmp_path / "m.toml").write_text(found.toml().replace("# [", "[").replace("# source", "source"))
+    assert read_mapping(tmp_path / "m.toml").signals["joint1.e"].column == "COLUMN"

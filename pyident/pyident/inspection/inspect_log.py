@@ -201,28 +201,43 @@ def _asked(c: Channel) -> Channel:
 def _missing(
     channels: list[Channel], robot: Robot | None, joints: int, time: Channel | None, rate: float | None
 ) -> list[str]:
-    again = next(filter(None, map(starts_again, channels)), None)
+    again = next(filter(None, map(starts_again, channels)), None) if time is None else None
     asked = [again] if again else []
     if time is None and not rate and not again:
         why = "; ".join(filter(None, map(no_clock, channels))) or "no column looks like time"
         asked.append(f"{why}: how many samples a second were recorded? (rate)")
+    return [*asked, *_without_position(channels, joints), *_without_torque(channels, robot, joints)]
+
+
+def _without_position(channels: list[Channel], joints: int) -> list[str]:
     places = {c.joint for c in channels if c.signal == "position" and c.name}
-    efforts = {c.joint for c in channels if c.signal in ("torque", "current", "voltage") and c.name}
+    lacking = [k for k in range(1, joints + 1) if k not in places]
+    loose = [c.column for c in channels if c.signal == "position" and c.joint is None]
+    if loose and (lacking or joints == 0):
+        return [_of_which_joint(loose, "position", len(lacking))]
     if joints == 0:
-        asked.append(
-            "no column looks like the position of a joint: which are they? a robot file (--robot) helps"
-        )
-    for k in range(1, joints + 1):
-        if k not in places:
-            asked.append(f"no column looks like the position of joint {k}: which is it?")
+        return ["no column looks like the position of a joint: which are they? a robot file (--robot) helps"]
+    return [f"no column looks like the position of joint {k}: which is it?" for k in lacking]
+
+
+def _without_torque(channels: list[Channel], robot: Robot | None, joints: int) -> list[str]:
     drives = robot is not None and (robot.servo or robot.controller)  # they tell the torque
-    commands = {c.joint for c in channels if c.signal == "reference" and c.name}
-    served = commands if drives else set()
+    efforts = {c.joint for c in channels if c.signal in _EFFORTS and c.name}
+    served = {c.joint for c in channels if c.signal == "reference" and c.name} if drives else set()
     lacking = [k for k in range(1, joints + 1) if k not in efforts and k not in served]
-    if lacking and (robot is None or len(lacking) < joints):
-        asked.append(f"no column looks like the torque of joint {lacking[0]}: which is it?")
-    elif lacking:
-        asked.append(
-            "no column looks like a torque: which is it, or does the robot file describe the drives?"
-        )
-    return asked
+    loose = [c.column for c in channels if c.signal in _EFFORTS and c.joint is None]
+    if not lacking:
+        return []
+    if loose:
+        return [_of_which_joint(loose, "torque", len(lacking))]
+    if robot is None or len(lacking) < joints:
+        return [f"no column looks like the torque of joint {lacking[0]}: which is it?"]
+    return ["no column looks like a torque: which is it, or does the robot file describe the drives?"]
+
+
+def _of_which_joint(columns: list[str], what: str, lacking: int) -> str:
+    """The question of columns that no name gives to a joint; lacking: how many are looked for."""
+    one = len(columns) == 1
+    said = f"{', '.join(columns)} {f'looks like a {what}' if one else f'look like {what}s'}"
+    needed = f"; {lacking} {what}s are needed" if lacking > len(columns) else ""
+    return f"{said}, but of which joint{'' if one else 's'}? no name says so{needed}"

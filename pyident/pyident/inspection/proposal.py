@@ -9,6 +9,13 @@ from pyident.inspection.drives import drive_line
 from pyident.inspection.physics import mapping_of
 from pyident.logs.mapping import Mapping
 
+_NONE = (
+    "[signals]  # ? no column is mapped: write a table like this one for each",
+    '# [signals."joint1.e"]',
+    '# source = "COLUMN"',
+    '# unit = "rad"',
+)
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -54,9 +61,11 @@ class Proposal:
             lines.append(f"time = {{ source = {_quoted(time.column)}, unit = {_quoted(time.unit or '1')} }}")
         else:
             lines.append(f"rate = {self.rate}" if self.rate else "# rate = NUMBER  # ? samples per second")
-        for c in sorted(self.channels, key=lambda c: (c.joint or 0, c.signal)):
-            if c.name is not None and c.signal != "time":
-                lines += ["", *self._signal(c)]
+        told = [c for c in self.channels if c.name is not None and c.signal != "time"]
+        for c in sorted(told, key=lambda c: (c.joint or 0, c.signal)):
+            lines += ["", *self._signal(c)]
+        if not told:
+            lines += ["", *_NONE]
         return "\n".join(lines) + "\n"
 
     def _signal(self, c: Channel) -> list[str]:

@@ -74,6 +74,8 @@ def shipped_mappings() -> dict[str, Path]:
 
 def _mapping(table: Table) -> Mapping:
     joints = list(range(1, table.whole(table.get("joints", 1), "joints", 1, 1_000) + 1))
+    if not table.get("signals", {}):
+        raise LogError('it maps no column; give each its table, [signals."joint1.e"] with source = "COLUMN"')
     listed = table.table("signals")
     signals: dict[str, Source] = {}
     for name in listed.data:
