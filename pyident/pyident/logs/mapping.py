@@ -74,9 +74,7 @@ def shipped_mappings() -> dict[str, Path]:
 
 def _mapping(table: Table) -> Mapping:
     joints = list(range(1, table.whole(table.get("joints", 1), "joints", 1, 1_000) + 1))
-    if not table.get("signals", {}):
-        raise LogError('it maps no column; give each its table, [signals."joint1.e"] with source = "COLUMN"')
-    listed = table.table("signals")
+    listed = Table(table.get("signals", {}), "signals")
     signals: dict[str, Source] = {}
     for name in listed.data:
         signals |= _signals(listed.table(name), name, joints)
@@ -85,6 +83,8 @@ def _mapping(table: Table) -> Mapping:
     rate = table.number("rate", lower=0.0, above=True) if "rate" in table else None
     if (rate is None) == ("time" not in table):
         raise LogError("give either rate [Hz] or time, the column that holds it")
+    if not listed.data:
+        raise LogError('it maps no column; give each its table, [signals."joint1.e"] with source = "COLUMN"')
     header = table.get("header", True)
     episode = table.whole(table.get("episode"), "episode", 0, 10**6) if "episode" in table else None
     table.done()
