@@ -60,6 +60,21 @@ def test_joints_may_have_numbers(key, tmp_path):
     assert found.clocks == {}
 
 
+def test_joints_with_numbers_in_their_names_are_one_by_all_signals(tmp_path):
+    """A force beside a torque is not the torque of a joint that turns."""
+    names = ("shoulder_pan_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint")
+    frame = rows_of({name: (k + 1) * ANGLES["elbow"] for k, name in enumerate(names)})
+    frame = frame.assign(force_N=3 * frame["effort [Nm]"]).rename(
+        columns={"position [rad]": "position_rad", "effort [Nm]": "torque_Nm"}
+    )
+    found = inspect_log([written(tmp_path, frame)])
+    assert {c.column: c.name for c in found.channels if c.name not in (None, "time")} == {
+        f"{name}.{column}": f"joint{k}.{ours}"
+        for k, name in enumerate(names, start=1)
+        for column, ours in (("position_rad", "e"), ("torque_Nm", "tau"))
+    }
+
+
 def test_a_round_that_was_cut_off_is_left_out(tmp_path):
     found = read_recording(written(tmp_path, rows_of(ANGLES).iloc[:-1]))
     assert len(found.columns["timestamp"]) == len(found.columns["elbow.position"]) == len(TIME) - 1

@@ -190,8 +190,11 @@ def _naturally(words: Iterable[str]) -> list[str]:
 
 
 def _word(name: str, said: dict[str, Meaning]) -> str:
-    """What stands for the joint in a name: fr_hip of FR_hip.q, wrist_1. of wrist_1.position."""
+    """What stands for the joint in a name: fr_hip of FR_hip.q, wrist_1 of wrist_1.position_rad."""
     joint = said[name].joint
+    before, _, after = name.rpartition(".")
+    if isinstance(joint, int) and re.search(r"\d", before) and not re.search(r"\d", after):
+        return before
     return joint if isinstance(joint, str) else name[: len(name) - len(_field(name))]
 
 

@@ -22,7 +22,7 @@ from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
 from pyident.logs.steps import usual_step
-from pyident.logs.units import FACTORS
+from pyident.logs.units import FACTORS, KINDS
 
 _LARGEST = 1e100  # in whatever unit
 _ROUNDED = 1e-3  # of a column's range: how far rounding takes one from the same in another unit
@@ -132,28 +132,33 @@ def _one_each(channels: list[Channel], robot: Robot | None) -> list[Channel]:
     if joints is not None:
         none = {"signal": "other", "joint": None, "doubt": ""}
         channels = [replace(c, **none) if (c.joint or 0) > joints else c for c in channels]
+    turning = {c.joint for c in channels if c.signal == "position" and KINDS.get(c.unit or "") == "angle"}
     owners: dict[str, Channel] = {}
-    for c in sorted(channels, key=_rank):
+    for c in sorted(channels, key=lambda c: _rank(c, turning)):
         if c.name is not None:
             owners.setdefault(c.name, c)
-    return [_owned(c, owners[c.name]) if c.name is not None else c for c in channels]
+    return [_owned(c, owners[c.name], turning) if c.name is not None else c for c in channels]
 
 
-def _rank(c: Channel) -> tuple[bool, bool, int]:
-    """Of columns for one signal: those that their names tell, the measured, a torque before a current."""
+def _rank(c: Channel, turning: set[int | None]) -> tuple[bool, bool, bool, int]:
+    """Of columns for one signal: those that their names tell, the measured, a torque before a current.
+
+    turning   the joints that turn, of which a force is no torque
+    """
     guessed = not any(why.startswith(NAME) for why in c.why)
-    return guessed, c.wanted, _EFFORTS.index(c.signal) if c.signal in _EFFORTS else 0
+    force = c.unit in ("N", "kN") and c.joint in turning
+    return guessed, c.wanted, force, _EFFORTS.index(c.signal) if c.signal in _EFFORTS else 0
 
 
 def _unnamed(c: Channel) -> Channel:
     return replace(c, doubt="") if c.signal in ("velocity", "acceleration") else c
 
 
-def _owned(c: Channel, owner: Channel) -> Channel:
+def _owned(c: Channel, owner: Channel, turning: set[int | None]) -> Channel:
     """The channel of a signal, or none where another column is taken for it."""
     if c.column == owner.column:
         return c
-    if _rank(c) > _rank(owner) or _same(c, owner):
+    if _rank(c, turning) > _rank(owner, turning) or _same(c, owner):
         return replace(c, signal="other", sure=False, doubt="", why=(*c.why, f"{owner.column} is taken"))
     return replace(c, signal="other", sure=False, doubt=f"{c.column} and {owner.column} both look like "
                    f"{c.name}: {owner.column} is taken; is that right?")  # fmt: skip

@@ -17,6 +17,7 @@ _NUMBERS = re.compile(  # the name of a column of numbers
 )
 _MOST = 64  # joints
 _LEAST = 4  # rows of each
+_LOOK = 1000  # rows, which hold all joints
 _IN_TURN = 0.5  # of the rows, at least, that are of another joint than the row before
 _ROUNDS = 0.9  # of the rows, at least, that are of the same joint as the one a round before
 _TOGETHER = 0.4  # of the rows, at least, that have the stamp of the row before
@@ -78,6 +79,9 @@ def _labels(
     name: str, columns: Mapping[str, np.ndarray], texts: Mapping[str, pd.Series]
 ) -> np.ndarray | None:
     """What a column calls the joint of each row (N,), `shoulder` or `joint2`; None where it names none."""
+    first = pd.Series(texts[name] if name in texts else columns[name]).iloc[:_LOOK]
+    if not 2 <= first.nunique() <= _MOST:
+        return None
     if name in texts:
         return texts[name].astype(str).str.strip().to_numpy(str)
     said, x = _NUMBERS.fullmatch(name), columns[name]
