@@ -249,8 +249,8 @@ def of_springs(findings: Sequence[Finding]) -> Iterator[str]:
     for n in (n for f in findings for n in f.tie if n.effect == joint_spring.name):
         if n.values["stiffness"] < 0:
             yield (
-                f"{n.effect} at {n.joint}: its stiffness is below zero, as of a balancer, a rope over the joint "
-                "or gravity that is tilted in the robot file, not of a spring"
+                f"{n.effect} at {n.joint}: its stiffness is below zero, as of a balancer, a rope over the "
+                "joint or gravity that is tilted in the robot file, not of a spring"
             )
 
 
