@@ -141,7 +141,8 @@ def _aligned(
         heard = within(robot, found.band)
         moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
         in_time = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
-        search = search if links_swing(search, in_time) else in_time
+        only_late = found == Alignment(found.late)
+        search = search if only_late and links_swing(search, in_time) else in_time
     progress(1.0)
     return search
 

@@ -113,6 +113,7 @@ def test_what_is_left_of_forces_that_cancel_determines_nothing():
     rng = np.random.default_rng(5)
     A = rng.normal(size=(400, 4)) * [100.0, 10.0, 1.0, 1e-14]
     y = A[:, :3] @ [0.5, -2.0, 3.0] + 0.01 * rng.normal(size=400)
-    p, directions = solution_of([np.linalg.qr(np.column_stack([A, y]), mode="r")])
+    triangle = np.asarray(np.linalg.qr(np.column_stack([A, y]), mode="r"))
+    p, directions = solution_of([triangle])
     np.testing.assert_allclose(p, [0.5, -2.0, 3.0, 0.0], atol=0.01)
     assert directions.shape == (4, 3)

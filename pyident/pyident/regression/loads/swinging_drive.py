@@ -118,12 +118,15 @@ def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: fl
     middle = np.median(M[:, own, own], axis=0)
     M[:, own, own] = np.maximum(M[:, own, own], _LEAST * middle)
     D = 2 * np.array([s.damping for s in springs]) * np.sqrt(middle * K)
-    stiff, damped = np.linalg.solve(M, F_q + np.diag(K)), np.linalg.solve(M, F_v + np.diag(D))
-    force = np.linalg.solve(M, load[:, :, None])[:, :, 0]
-    with np.errstate(over="ignore", invalid="ignore"):
-        lag = _numerov(stiff, damped, force, load / K, h)
+    try:
+        stiff, damped = np.linalg.solve(M, F_q + np.diag(K)), np.linalg.solve(M, F_v + np.diag(D))
+        force = np.linalg.solve(M, load[:, :, None])[:, :, 0]
+        with np.errstate(over="ignore", invalid="ignore"):
+            lag = _numerov(stiff, damped, force, load / K, h)
+    except np.linalg.LinAlgError:  # of bodies that no robot has
+        return np.zeros((3, *load.shape))
     if not np.all(np.abs(lag) < _FARTHEST):
-        return np.zeros((3, *lag.shape))
+        return np.zeros((3, *load.shape))
     rate = np.gradient(lag, h, axis=0)
     acceleration = force - np.einsum("nij,nj->ni", stiff, lag) - np.einsum("nij,nj->ni", damped, rate)
     return np.array([lag, rate, acceleration])
