@@ -10,9 +10,11 @@ from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
 from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
 
 from flexmodels.files.robot_file import load_robot
+from pyident.diagnosis.base.candidates import drive
 from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.diagnose import concluded, searched
 from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.search.measured import worth_name
 from pyident.logs.log import Log
 
 PACE = 4.0
@@ -80,6 +82,12 @@ def test_a_belt_is_named_without_its_size(compliance):
     found = concluded(searched(load_robot("emps"), logs[:2], never), never, logs[2:])
     wrong = "Wrong: that joint1 is rigid: its belt or spindle stretches (100 %"
     assert found.sentence.startswith(wrong if compliance else "Nothing is missing")
+
+
+@pytest.mark.parametrize(("compliance", "named"), [(1e-4, True), (1e-7, False)])
+def test_a_drive_that_hardly_gives_way_is_worth_no_name(compliance, named):
+    search = searched(arm(), [logged(0, {})], never)
+    assert worth_name(search, drive(2), np.array([compliance])) is named
 
 
 def test_rigid_drives_are_not_said_to_bend():

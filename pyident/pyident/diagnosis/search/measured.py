@@ -27,7 +27,10 @@ from pyident.diagnosis.base.projection import extended, gains_over, others_of
 from pyident.diagnosis.misaligned import by_delay
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
-from pyident.regression.descriptions import DESCRIPTIONS
+from pyident.regression.descriptions import DESCRIPTIONS, DRIVE
+from pyident.regression.loads.bodies import carried_loads
+
+_LEAST_BEND = 1e-4  # rad: what no encoder behind a gear would show
 
 
 def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> bool:
@@ -64,8 +67,19 @@ def _beside_a_delay(search: Search, moving: Sequence[np.ndarray]) -> Search:
 
 def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
     """Whether an error of the robot file, its value (K,) in SI units, is large enough in the slowest log."""
+    if error.effect == DRIVE and not _gives_way(search, error, value):
+        return False
     period = max(log.period for log in search.examination.setting.logs)
     return DESCRIPTIONS[error.effect].worth_name(value, period)
+
+
+def _gives_way(search: Search, drive: Candidate, value: np.ndarray) -> bool:
+    """Whether a hinge's drive of a compliance (1,) bends by what matters under its load."""
+    if search.robot.joints[drive.joint - 1].kind != "revolute":
+        return True
+    motions = [log.part.motion for log in search.examination.logs]
+    loads = np.concatenate([carried_loads(search.robot, motion)[:, drive.joint - 1] for motion in motions])
+    return bool(value[0] * np.sqrt(np.mean(loads**2)) >= _LEAST_BEND)
 
 
 def can_be(error: Candidate, value: np.ndarray) -> bool:
