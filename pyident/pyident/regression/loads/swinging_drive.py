@@ -109,12 +109,11 @@ def _slopes_at(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
 def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: float) -> np.ndarray:
     """(3, N, S): lags of S links and their rates, 0 where springs do not hold them.
 
-    slopes   (3, S, S, N), of the first joint's torque by the second
+    slopes   (3, S, S, N), by the first joint of the second's torque
     """
     F_q, F_v, M = (own.transpose(2, 1, 0) for own in slopes)  # (N, S, S)
     K = np.array([1 / spring.compliance for spring in springs])
-    M = M + 0.0
-    own = np.arange(len(K))
+    M, own = M.copy(), np.arange(len(K))
     middle = np.median(M[:, own, own], axis=0)
     M[:, own, own] = np.maximum(M[:, own, own], _LEAST * middle)
     D = 2 * np.array([s.damping for s in springs]) * np.sqrt(middle * K)
@@ -137,9 +136,7 @@ def _numerov(
 ) -> np.ndarray:
     """(N, S) b of b̈ + damped ḃ + stiff b = force, at steps h; it begins with two of `first`."""
     N, S = force.shape
-    inner = (
-        10 if np.abs(stiff).max() * h * h < _FOLLOWED else 2
-    )  # the middle one's weight, the outer ones' being 1
+    inner = 10 if np.abs(stiff).max() * h * h < _FOLLOWED else 2  # beside 1 at the outer ones
     weight = h * h / (inner + 2)
     A, B, eye = weight * stiff, damped[1:-1] * h / 2, np.eye(S)
     right = first.copy()
