@@ -71,6 +71,11 @@ class Robot:
         return named | {joint_name(k): k for k, _ in self.numbered}
 
     @property
+    def flexible(self) -> bool:
+        """Whether any of its driven joints bends."""
+        return any(joint.flexible for joint in self.joints)
+
+    @property
     def catalogue(self) -> Mapping[str, Effect]:
         """Every law that may act at its joints: those that ship, and its own."""
         return self.joints[0].catalogue

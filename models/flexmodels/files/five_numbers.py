@@ -45,7 +45,7 @@ def export_five_numbers(robot: Robot, path: str | Path) -> list[str]:
         file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     laws = {law for joint in robot.joints for law, values in joint.values.items() if any(values.values())}
     notes = []
-    if any(joint.flexible for joint in robot.joints):
+    if robot.flexible:
         notes.append("five numbers per joint hold no flexible hinge: they are locked")
     if others := sorted(laws - KEPT - {"stiffness", "damping"}):
         notes.append(f"five numbers per joint have no place for {', '.join(others)}; they are left out")

@@ -20,15 +20,16 @@ _BEYOND = 1.5  # times the frequency that the motion reaches
 def with_own_cutoff(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[str, ...]]:
     """The robot with a cutoff [Hz] for its logs if it needs one and has none; and a note that says so."""
     plan = robot.settings.processing
-    flexible = any(joint.flexible for joint in robot.joints)
     long = [log for log in logs if len(log) >= SHORTEST]
-    if not flexible or robot.controller is not None or plan.cutoff is not None or not long:
+    if not robot.flexible or robot.controller is not None or plan.cutoff is not None or not long:
         return robot, ()
-    if not any(_blurred(log.signals(robot.coordinates), log.period) for log in long):
+    motions = [log.signals(robot.coordinates) for log in long]
+    corners, periods = [all_reached(q) for q in motions], [log.period for log in long]
+    if not any(map(_blurred, motions, corners, periods)):
         return robot, ()
-    reached = [max(all_reached(log.signals(robot.coordinates))) / (2 * log.period) for log in long]
-    cutoff = float(f"{_BEYOND * max(reached):.2g}")
-    if cutoff > 0.5 / max(log.period for log in long):
+    reached = max(max(own) / (2 * period) for own, period in zip(corners, periods, strict=True))
+    cutoff = float(f"{_BEYOND * reached:.2g}")
+    if cutoff > 0.5 / max(periods):
         return robot, ()
     note = (
         "the encoders' noise, differentiated twice, blurs the accelerations: all signals pass a low pass of "
@@ -38,9 +39,9 @@ def with_own_cutoff(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[str
     return robot.with_settings(processing=replace(plan, cutoff=cutoff)), (note,)
 
 
-def _blurred(q: np.ndarray, period: float) -> bool:
-    """Whether noise makes up much of the second differences of coordinates (N, n) that move."""
-    smooth = all_smooth(q, all_reached(q))
+def _blurred(q: np.ndarray, corners: Sequence[float], period: float) -> bool:
+    """Whether noise makes up much of the second differences of coordinates (N, n) that move below corners."""
+    smooth = all_smooth(q, corners)
     size = np.std(np.diff(smooth, 2, axis=0), axis=0) / period**2
     noise = np.array([channel_noise(x) for x in q.T]) * np.sqrt(6) / period**2
     return bool(np.any((size > 0) & (noise > _BLURS * size)))

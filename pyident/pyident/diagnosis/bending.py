@@ -112,7 +112,7 @@ def swinging(bent: Search, held: HeldOut) -> list[Step]:
     for c in drives:
         view = bent.resting_on([other for other in drives if other is not c])
         found = Found(c, view.gain_of(c), 0.0, 1.0)
-        steps.append(Step((found,), 1 / (1 + len(bent.families.peaks)), ()))
+        steps.append(Step((found,), bent.p_value(found), ()))
     return steps
 
 
@@ -130,8 +130,7 @@ def _borne_out(bent: Search, lead: Candidate, drives: Sequence[Candidate], held:
     unseen = held.share(bent, drives, region)
     if unseen is None:
         return True
-    size = (1 + unseen.kept) / 2
-    return unseen.deviations >= rules.chance and rules.unseen <= size <= 1 / rules.unseen
+    return unseen.deviations >= rules.chance and rules.unseen <= unseen.size <= 1 / rules.unseen
 
 
 def _further(search: Search, fit: _Fit, joints: Sequence[int]) -> _Fit:

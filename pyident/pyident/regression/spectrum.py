@@ -122,7 +122,7 @@ def _band(samples: int, robot: Robot, period: float) -> Band:
 
 def band_top(robot: Robot, period: float) -> float:
     """The highest frequency [Hz] at which the equations of a log with this period [s] are sound."""
-    along = robot.controller is None and not any(joint.flexible for joint in robot.joints)
+    along = robot.controller is None and not robot.flexible
     plan = robot.settings.processing
     top = min(_RIGID_TOP if along else _TOP, _THINNED_TOP / plan.decimate) * 0.5 / period
     if plan.cutoff is not None:

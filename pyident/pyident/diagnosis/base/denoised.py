@@ -63,14 +63,13 @@ def where_moving(robot: Robot, logs: Sequence[Log], transformed: Sequence[Equati
 
 def denoises(robot: Robot) -> bool:
     """Whether the motion loses its noise and a torque's has a spectrum."""
-    return robot.controller is None and not any(joint.flexible for joint in robot.joints)
+    return robot.controller is None and not robot.flexible
 
 
 def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
     """The robot without its file's filter, judged up to where the equations would be sound with it."""
     plan = robot.settings.processing
-    flexible = any(joint.flexible for joint in robot.joints)
-    if (plan.cutoff is None and plan.decimate == 1) or (flexible and robot.controller is None):
+    if (plan.cutoff is None and plan.decimate == 1) or (robot.flexible and robot.controller is None):
         return robot
     band = min(band_top(robot, log.period) for log in logs)
     return within(robot.with_settings(processing=replace(plan, cutoff=None, decimate=1)), band)

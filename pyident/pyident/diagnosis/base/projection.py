@@ -89,11 +89,11 @@ def triangles(whitened: Sequence[Equations]) -> list[np.ndarray]:
 def solution_of(rows: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """`p` (P,) and `directions` (P, R) of a base, from its equations' triangles."""
     scale = np.sqrt(sum(np.square(R[:, :-1]).sum(axis=0) for R in rows))
-    kept = scale > CANCELLED * scale.max()
-    scale[~kept] = 1.0
+    acting = scale > CANCELLED * scale.max()
+    scale[~acting] = 1.0
     triangle = Triangle(len(scale))
     for R in rows:
-        triangle.fold(R[:, :-1] * kept / scale, R[:, -1])
+        triangle.fold(R[:, :-1] * acting / scale, R[:, -1])
     R = triangle.full
     U, s, Vt = svd(R[:, :-1])
     kept = s > _ROUNDING * s[0]

@@ -88,10 +88,10 @@ def set_up(
     found = estimator(Problem(robot, tuple(denoised(robot, log) for log in logs)))
     reduced, solution = found.reduced, found.solution
     setting = Setting(robot, robot, (), {}, reduced, solution, {}, {}, rules, estimator)
-    if robot.controller or robot.servo or any(joint.flexible for joint in robot.joints):
+    if robot.controller or robot.servo or robot.flexible:
         fitted = _fitted(robot, reduced, solution)
         loop_is_known = all(loop_of(fitted, log) is None for log in logs)
-        if loop_is_known or any(joint.flexible for joint in robot.joints):
+        if loop_is_known or robot.flexible:
             noise = sensor_noise(fitted, logs, solution.p)
             own = {log.source: torque_noise(fitted, [log]) for log in logs}
             return _repeated(replace(setting, robot=fitted, noise=noise, own_noise=own), logs)

@@ -43,6 +43,11 @@ class Unseen:
         """Standard deviations from zero of the size that these logs by themselves give the effects."""
         return self.share * (1 + 1 / self.kept) / self.std if self.kept > 0 else 0.0
 
+    @property
+    def size(self) -> float:
+        """What is missing there by these logs themselves, over what the effects take as fitted."""
+        return (1 + self.kept) / 2
+
     def of_floor(self, rules: SearchRules) -> float:
         """What is taken, of the floor's energy."""
         return self.share * max(self.excess, rules.unseen_excess)
@@ -54,11 +59,10 @@ class Unseen:
 
         std   of that size in the fitted logs, as a share of it
         """
-        size = (1 + self.kept) / 2  # by these logs themselves, over that of the fitted ones
-        if not rules.unseen <= size <= 1 / rules.unseen:
+        if not rules.unseen <= self.size <= 1 / rules.unseen:
             return False
-        chance = np.hypot(size / max(self.deviations, 1e-300), std) if self.deviations else 0.0
-        return abs(size - 1) <= max(rules.unseen / 2, rules.again * chance)
+        chance = np.hypot(self.size / max(self.deviations, 1e-300), std) if self.deviations else 0.0
+        return abs(self.size - 1) <= max(rules.unseen / 2, rules.again * chance)
 
     def __str__(self) -> str:
         return f"{100 * self.share:.0f} ± {100 * self.std:.0f} %"

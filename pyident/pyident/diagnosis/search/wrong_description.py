@@ -70,12 +70,9 @@ def _rivals(view: Search, step: Step, held: HeldOut) -> Step | None:
     """Errors that explain what a law was named for, and as much; the view rests on all other laws."""
     rules, law, errors = view.rules, step.best, view.step()
     best = errors.best
-    if (
-        not _sized(view, best, _shares(view, step, best)[1])
-        or admission(view, best, [best.candidate], held).reason
-    ):
-        return None
     share, of_error = _shares(view, step, best)
+    if not _sized(view, best, of_error) or admission(view, best, [best.candidate], held).reason:
+        return None
     beside = view.with_further([best.candidate])
     if of_error < rules.tie * share or not _same(beside, law):
         return None
