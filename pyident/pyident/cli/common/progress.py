@@ -9,14 +9,15 @@ import click
 
 Tell = Callable[[float], None]
 SECONDS = 10.0
-_FIRST = 0.05  # of the work: less tells nothing about the rest
+_FIRST = 0.05  # of the work: less is preparation
+_ENOUGH = 0.25  # of the work, that tells about the rest: shares of work are not shares of time
 
 
 def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Tell:
     """Says on stderr what is being done, how much of it is done and about how long the rest takes.
 
     What came before a first share of next to nothing, such as compiling, tells nothing about the rest. Nor
-    does a step that lasts longer than all the rest was to take: then no time is said.
+    does little of the work, nor a step that lasts longer than all the rest was to take: then no time is said.
     """
     begin = said = clock()
     first: tuple[float, float] | None = None
@@ -32,7 +33,7 @@ def lines(text: str, clock: Callable[[], float] = time.monotonic) -> Tell:
             return
         said = now
         took, done = reached[0] - first[0], fraction - first[1]
-        left = took * (1 - fraction) / done - (now - reached[0]) if done >= _FIRST else -1.0
+        left = took * (1 - fraction) / done - (now - reached[0]) if fraction >= _ENOUGH else -1.0
         rest = f", about {left:.0f} s left" if left >= 0 else ""
         click.echo(f"{text}: {100 * fraction:.0f} % after {now - begin:.0f} s{rest}", err=True)
 
