@@ -4,6 +4,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from statsmodels.sandbox.regression.gmm import IV2SLS
 from two_link_logs import in_process, loaded, two_link
 
@@ -76,6 +77,21 @@ def test_the_algebra_is_that_of_statsmodels():
     theirs = IV2SLS((y * weights).ravel(), weighted[0], weighted[1]).fit()
     np.testing.assert_allclose(ours.p, theirs.params, rtol=1e-9)
     np.testing.assert_allclose(ours.std, theirs.bse, rtol=0.35)  # theirs: residuals of one size
+
+
+def test_intervals_hold_where_a_joint_rests_half_the_time():
+    """Coloured noise on an axis that moves for a second and rests for one: the spread over 300 logs."""
+    rng, N = np.random.default_rng(1), 4000
+    time = np.arange(N) * 0.01
+    share = (np.sin(np.pi * time) > 0).astype(float)[:, None]
+    Z = np.stack([np.sin(7 * time), np.cos(3 * time), np.ones(N)], axis=1)[:, None, :] * share[..., None]
+    sums, said = [], []
+    for _ in range(300):
+        noise = lfilter([1.0], [1.0, -0.6], rng.normal(size=N))[:, None] * share
+        rows = Rows(Z, Z, noise, share)
+        sums.append(rows.moments(noise, np.ones(1)))
+        said.append(spectral(lambda rows=rows: [rows], np.ones(1))(np.eye(3), np.zeros(3)).diagonal())
+    np.testing.assert_allclose(np.mean(said, axis=0), np.var(sums, axis=0), rtol=0.2)
 
 
 def test_the_mask_fades_before_it_closes():

@@ -6,7 +6,8 @@ noise, so that what noise there is in y − Φ p is uncorrelated with them (Jano
 The covariance is a sandwich in the frequency domain. A sum over samples of instrument times residual is a sum
 over frequencies, and its variance needs the residual's spectrum where the instruments have theirs: the
 periodogram, smoothed over neighbouring bins, with all its correlations between equations. Lags in time would
-let the noise of high frequencies, which differences raise as f squared, leak into it.
+let the noise of high frequencies, which differences raise as f squared, leak into it. A part of a log that
+does not count, as where a joint rests, has no instruments and says nothing of the noise.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -247,15 +248,16 @@ def _spectral(
 def _spectral_of(
     rows: Rows, weights: np.ndarray, turn: np.ndarray, p: np.ndarray, counted: np.ndarray | None
 ) -> np.ndarray:
-    residual = rows.residual(p) * rows.share * weights
-    N = transform_length(len(residual))
-    v = np.fft.fft(residual, N, axis=0)
+    used = rows.share > 0
+    N = transform_length(len(used))
+    everywhere = np.sqrt(N / np.maximum(used.sum(axis=0), 1))
+    v = np.fft.fft(rows.residual(p) * rows.share * weights * everywhere, N, axis=0)
     half = N // 2 + 1
     if counted is not None:
         v *= np.concatenate([counted, counted[1 : N - half + 1][::-1]])
     X = np.empty((len(weights), turn.shape[1], half), complex)
     for c, weight in enumerate(weights):
-        np.conj(np.fft.rfft(weight * rows.turned(c, turn), N), out=X[c])
+        np.conj(np.fft.rfft(weight * used[:, c] * rows.turned(c, turn), N), out=X[c])
     twice = np.full(half, 2.0)
     twice[0] = 1.0
     if N % 2 == 0:
