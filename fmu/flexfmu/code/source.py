@@ -82,6 +82,9 @@ def _header(interface: Interface, plant: str, period: float | None = None) -> st
 
 #define MODEL_IDENTIFIER "{interface.identifier}"
 #define MODEL_PREFIX {interface.identifier}_
+#ifdef {interface.identifier}_EXPORTS
+#define MODEL_SHARED /* CMake compiles it for a shared library of this name, as FMPy does */
+#endif
 #include "symbols.h"
 #define N_JOINTS {interface.joints}
 {loop}

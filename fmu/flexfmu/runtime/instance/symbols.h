@@ -6,8 +6,8 @@
 #define MODEL_PASTE(a, b) MODEL_PASTED(a, b)
 #define MODEL_PREFIXED(name) MODEL_PASTE(MODEL_PREFIX, name)
 
-/* In a library of its own an FMU shows the standard's plain names; importers say so by either word. */
-#if defined(FMI2_OVERRIDE_FUNCTION_PREFIX) || defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
+/* In a library of its own an FMU shows the standard's plain names; importers say so by either word, CMake by its own. */
+#if defined(FMI2_OVERRIDE_FUNCTION_PREFIX) || defined(FMI3_OVERRIDE_FUNCTION_PREFIX) || defined(MODEL_SHARED)
 #define MODEL_ALONE
 #else
 #define flexident_batch MODEL_PREFIXED(flexident_batch)
