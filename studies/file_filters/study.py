@@ -7,7 +7,8 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.simulation.fmu_runs import runs_here
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row

@@ -8,9 +8,10 @@ from statsmodels.regression.linear_model import OLS
 from threadpoolctl import threadpool_limits
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 

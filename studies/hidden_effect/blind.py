@@ -12,10 +12,11 @@ from threadpoolctl import threadpool_limits
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log, read_log
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.fmu_runs import runs_here

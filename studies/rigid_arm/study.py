@@ -12,7 +12,8 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from flexmodels.atomic import replacing
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.kept_results import write_json
 from pyident.sweep.studies import StudyResult, row

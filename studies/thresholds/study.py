@@ -9,8 +9,9 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.search.search import Search, search_of
+from pyident.diagnosis.searched import searched
 from pyident.rules.rule import RulesError
 from pyident.rules.rules import RULES, Rules
 from pyident.rules.search import SearchRules

@@ -10,7 +10,8 @@ from pyident.conditioning.smooth_motion import blurred, channel_noise, ends_of, 
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.setting import set_up
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
 from pyident.simulation.along import along, resolution

@@ -4,7 +4,8 @@ import numpy as np
 from six_axis_logs import arm, made, plain
 from two_link_logs import in_process
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 
 ZERO, LEVEL, SPEED = 150.0, 2.0, 0.08  # N m, N m, rad/s
 

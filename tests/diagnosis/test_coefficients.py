@@ -8,8 +8,8 @@ from two_link_logs import hidden, in_process, loaded, made_log, two_link
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.coefficients import gain_beside
-from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.searched import searched
 
 LAW = Candidate("asymmetric_coulomb", 2)
 

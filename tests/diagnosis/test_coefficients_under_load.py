@@ -7,7 +7,7 @@ from two_link_logs import in_process
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.coefficients import gain_beside
-from pyident.diagnosis.diagnose import searched
+from pyident.diagnosis.searched import searched
 
 COEFFICIENT = 0.14
 LAWS = [Candidate("load_dependent_friction", joint) for joint in (1, 2, 3)]

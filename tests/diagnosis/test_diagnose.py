@@ -14,13 +14,14 @@ from pyident.cli.main import main
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.nonlinear_values import proper
 from pyident.diagnosis.base.residual_over_floor import Region
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.next_steps import with_experiments
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.trace_in_simulation import _Judge
+from pyident.diagnosis.searched import searched
 from pyident.diagnosis.unexplained.residual_terms import RowSearch
 from pyident.logs.log import Log, write_log
 from pyident.rules.rules import RULES

@@ -10,10 +10,10 @@ from two_link_logs import in_process, loaded
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from flexmodels.settings.motions import Identification, Multisine
-from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.motions.detectable import limits
 from pyident.diagnosis.motions.revealing import revealing
 from pyident.diagnosis.result import Limit
+from pyident.diagnosis.searched import searched
 from pyident.excitation.variants import variants
 from pyident.logs.log import Log
 from pyident.rules.replicas import ReplicaRules

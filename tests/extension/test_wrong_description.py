@@ -6,7 +6,8 @@ import pytest
 from six_axis_logs import arm, made, plain
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.extension.add_effect import add_effect
 from pyident.regression.descriptions import corrected
 from pyident.simulation.fmu_runs import FmuRuns

@@ -7,8 +7,9 @@ the diagnosis was built: that they come out right is a floor, not a score.
 import pytest
 
 from flexmodels.files.robot_file import load_robot
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import read_log
 from pyident.simulation.fmu_runs import FmuRuns
 

@@ -9,7 +9,8 @@ from studies.foreign_logs.sensors import as_log
 from studies.machines_at_work.paths import STYLES, drawn_path
 from studies.machines_at_work.study import case_list, made, run, table
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.simulation.fmu_runs import runs_here
 
 SLIDERS = np.array([False, True, False])

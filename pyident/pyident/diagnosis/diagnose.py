@@ -6,47 +6,34 @@ its gain, if the gain matters, if it holds on logs that were not used, and if, a
 what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_detectable`.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 from flexmodels.coordinate import joint_name
-from flexmodels.inputs import SimulationError
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import Alignment, OwnWay
-from pyident.diagnosis.base.denoised import unfiltered, within
-from pyident.diagnosis.base.floor_shares import worth_little
-from pyident.diagnosis.base.residual_over_floor import examine
-from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
-from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.base.standing_out import unsettled
-from pyident.diagnosis.bending import about_bends, links_swing, swinging
+from pyident.diagnosis.bending import about_bends, swinging
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.late_torque import own_ways
-from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.found import Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
-from pyident.diagnosis.search.search import Search, search_of
+from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
+from pyident.diagnosis.searched import searched, with_torques_mended
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
-from pyident.logs.log import Log, LogError
-from pyident.refinement.instruments.stand_in import driven
+from pyident.logs.log import Log
 from pyident.regression.descriptions import DRIVE
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.simulator import OpenPool, Workers
+from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
-
-
-class UnsimulatedFitError(LogError):
-    """The replicas of a fit serve nothing."""
 
 
 def diagnose(
@@ -108,83 +95,6 @@ def _with_leads(search: Search, found: Diagnosis, open_pool: OpenPool, draft: bo
     return with_dependences(search, found, open_pool, draft) if found.verdict == "unexplained" else found
 
 
-def searched(
-    robot: Robot,
-    logs: Sequence[Log],
-    open_pool: OpenPool,
-    progress: Progress = lambda _: None,
-    rules: Rules = RULES,
-) -> Search:
-    """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
-
-    A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
-    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
-    Positions that all come late are moved back first, and torques are taken as before a common low pass.
-    """
-    plain = unfiltered(robot, logs)
-    try:
-        return _aligned(plain, logs, open_pool, progress, rules)
-    except UnsimulatedFitError:
-        if plain is robot:
-            raise
-    return _aligned(robot, logs, open_pool, progress, rules)
-
-
-def _aligned(
-    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules
-) -> Search:
-    setting = set_up(robot, logs, rules)
-    once = setting.simulates or len(robot.joints) == 1
-    search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
-    found = alignment_of(search.examination)
-    if found.needed:
-        heard = within(robot, found.band)
-        moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
-        in_time = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
-        only_late = found == Alignment(found.late)
-        search = search if only_late and links_swing(search, in_time) else in_time
-    progress(1.0)
-    return search
-
-
-def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
-    progress(0.05)
-    why = "its replicas leave most of the torque unexplained"
-    with workers_of(setting, open_pool) as workers:
-        for adjusted in _adjustments(setting, workers):
-            try:
-                found = adjusted()
-                progress(0.2)
-                search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
-            except SimulationError as error:
-                why = str(error)
-                continue
-            if not (setting.simulates and worth_little(search.examination)):
-                return search
-    raise UnsimulatedFitError(
-        f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
-        f"({why}); check the units and signs of its columns, and that the robot file has the right "
-        "joints; else the model lacks something large, such as a base that bends"
-    )
-
-
-def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Setting]]:
-    """What makes the setting one whose replicas serve, the best first.
-
-    A controller that stands in for a loop bends a fit by itself: only in a known one is that fit steadied.
-    """
-    bent = partial(steadied, setting)
-    try:
-        free = unbiased(setting, workers)
-    except SimulationError:
-        yield bent
-        return
-    yield partial(with_ringing_matched, free, workers)
-    if driven(setting.robot):
-        yield partial(steadied, free)
-    yield bent
-
-
 def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
     """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
 
@@ -222,7 +132,7 @@ def _in_time(
     ways = own_ways(search, selection.candidates)
     if not ways:
         return search, held, selection
-    mended = _with_torques_mended(search.examination.setting, ways, open_pool)
+    mended = with_torques_mended(search.examination.setting, ways, open_pool)
     held = held_out(mended, heldout)
     return mended, held, _selected(mended, held)
 
@@ -241,14 +151,6 @@ def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[S
     less = after <= (1.0 if fewer else 1 - search.rules.explained[0]) * beside.lacking.sum()
     names = any(step.best.candidate.effect == DRIVE for step in again.steps)
     return (bent, again) if less and names else (search, selection)
-
-
-def _with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: OpenPool) -> Search:
-    """The search in logs whose torques are as before they went these ways."""
-    logs = Alignment(own=ways).of_all(setting.robot, setting.logs)
-    mended = set_up(setting.robot, logs, setting.rules, setting.estimator)
-    whole = replace(setting.alignment, own=ways)
-    return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)
 
 
 def _selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selection:

@@ -12,9 +12,10 @@ from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
 from flexmodels.files.robot_file import load_robot
 from pyident.diagnosis.base.candidates import drive
 from pyident.diagnosis.bending import about_bends
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.measured import worth_name
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
 PACE = 4.0

@@ -9,7 +9,8 @@ from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
 from studies.rigid_arm.arm import moved, recorded, torque_noise
 from studies.rigid_arm.pinocchio_chain import chain, pinocchio
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
 PACE, STEP = 8.0, 0.0025  # of sines up to 2.9 Hz; s

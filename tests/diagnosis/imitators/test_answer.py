@@ -6,8 +6,8 @@ import pytest
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
-from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.imitators.answer import answers
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 

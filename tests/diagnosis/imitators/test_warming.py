@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from six_axis_logs import arm, made, plain
 
-from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.imitators.constancy import _beside_warming, changes_with
+from pyident.diagnosis.searched import searched
 from pyident.simulation.fmu_runs import runs_here
 
 WARMS = 0.1  # of joint 1's friction, over a log

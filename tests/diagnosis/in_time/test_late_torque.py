@@ -8,7 +8,8 @@ from scipy.signal import butter, lfilter, lfilter_zi
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
 from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay
-from pyident.diagnosis.diagnose import concluded, diagnose, searched
+from pyident.diagnosis.diagnose import concluded, diagnose
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
 PACE = 2.0  # times a slow motion, so that a joint reverses often

@@ -11,8 +11,9 @@ from scipy.signal import butter, cont2discrete, filtfilt, lfilter, lfilter_zi
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
 from pyident.conditioning.alignment import NOTHING, Alignment, earlier
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.misaligned import alignment_of
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
 LATE = 0.9  # samples

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.friction_by_log import friction_by_log
+from pyident.diagnosis.searched import searched
 from pyident.simulation.fmu_runs import runs_here
 
 

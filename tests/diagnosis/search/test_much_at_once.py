@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from six_axis_logs import arm, made, plain
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 
 AMPLITUDE, ORDER = 1.5, 202.0  # N m; per turn
 

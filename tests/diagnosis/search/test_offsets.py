@@ -6,7 +6,8 @@ from studies.foreign_logs.cases import case_list
 from studies.foreign_logs.generator import made
 from studies.foreign_logs.sensors import as_log
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import FmuRuns
 

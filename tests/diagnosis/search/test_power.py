@@ -6,10 +6,10 @@ from six_axis_logs import COULOMB, VISCOUS, arm, made, plain
 
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.diagnose import searched
 from pyident.diagnosis.search.gate import admission
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.power import energy_put_in
+from pyident.diagnosis.searched import searched
 from pyident.regression.spectrum import equations
 
 LAW = Candidate("asymmetric_coulomb", 1)

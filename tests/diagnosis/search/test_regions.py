@@ -8,11 +8,12 @@ from analytic_joint import analytic_log, free_joint
 
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.residual_over_floor import Region
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.gate import region_of, share_in
 from pyident.diagnosis.search.remainder import may_be_remainder
 from pyident.diagnosis.search.search import Search
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 

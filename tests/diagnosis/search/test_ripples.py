@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from analytic_joint import COULOMB, INERTIA, VISCOUS, analytic_log, free_joint
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 

@@ -11,9 +11,10 @@ from studies.foreign_logs.cases import case_list
 from studies.foreign_logs.generator import made
 from studies.foreign_logs.sensors import as_log
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.same_order import same_order
+from pyident.diagnosis.searched import searched
 
 
 def never(_):

@@ -9,7 +9,8 @@ from studies.foreign_logs.cases import case_list
 from studies.foreign_logs.generator import made
 from studies.foreign_logs.sensors import as_log
 
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 
 
 def never(_):

@@ -5,9 +5,10 @@ import pandas as pd
 from analytic_joint import COULOMB, INERTIA, VISCOUS, free_joint
 
 from pyident.diagnosis.base.residual_over_floor import Region
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.search.gate import sets_for
 from pyident.diagnosis.search.held_out import held_out
+from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 

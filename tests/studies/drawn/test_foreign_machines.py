@@ -22,7 +22,8 @@ from studies.foreign_logs.sensors import Sensors, as_log
 
 from pyident.cli.main import main
 from pyident.conditioning.motion import Motion
-from pyident.diagnosis.diagnose import concluded, searched
+from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.searched import searched
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.fmu_runs import runs_here
 

@@ -1,0 +1,115 @@
+"""From logs to the search of what a model lacks: a fit, its replicas, and what every candidate explains.
+
+Positions that all come late are moved back first, and torques are taken as before a common low pass.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from flexmodels.inputs import SimulationError
+from flexmodels.robot import Robot
+from pyident.conditioning.alignment import Alignment, OwnWay
+from pyident.diagnosis.base.denoised import unfiltered, within
+from pyident.diagnosis.base.floor_shares import worth_little
+from pyident.diagnosis.base.residual_over_floor import examine
+from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
+from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
+from pyident.diagnosis.bending import links_swing
+from pyident.diagnosis.misaligned import alignment_of
+from pyident.diagnosis.search.search import Search, search_of
+from pyident.logs.log import Log, LogError
+from pyident.refinement.instruments.stand_in import driven
+from pyident.rules.rules import RULES, Rules
+from pyident.simulation.simulator import OpenPool, Workers
+
+Progress = Callable[[float], None]
+
+
+class UnsimulatedFitError(LogError):
+    """The replicas of a fit serve nothing."""
+
+
+def searched(
+    robot: Robot,
+    logs: Sequence[Log],
+    open_pool: OpenPool,
+    progress: Progress = lambda _: None,
+    rules: Rules = RULES,
+) -> Search:
+    """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
+
+    A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
+    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
+    Positions that all come late are moved back first, and torques are taken as before a common low pass.
+    """
+    plain = unfiltered(robot, logs)
+    try:
+        return _aligned(plain, logs, open_pool, progress, rules)
+    except UnsimulatedFitError:
+        if plain is robot:
+            raise
+    return _aligned(robot, logs, open_pool, progress, rules)
+
+
+def _aligned(
+    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules
+) -> Search:
+    setting = set_up(robot, logs, rules)
+    once = setting.simulates or len(robot.joints) == 1
+    search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
+    found = alignment_of(search.examination)
+    if found.needed:
+        heard = within(robot, found.band)
+        moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
+        in_time = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
+        only_late = found == Alignment(found.late)
+        search = search if only_late and links_swing(search, in_time) else in_time
+    progress(1.0)
+    return search
+
+
+def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
+    progress(0.05)
+    why = "its replicas leave most of the torque unexplained"
+    with workers_of(setting, open_pool) as workers:
+        for adjusted in _adjustments(setting, workers):
+            try:
+                found = adjusted()
+                progress(0.2)
+                search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
+            except SimulationError as error:
+                why = str(error)
+                continue
+            if not (setting.simulates and worth_little(search.examination)):
+                return search
+    raise UnsimulatedFitError(
+        f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
+        f"({why}); check the units and signs of its columns, and that the robot file has the right "
+        "joints; else the model lacks something large, such as a base that bends"
+    )
+
+
+def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Setting]]:
+    """What makes the setting one whose replicas serve, the best first.
+
+    A controller that stands in for a loop bends a fit by itself: only in a known one is that fit steadied.
+    """
+    bent = partial(steadied, setting)
+    try:
+        free = unbiased(setting, workers)
+    except SimulationError:
+        yield bent
+        return
+    yield partial(with_ringing_matched, free, workers)
+    if driven(setting.robot):
+        yield partial(steadied, free)
+    yield bent
+
+
+def with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: OpenPool) -> Search:
+    """The search in logs whose torques are as before they went these ways."""
+    logs = Alignment(own=ways).of_all(setting.robot, setting.logs)
+    mended = set_up(setting.robot, logs, setting.rules, setting.estimator)
+    whole = replace(setting.alignment, own=ways)
+    return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)
