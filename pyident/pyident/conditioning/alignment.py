@@ -9,6 +9,7 @@ from flexmodels.robot import Robot
 from pyident.logs.foreign import delayed, sooner
 from pyident.logs.log import Log
 
+HELD = 0.6  # of a sample: a loop that holds its torque until the next one logs it half of one early
 _LEAST = 0.03  # of a frequency, that is raised to its whole: less is rounding as well
 _MATTERS = 0.2  # of the time constant of a low pass: a delay beside it
 _ENOUGH = 0.1  # of a frequency that is judged
@@ -40,8 +41,8 @@ class OwnWay:
     def undone(self, torque: np.ndarray, period: float) -> np.ndarray:
         """A torque (N,) as it was before."""
         if self.filters:
-            return sharpened(torque[:, None], period, self.low_pass)[:, 0]
-        return sooner(np.arange(len(torque)) * period, torque, self.late)
+            torque = sharpened(torque[:, None], period, self.low_pass)[:, 0]
+        return sooner(np.arange(len(torque)) * period, torque, self.late) if self.late else torque
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,14 @@ class Alignment:
     def of_all(self, robot: Robot, logs: Sequence[Log]) -> list[Log]:
         """Every log so."""
         return [self.of(robot, log) for log in logs]
+
+    def then(self, further: "Alignment") -> "Alignment":
+        """Both, one after the other; further: a delay and single torques' ways alone."""
+        ways = {way.joint: way for way in self.own}
+        for way in further.own:
+            known = ways.get(way.joint)
+            ways[way.joint] = replace(known, late=known.late + way.late) if known else way
+        return replace(self, late=self.late + further.late, own=tuple(ways.values()))
 
     @property
     def delayed(self) -> bool:

@@ -12,11 +12,14 @@ from dataclasses import replace
 from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
+from pyident.conditioning.alignment import NOTHING, Alignment
+from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.bending import about_bends, swinging
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
-from pyident.diagnosis.late_torque import own_ways
+from pyident.diagnosis.late_torque import comes_late, own_ways
+from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.search.found import Step
@@ -25,7 +28,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
-from pyident.diagnosis.searched import searched, with_torques_mended
+from pyident.diagnosis.searched import put_right, searched
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DRIVE
@@ -126,15 +129,31 @@ def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -
 def _in_time(
     search: Search, heldout: Sequence[Log], open_pool: OpenPool
 ) -> tuple[Search, HeldOut, Selection]:
-    """What the laws come to; with single torques put right, where that leaves far less."""
+    """What the laws come to; with all torques put right that are late alike beside them, and single ones
+    where that leaves far less.
+    """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    ways = own_ways(search, selection.candidates)
-    if not ways:
-        return search, held, selection
-    mended = with_torques_mended(search.examination.setting, ways, open_pool)
-    held = held_out(mended, heldout)
-    return mended, held, _selected(mended, held)
+    for apart in (_late_alike, _each_its_way, _late_alike):
+        further = apart(search, selection.candidates)
+        if further.needed:
+            search = put_right(search.examination.setting, further, open_pool)
+            held = held_out(search, heldout)
+            selection = _selected(search, held)
+    return search, held, selection
+
+
+def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
+    """What keeps all positions and torques apart beside what was named or put right."""
+    if not named and not search.examination.setting.alignment.own:
+        return NOTHING
+    others = [c for c in named if not comes_late(search.robot, c)]
+    return delay_beside(search.examination, others)
+
+
+def _each_its_way(search: Search, named: Sequence[Candidate]) -> Alignment:
+    """What single torques went through."""
+    return Alignment(own=own_ways(search, named))
 
 
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:

@@ -16,9 +16,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pyident.conditioning.alignment import OwnWay
+from flexmodels.robot import Robot
+from pyident.conditioning.alignment import HELD, OwnWay
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.imitators.answer import follows_torque
 from pyident.diagnosis.search.search import Search
+from pyident.regression.descriptions import DESCRIPTIONS
 
 _LATEST = 0.05  # s: drives and their filters are faster
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
@@ -41,6 +44,13 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
     return tuple(way for way in found if way is not None)
 
 
+def comes_late(robot: Robot, candidate: Candidate) -> bool:
+    """Whether it says that a torque comes late, as a law or as an error of the file."""
+    if candidate.describes:
+        return DESCRIPTIONS[candidate.effect].causal
+    return follows_torque(robot, candidate)
+
+
 def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
     """Of the torque of a joint (from 1), of which laws leave an energy; None where the logs do not tell."""
     ex = search.examination
@@ -51,7 +61,7 @@ def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
     if left > _CLEARLY * by_delay:
         best, left = delay, by_delay
     at_the_end = abs(best.late) > _LATEST - period
-    if at_the_end or abs(best.behind) < period / 2:
+    if at_the_end or -HELD * period <= best.behind < period / 2:
         return None
     rules, missing = search.rules, search.remaining_on([joint - 1])
     if left > min((1 - rules.whole) * missing, (1 - rules.explained[0]) * by_laws):

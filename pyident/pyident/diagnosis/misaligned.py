@@ -25,14 +25,16 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pyident.conditioning.alignment import NOTHING, Alignment
+from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay
 from pyident.conditioning.fading import fading
 from pyident.conditioning.samples import Conditioned
+from pyident.diagnosis.base.candidates import Candidate, columns_of
 from pyident.diagnosis.base.denoised import denoised_every_sample, where_moving
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
     Gain,
+    extended,
     gain,
     gains_over,
     others_of,
@@ -47,7 +49,7 @@ _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
 _STEP = 0.5  # samples
 _JOINTS = 2  # that must tell the same
 _EXACT = 0.02  # of a sample, and of the logarithm of a corner
-_SAMPLES = 5.0  # more is no matter of a clock, and no straight line
+_SAMPLES, _LATEST = 5.0, 0.05  # and s: more than both is no matter of a clock
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
@@ -89,6 +91,39 @@ def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
     return _change(ex, Alignment(_STEP * period), moving)
 
 
+def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
+    """A delay of all positions, of a sample at most, with which most joints leave less beside what was named.
+
+    Torques that were put right by themselves go with the positions.
+    """
+    setting, own = ex.setting, sorted(way.joint for way in ex.setting.alignment.own)
+    rows = [k - 1 for k, _ in setting.robot.numbered if k not in own]
+    moved = replace(setting.alignment, own=()).needed
+    if setting.simulates or len(rows) < _JOINTS or moved:
+        return NOTHING
+    period = max(log.period for log in setting.logs)
+    moving = where_moving(setting.robot, setting.logs, ex.logs)
+
+    def energies(late: float) -> np.ndarray:
+        data = _aligned(ex, Alignment(late), ex.floors)
+        base, levels = solve_base(data), levels_of(ex.floors, data)
+        for X in columns_of(setting.robot, named, data, levels):
+            base = extended(base, X)
+        pairs = zip(base.residual, moving, strict=True)
+        return np.sum([(np.square(r) * clear)[rows].sum(axis=1) for r, clear in pairs], axis=0)
+
+    count = np.sum([clear[rows].sum(axis=1) for clear in moving], axis=0)
+
+    def left(late: float) -> float:
+        return float(count @ np.log(np.maximum(energies(late), 1e-300)))
+
+    late = float(_least(left, (-period, period), _EXACT * period).x)
+    fall, chance = energies(0.0) - energies(late), setting.rules.search.chance**2
+    if (fall > chance).sum() < max(_JOINTS, len(rows) / 2) or (fall < -chance).any():
+        return NOTHING
+    return Alignment(late, own=tuple(OwnWay(k, late) for k in own))
+
+
 def _measured_alike(ex: Examination, delayed: Columns) -> bool:
     """Whether two joints where nothing stands out measure about the same delay, in their noise or above it.
 
@@ -111,7 +146,7 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
 
     Positions may be late or early: at reversals, which a low pass smears, the column may have the wrong sign.
     """
-    furthest, exact = _SAMPLES * period, _EXACT * period
+    furthest, exact = max(_SAMPLES * period, _LATEST), _EXACT * period
     delays = [
         _least(lambda late: _left(_aligned(ex, Alignment(late), ex.floors), moving), bounds, exact)
         for bounds in ((-furthest, 0.0), (0.0, furthest))

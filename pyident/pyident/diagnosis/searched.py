@@ -9,7 +9,7 @@ from functools import partial
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import Alignment, OwnWay
+from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.denoised import unfiltered, within
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
@@ -107,9 +107,9 @@ def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Se
     yield bent
 
 
-def with_torques_mended(setting: Setting, ways: tuple[OwnWay, ...], open_pool: OpenPool) -> Search:
-    """The search in logs whose torques are as before they went these ways."""
-    logs = Alignment(own=ways).of_all(setting.robot, setting.logs)
+def put_right(setting: Setting, further: Alignment, open_pool: OpenPool) -> Search:
+    """The search in logs of which more is put right: a delay of all, or what single torques went through."""
+    logs = further.of_all(setting.robot, setting.logs)
     mended = set_up(setting.robot, logs, setting.rules, setting.estimator)
-    whole = replace(setting.alignment, own=ways)
+    whole = setting.alignment.then(further)
     return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)

@@ -28,6 +28,13 @@ def later(log: Log, joint: int, samples: float) -> Log:
     return with_torque(log, joint, np.interp(time - samples * log.period, time, tau))
 
 
+def held(log: Log) -> Log:
+    """Torques of a loop that holds each until the next: logged half a sample before they act."""
+    for joint in range(1, 7):
+        log = later(log, joint, -0.5)
+    return log
+
+
 def filtered(log: Log, joint: int, corner: float) -> Log:
     """Behind a low pass of two poles, which delays what is slow by sqrt(2)/(2 pi corner)."""
     b, a = np.asarray(butter(2, corner, fs=1 / log.period, output="ba"))
@@ -43,6 +50,14 @@ def test_a_delay_of_some_samples_is_found_and_leaves_nothing():
     assert "ms late. That put right: Nothing is missing" in found.sentence
     (note,) = [note for note in found.notes if "was put right" in note]
     assert f"give joint3.tau a delay of about {3.0 * logs[0].period:.2g} s" in note
+
+
+@pytest.mark.slow
+def test_beside_it_all_torques_are_held_by_the_loop():
+    logs = [later(held(made(arm(), seed, plain, 20.0, 6.0)), 3, 4.0) for seed in range(2)]
+    found = diagnose(arm(), logs[:1], never, logs[1:])
+    assert found.verdict == "nothing_detectable"
+    assert "the torque of joint3 comes about" in found.sentence
 
 
 def test_a_low_pass_of_one_torque_is_no_presliding():

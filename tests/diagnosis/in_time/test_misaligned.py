@@ -10,9 +10,9 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, cont2discrete, filtfilt, lfilter, lfilter_zi
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
 
-from pyident.conditioning.alignment import NOTHING, Alignment, earlier
+from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay, earlier
 from pyident.diagnosis.diagnose import concluded
-from pyident.diagnosis.misaligned import alignment_of
+from pyident.diagnosis.misaligned import alignment_of, delay_beside
 from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
@@ -208,3 +208,18 @@ def test_a_moved_log_goes_straight_on_where_it_ends():
     for moved in (0.033, -0.033):
         found = earlier(arm(), Log(frame, "line"), moved).frame
         np.testing.assert_allclose(found["joint3.e"], 3 * (time + moved), atol=1e-12)
+
+
+def test_beside_what_was_named_most_joints_measure_one_delay(monkeypatch):
+    """As a loop makes it that holds its torque: half a sample, where what was named had hidden it."""
+    monkeypatch.setattr("pyident.diagnosis.searched.alignment_of", lambda _: NOTHING)
+    logs = logs_of(plain, 0.5)[:2]
+    search = searched(arm(), logs, never)
+    found = delay_beside(search.examination, [])
+    assert found.late == pytest.approx(0.5 * logs[0].period, rel=0.15)
+
+
+def test_torques_that_were_put_right_go_with_the_positions():
+    one = Alignment(own=(OwnWay(3, 0.25),))
+    both = one.then(Alignment(0.002, own=(OwnWay(3, 0.5), OwnWay(4, 0.001))))
+    assert both == Alignment(0.002, own=(OwnWay(3, 0.75), OwnWay(4, 0.001)))

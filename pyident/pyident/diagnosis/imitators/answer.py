@@ -6,10 +6,16 @@ leaves nothing: where the rest may be slow noise, which would have such an answe
 """
 
 from flexmodels.effects import signals
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.base.standing_out import bands_in_doubt
 from pyident.diagnosis.search.gate import region_of
 from pyident.diagnosis.search.search import Search
+
+
+def follows_torque(robot: Robot, law: Candidate) -> bool:
+    """Whether a law has a memory of the torque: it comes late."""
+    return any(signals.tau in state.rate.free_symbols for state in law_of(robot, law).states)
 
 
 def answers(whole: Search, candidate: Candidate) -> bool:
@@ -18,8 +24,7 @@ def answers(whole: Search, candidate: Candidate) -> bool:
     whole   rests on the candidate and all others that are named; where it knows the controller, replicas
             answer disturbances as the logs do
     """
-    states = law_of(whole.robot, candidate).states
-    if whole.examination.setting.simulates or not any(signals.tau in s.rate.free_symbols for s in states):
+    if whole.examination.setting.simulates or not follows_torque(whole.robot, candidate):
         return False
     region = region_of(whole.without(candidate), candidate)
     hardly = (1 - whole.rules.whole) * whole.excess_in(region)
