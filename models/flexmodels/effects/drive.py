@@ -3,7 +3,7 @@
 from sympy import Abs, Max, Symbol, cos, sign, sin
 
 from flexmodels.effects.effect import Coverage, Effect, Parameter, State
-from flexmodels.effects.signals import dde, e, hold, period, tau, time
+from flexmodels.effects.signals import dde, e, period, tau, time
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
 
@@ -45,8 +45,7 @@ torque_delay = Effect(
     forces={e: _share.symbol * (tau - _delivered.symbol)},
     parameters=(_share, _delay),
     states=(_delivered,),
-    # Rows do not tell when in a cycle a drive reads; a torque that is held acts half a cycle later.
-    proper=_share.symbol * _delay.symbol > 0.2 * period + 0.4 * hold,
+    proper=_share.symbol * _delay.symbol > 0.2 * period,  # rows do not tell when in a cycle a drive reads
     citation="Khalil and Dombre 2002; Moberg, Wernholt, Hanssen and Brogårdh 2014",
     needs="torques that change within the delay",
     confounders=("J_m", "viscous", "d[1]"),

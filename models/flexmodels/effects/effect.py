@@ -92,9 +92,9 @@ class Effect:
     base        its parameters carry no effect name (`joint1.coulomb`, not `joint1.coulomb.coulomb`)
     turning     acts at a revolute joint only
     excess_over effect on top of which it comes: a diagnosis proposes it only where that one acts already
-    proper      condition on its parameters, the joint's base parameters (Symbol("k[1]")), signals.period and
-                signals.hold, without which the values found are no such effect: a gap that takes little of
-                the stiffness is no backlash
+    proper      condition on its parameters, the joint's base parameters (Symbol("k[1]")) and signals.period,
+                without which the values found are no such effect: a gap that takes little of the stiffness
+                is no backlash
     sized_by    name of the parameter that makes it a large or a small one; none: its first linear one
     needs, coverage   what a log must contain, in words and where it is simple as a condition
     confounders       effects of the catalogue and base parameters that look alike

@@ -7,7 +7,6 @@ load         torque that the transmission carries [N m or N]: k[1] eps[1] of the
              where the joint is rigid what the links ask of it, M(q) q̈ + h(q, q̇) without the motor's inertia
 time         [s] since the start
 period       [s] between a log's samples, for conditions on what was found in it
-hold         [s] that a loop may hold its torque and the model not know: a period where no controller is known
 beyond       e, de, dde of the next joint
 tip          x, y, z of the robot's tip in its link [m], for what a law adds to that link's body
 """
@@ -42,7 +41,6 @@ tau = Symbol("tau", real=True)
 load = Symbol("load", real=True)
 time = Symbol("time", real=True)
 period = Symbol("period", positive=True)
-hold = Symbol("hold", nonnegative=True)
 beyond = Beyond(*(Symbol(f"beyond.{name}", real=True) for name in Beyond._fields))
 tip = Tip(*(Symbol(f"tip.{name}", real=True) for name in Tip._fields))
 ALL = frozenset({e, de, dde, *eps.values(), *deps.values(), tau, load, time, *beyond, *tip})

@@ -6,6 +6,9 @@ it. So where what was named leaves something that stands out, every measured tor
 taken as before a low pass of a drive's, and the time or the corner is sought that leaves least of its
 equation, over a floor that went the same way. It has to leave hardly anything of what exceeds the floor
 there, far less than the laws do, and every log by itself has to tell the same.
+
+A digital loop holds a torque until the next one, so that it acts half a sample after it is logged. Where a
+law or an error says so of one torque, this is put right, too.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,7 +21,7 @@ from scipy.optimize import minimize_scalar
 
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import HELD, OwnWay
-from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.imitators.answer import follows_torque
 from pyident.diagnosis.search.search import Search
 from pyident.regression.descriptions import DESCRIPTIONS
@@ -41,7 +44,28 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
     beside = search.resting_on(named)
     open_joints = [k for k, _ in search.robot.numbered if beside.standing_out[k - 1]]
     found = (_way(search, k, beside.remaining_on([k - 1])) for k in open_joints)
-    return tuple(way for way in found if way is not None)
+    ways = {way.joint: way for way in found if way is not None}
+    return tuple((_held(search, named) | ways).values())
+
+
+def _held(search: Search, named: Sequence[Candidate]) -> dict[int, OwnWay]:
+    """By joint the torques that are named late by no more than a loop holds them: that is no one's fault."""
+    period, found = max(e.band.period for e in search.examination.logs), {}
+    for late in [c for c in named if comes_late(search.robot, c)]:
+        early = _early(search.resting_on([c for c in named if c != late]), late)
+        if 0 < early <= HELD * period:
+            found[late.joint] = OwnWay(late.joint, -early)
+    return found
+
+
+def _early(beside: Search, late: Candidate) -> float:
+    """Time [s] that what was named says a torque is logged before it acts."""
+    coefficient = float(beside.gain_of(late).coefficients[0])
+    if late.describes:
+        return -coefficient
+    values = dict(late.values)
+    slopes = [state.coefficients[0] for state in law_of(beside.robot, late).states]
+    return sum(-coefficient / float(a.subs({s: values[s.name] for s in a.free_symbols})) for a in slopes)
 
 
 def comes_late(robot: Robot, candidate: Candidate) -> bool:
@@ -61,7 +85,7 @@ def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
     if left > _CLEARLY * by_delay:
         best, left = delay, by_delay
     at_the_end = abs(best.late) > _LATEST - period
-    if at_the_end or -HELD * period <= best.behind < period / 2:
+    if at_the_end or abs(best.behind) < period / 2:
         return None
     rules, missing = search.rules, search.remaining_on([joint - 1])
     if left > min((1 - rules.whole) * missing, (1 - rules.explained[0]) * by_laws):

@@ -7,7 +7,7 @@ import numpy as np
 from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.effects.structure import joint_spring
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import OwnWay
+from pyident.conditioning.alignment import HELD, OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.nonlinear_values import BEYOND
@@ -166,15 +166,22 @@ def of_time(setting: Setting) -> Iterator[str]:
     if found.delayed:
         yield (
             "all positions were moved in time before anything was judged: they have another clock or filter "
-            "than the torques, or all drives lag by that much; give their columns a delay of about "
-            f"{found.late:.2g} s in the mapping"
+            f"than the torques, or all drives lag by that much{_by_hold(setting, -found.late)}; give their "
+            f"columns a delay of about {found.late:.2g} s in the mapping"
         )
     for way in found.own:
         yield (
             f"the torque of {joint_name(way.joint)} was put right before all was judged: it has a clock or a "
-            f"filter of its own; give joint{way.joint}.tau a delay of about {way.behind:.2g} s in the mapping"
+            f"filter of its own{_by_hold(setting, way.behind)}; give joint{way.joint}.tau a delay of about "
+            f"{way.behind:.2g} s in the mapping"
             + (", or log it without that filter, which smears friction as well" if way.filters else "")
         )
+
+
+def _by_hold(setting: Setting, late: float) -> str:
+    """That a torque is logged before it acts because its loop holds it; empty where that is not enough."""
+    period = max(log.period for log in setting.logs)
+    return ", or is held until the next sample" if -HELD * period <= late < 0 else ""
 
 
 def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:

@@ -14,7 +14,6 @@ from flexmodels.coordinate import of_joint
 from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
-from pyident.refinement.instruments.stand_in import driven
 
 BEYOND = 1.5  # times the grid's ends: so far a value is looked for
 _TRIALS = 60
@@ -95,7 +94,7 @@ def proper(
     if law.proper is None:
         return True
     own = dict(candidate.values) | dict(zip((p.name for p in law.linear), coefficients, strict=True))
-    own |= {signals.period.name: period, signals.hold.name: 0.0 if driven(robot) else period}
+    own[signals.period.name] = period
     known = {
         symbol: own.get(symbol.name, parameters.get(of_joint(candidate.joint, f"{symbol.name}")))
         for symbol in law.proper.free_symbols

@@ -20,7 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyident.conditioning.alignment import HELD, Alignment
+from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.candidates import Candidate, bounds
 from pyident.diagnosis.base.denoised import where_moving
 from pyident.diagnosis.base.projection import extended, gains_over, others_of
@@ -69,10 +69,8 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
     """Whether an error of the robot file, its value (K,) in SI units, is large enough in the slowest log."""
     if error.effect == DRIVE and not _gives_way(search, error, value):
         return False
-    description = DESCRIPTIONS[error.effect]
     period = max(log.period for log in search.examination.setting.logs)
-    held = description.causal and np.all(value < 0) and np.all(-value <= HELD * period)
-    return description.worth_name(value, period) and not held
+    return DESCRIPTIONS[error.effect].worth_name(value, period)
 
 
 def _gives_way(search: Search, drive: Candidate, value: np.ndarray) -> bool:
