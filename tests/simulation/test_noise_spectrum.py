@@ -76,6 +76,33 @@ def test_between_reversals_a_spectrum_goes_on_below_what_stretches_resolve():
     assert between_reversals(law, moving & (np.arange(12000) % 20 > 0), PERIOD) is None
 
 
+def tones(count: int, seed: int) -> np.ndarray:
+    """One for each count of an encoder: at any time a single frequency between 10 and 40 Hz."""
+    turns = 2 * np.pi * 0.23 * np.arange(count) * PERIOD + seed
+    rate = 25 + 15 * np.sin(turns)
+    return np.sqrt(2) * np.sin(2 * np.pi * np.cumsum(rate) * PERIOD)
+
+
+def power(spectrum: NoiseSpectrum | None, low: float, high: float) -> float:
+    assert spectrum is not None
+    f = np.linspace(low, high, 1000)
+    return float(np.interp(f, spectrum.frequencies, spectrum.density).mean() * (high - low))
+
+
+def test_above_the_motion_a_tone_counts_that_few_stretches_hold():
+    known, values = np.ones(12000, bool), tones(12000, 0)
+    whole = between_reversals(values, known, PERIOD, above=5.0)
+    assert power(whole, 10, 40) == pytest.approx(1.0, rel=0.15)
+    median = between_reversals(values, known, PERIOD)
+    assert power(median, 10, 40) < 0.85 * power(whole, 10, 40)
+
+
+def test_a_spectrum_is_raised_above_a_frequency_alone():
+    f = np.array([1.0, 10.0, 20.0])
+    low, high = NoiseSpectrum(f, np.array([1.0, 1.0, 3.0]), PERIOD), NoiseSpectrum(f, np.full(3, 2.0), PERIOD)
+    assert low.raised(high, 5.0).density.tolist() == [1.0, 2.0, 3.0]
+
+
 def between(values: np.ndarray, seed: int, period: float) -> NoiseSpectrum:
     """Of noise (N,) under a law of 0.4 Hz that begins anywhere."""
     turns = 2 * np.pi * 0.4 * np.arange(len(values)) * period + np.random.default_rng([seed, 1]).uniform(0, 7)

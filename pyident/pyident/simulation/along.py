@@ -134,24 +134,23 @@ def _torque_noise(
     left = tau - generalised_forces(robot, motion, p)[:, :joints]
     signs = signs_known(robot, motion.dq, speed_products(motion.dq, joints)) > 0
     out, ends = {}, ends_of(len(left), [blurred(corner) for corner in corners])
+    above = 2 * max(corners) * 0.5 / log.period
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         known = away_from_rest(speed, float(np.mean(speed**2))) & signs[:, k]
         moving = telling(known, tau[:, k], motion, k, corners[k], log.period)
         moving[:ends], moving[-ends:] = False, False
-        rest = left[:, k]
-        if moving.any() and not repeats:
+        rest, plain, found = left[:, k], left[:, k], None
+        if moving.any():
             highest, angle = highest_of(robot.joints[k], periodic), motion.q[:, k]
             orders = orders_within([angle], np.abs(speed), log.period, highest, periodic)
-            rest = without_waves(rest, angle, speed, moving, orders, periodic)
-        if moving.any():
-            rest = bridged(rest, moving)
+            plain = bridged(without_waves(rest, angle, speed, moving, orders, periodic), moving)
+            found, rest = between_reversals(plain, moving, log.period, above), bridged(rest, moving)
         if repeats:
-            found = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
-            found = replace(found, density=found.density / share_told(moving[repeats.rows]))
-        else:
-            found = between_reversals(rest, moving, log.period)
-        out[name] = found or _of_highest(rest, moving, log.period)
+            again = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
+            again = replace(again, density=again.density / share_told(moving[repeats.rows]))
+            found = again.raised(found, above) if found else again
+        out[name] = found or _of_highest(plain, moving, log.period)
     return out
 
 

@@ -11,7 +11,9 @@ currents, which fit it best above; but there is no more noise than all that the 
 
 In a loop an encoder's noise becomes torque by differences, and the arm hardly follows it: such a spectrum
 rises towards its corner by decades. From where it rises it is taken as it is seen, and the fit is of what
-lies below.
+lies below. Of a coarse encoder it is a tone, of a count for each period: most stretches hold little of it at
+any frequency, and it comes again with the motion. So above the frequencies of the motion the mean of all that
+is left counts, where else the median does, or what does not repeat.
 
 In a few stretches a low pass fits even white noise, and would raise it severalfold where nothing is seen. So
 white noise alone and with a low pass are averaged by their odds (Schwarz 1978). Noise whose corner is below
@@ -84,6 +86,11 @@ class NoiseSpectrum:
         rounding = step**2 / 12 * 2 * self.period
         return replace(self, density=np.maximum(self.density - rounding, 0.0))
 
+    def raised(self, other: "NoiseSpectrum", above: float) -> "NoiseSpectrum":
+        """With no less than another at frequencies above one [Hz]."""
+        f, own = self.frequencies, self.density
+        return replace(self, density=np.where(f > above, np.maximum(own, other._at(f)), own))
+
     def draw(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """(count,) samples, of one of the spectra that may be what was measured."""
         white = np.fft.rfft(rng.standard_normal(count))
@@ -132,13 +139,18 @@ def repeated_spectrum(left: np.ndarray, repeats: float, period: float) -> NoiseS
     return NoiseSpectrum(middle, density, period, continued=edges[0] * bins, freedom=freedom)
 
 
-def between_reversals(left: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum | None:
-    """Of what a model leaves (N,), where a joint keeps its direction (N,); None where it hardly does."""
+def between_reversals(
+    left: np.ndarray, moving: np.ndarray, period: float, above: float = np.inf
+) -> NoiseSpectrum | None:
+    """Of what a model leaves (N,), where a joint keeps its direction (N,); None where it hardly does.
+
+    above   Hz: the motion has no higher frequencies, so that all that is left there is noise
+    """
     for length in (*(n for n in _LONG if n * period <= _QUICK), *_WINDOWS):
         starts = range(0, len(left) - length + 1, length // 2)
         pieces = np.array([left[a : a + length] for a in starts if moving[a : a + length].all()])
         if len(pieces) >= _ENOUGH:
-            return _no_more_than(left, moving, _fitted(pieces, period))
+            return _no_more_than(left, moving, _fitted(pieces, period, above))
     return None
 
 
@@ -171,9 +183,9 @@ def _no_more_than(left: np.ndarray, known: np.ndarray, found: NoiseSpectrum) -> 
     return replace(found, density=density)
 
 
-def _fitted(pieces: np.ndarray, period: float) -> NoiseSpectrum:
+def _fitted(pieces: np.ndarray, period: float, above: float) -> NoiseSpectrum:
     """White and low-passed noise by the spectrum of pieces (M, L), and above them what rises."""
-    f, typical = _typical(pieces, period)
+    f, typical = _typical(pieces, period, above)
     seen = np.convolve(np.pad(typical, _AVERAGED // 2, mode="edge"), np.ones(_AVERAGED) / _AVERAGED, "valid")
     fine = np.linspace(0, 0.5 / period, _FINE)
     quiet = _before_a_rise(seen)
@@ -201,15 +213,20 @@ def _by_shapes(f: np.ndarray, typical: np.ndarray, fine: np.ndarray, pieces: int
     return (white + odds * _shapes(fine, *corners[best]) @ fits[best]) / (1 + odds)
 
 
-def _typical(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] that pieces (M, L) resolve, and the density that they typically have there."""
+def _typical(pieces: np.ndarray, period: float, above: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] that pieces (M, L) resolve, and the density that they typically have there.
+
+    A median, which what a law leaves in some of them does not move; above a frequency the mean.
+    """
     length = pieces.shape[1]
     basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, length), _SMOOTH))[0]
     window = np.hanning(length)
     smooth = pieces @ basis @ basis.T
     S = np.abs(np.fft.rfft((pieces - smooth) * window, axis=1)) ** 2 / np.sum(window**2) * 2 * period
     f = np.fft.rfftfreq(length, period)
-    return f[_FIRST:-1], np.median(S, axis=0)[_FIRST:-1] / np.log(2)
+    typical = np.median(S, axis=0) / np.log(2)
+    density = np.where(f > above, np.maximum(S.mean(axis=0), typical), typical)
+    return f[_FIRST:-1], density[_FIRST:-1]
 
 
 def _low_passed(f: np.ndarray, typical: np.ndarray, corner: float, order: int) -> np.ndarray:
