@@ -17,6 +17,7 @@ from pyident.diagnosis.notes import (
     in_doubt,
     in_motion,
     in_time,
+    of_bursts,
     of_drifts,
     of_ends,
     of_gears,
@@ -35,6 +36,7 @@ from pyident.diagnosis.search.gate import Refusal, nothing_left, region_of, shar
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.unexplained.bursts import in_bursts
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.loads.swinging_drive import from_values
@@ -50,6 +52,8 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     worst = rows[int(np.argmax(search.over_floor))]
     steps = selection.steps
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
+    bursts = in_bursts(beside, places)
+    shaken = [joint_name(robot.q[row].joint) for row in bursts]
     verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
     stages = tuple(_stages(search, findings, steps))
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
@@ -61,7 +65,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
         sentence=in_time(ex.setting)
-        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places)),
+        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(
@@ -84,6 +88,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *warnings(search, verdict, in_motion(search, places)),
             *of_what_is_shared(places, findings),
             *of_drifts(findings),
+            *of_bursts(beside, bursts),
             *in_doubt(beside, places, selection.refusals),
             *of_gears(findings),
             *of_ends(search.robot, findings),

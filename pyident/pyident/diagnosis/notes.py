@@ -1,6 +1,6 @@
 """What is said beside the findings of a diagnosis: what makes it worth less, and what may be behind it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.unexplained.bursts import SLOW, Bursts
 from pyident.regression.descriptions import outside_file
 
 _MANY, _MOST = 3, 2 / 3  # joints, and of those that move: more are seldom wrong each by itself
@@ -137,6 +138,18 @@ def in_doubt(beside: Search, places: Sequence[Place], refusals: Sequence[Refusal
             f"the residual exceeds its floor at {', '.join(said)}: slow noise of a torque may do that, which "
             f"these logs do not show below {lowest:.2g} Hz, or something small that is missing"
             f"{why}; a log of a motion that repeats would tell"
+        )
+
+
+def of_bursts(beside: Search, found: Mapping[int, Bursts]) -> Iterator[str]:
+    """Where noise comes in bursts, by row: the floor holds them."""
+    for row, own in found.items():
+        joint, source = joint_name(beside.robot.q[row].joint), beside.examination.setting.logs[own.log].source
+        count = f"{own.count} bursts" if own.count > 1 else "one burst"
+        yield (
+            f"what is left of the torque of {joint} is no steady noise: {100 * own.share:.0f} % of it below "
+            f"{SLOW:.0f} Hz lies in {count}, the strongest at {own.start:.0f} s of {source}; did something "
+            "touch the arm? The floor holds them, and hides what is smaller"
         )
 
 

@@ -45,15 +45,18 @@ def sentence_of(
     places: Sequence[Place],
     place: tuple[str, str],
     doubted: Sequence[str] = (),
+    shaken: Sequence[str] = (),
 ) -> str:
     """What a diagnosis says.
 
     places    every side of every joint, in the robot's order;  place: where it fails most
     doubted   joints at which slow noise may be all that exceeds the floor, or not
+    shaken    joints whose noise comes in bursts
     """
     if verdict == "nothing_detectable":
         unless = f"; at {', '.join(doubted)} they do not tell it from slow noise" if doubted else ""
-        return f"Nothing is missing that these logs could show{unless}."
+        bursts = f"; what is left at {', '.join(shaken)} comes in bursts" if shaken else ""
+        return f"Nothing is missing that these logs could show{unless}{bursts}."
     open_places = [p for p in places if p.state == "unexplained"]
     if verdict == "unexplained":
         listed = [f"{p.joint}, {p.balance} side" for p in open_places] or [f"{place[0]}, {place[1]} side"]
