@@ -87,7 +87,7 @@ def test_intervals_hold_where_a_joint_rests_half_the_time():
     Z = np.stack([np.sin(7 * time), np.cos(3 * time), np.ones(N)], axis=1)[:, None, :] * share[..., None]
     sums, said = [], []
     for _ in range(300):
-        noise = lfilter([1.0], [1.0, -0.6], rng.normal(size=N))[:, None] * share
+        noise = np.asarray(lfilter([1.0], [1.0, -0.6], rng.normal(size=N)))[:, None] * share
         rows = Rows(Z, Z, noise, share)
         sums.append(rows.moments(noise, np.ones(1)))
         said.append(spectral(lambda rows=rows: [rows], np.ones(1))(np.eye(3), np.zeros(3)).diagonal())

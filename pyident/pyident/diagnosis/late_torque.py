@@ -63,9 +63,10 @@ def _early(beside: Search, late: Candidate) -> float:
     coefficient = float(beside.gain_of(late).coefficients[0])
     if late.describes:
         return -coefficient
-    values = dict(late.values)
-    slopes = [state.coefficients[0] for state in law_of(beside.robot, late).states]
-    return sum(-coefficient / float(a.subs({s: values[s.name] for s in a.free_symbols})) for a in slopes)
+    law = law_of(beside.robot, late)
+    values = {p.symbol: value for p, (_, value) in zip(law.nonlinear, late.values, strict=True)}
+    slopes = [float(state.coefficients[0].subs(values)) for state in law.states]
+    return sum(-coefficient / slope for slope in slopes)
 
 
 def comes_late(robot: Robot, candidate: Candidate) -> bool:
