@@ -64,7 +64,7 @@ def _early(beside: Search, late: Candidate) -> float:
     if late.describes:
         return -coefficient
     law = law_of(beside.robot, late)
-    values = {p.symbol: value for p, (_, value) in zip(law.nonlinear, late.values, strict=True)}
+    values = [(p.symbol, value) for p, (_, value) in zip(law.nonlinear, late.values, strict=True)]
     slopes = [float(state.coefficients[0].subs(values)) for state in law.states]
     return sum(-coefficient / slope for slope in slopes)
 
