@@ -104,7 +104,8 @@ STARTED: list[subprocess.Popen[str]] = []
 
 @pytest.fixture(autouse=True)
 def ended():
-    """Whatever a test started is not there for the next one."""
+    """Whatever a test starts hears Ctrl-C, unlike jobs of a shell; it is not there for the next one."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     while STARTED:
         run = STARTED.pop()

@@ -3,6 +3,7 @@
 What is no Python package is built once from the sources in $FMI_SOURCES into the tools' folder.
 """
 
+import fcntl
 import hashlib
 import os
 import shutil
@@ -10,6 +11,8 @@ import subprocess
 import sys
 import tarfile
 import venv
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -31,7 +34,9 @@ def scripts_of(requirements: str) -> Path:
     folder = cache_folder() / f"{requirements.split('=')[0]}-{key}"
     scripts = folder / ("Scripts" if sys.platform == "win32" else "bin")
     complete = folder / "complete"
-    if not complete.exists():
+    with _alone(folder):
+        if complete.exists():
+            return scripts
         venv.create(folder, clear=True, with_pip=True)
         pip = [str(scripts / "python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         done = subprocess.run([*pip, *requirements.split()], capture_output=True, text=True)
@@ -42,12 +47,23 @@ def scripts_of(requirements: str) -> Path:
     return scripts
 
 
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """One test process at a time makes what is missing in a folder."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with folder.with_name(f"{folder.name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 @cache
 def fmilibrary() -> Path:
     """The shared library of FMILibrary 3, by CMake with its own zlib and expat."""
     folder = cache_folder() / "fmilibrary"
     built = folder / "build" / "libfmilib_shared.so"
-    if not built.exists():
+    with _alone(folder):
+        if built.exists():
+            return built
         source = _unpacked("fmi-library", folder)
         off = ["-DFMILIB_GENERATE_DOXYGEN_DOC=OFF", "-DFMILIB_BUILD_TESTS=OFF"]
         _say(["cmake", "-S", source, "-B", built.parent, *off, "-DCMAKE_BUILD_TYPE=Release"])
@@ -60,7 +76,9 @@ def fmusim() -> Path:
     """fmusim with libxml2, zlib and SUNDIALS 6 of the system (or of CPATH and LIBRARY_PATH)."""
     folder = cache_folder() / "fmusim"
     built = folder / "fmusim"
-    if not built.exists():
+    with _alone(folder):
+        if built.exists():
+            return built
         root = _unpacked("Reference-FMUs", folder)
         zips = next(_unpacked("fmi-library", folder).glob("ThirdParty/Zlib/*/contrib/minizip"))
         parts = ["FMI", "FMI1", "FMI2", "FMI3", "structured_variable_name.yy", "structured_variable_name.tab"]
