@@ -98,12 +98,12 @@ def _times(
 
 def _common(
     times: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, joints: np.ndarray, period: float
-) -> Late | None:
+) -> Late:
     """Of times (C,) of joints (C,) and parts, their covariance (C, C) and slopes (P, C)."""
     time, std = _mean(times, covariance)
     each = np.sqrt(np.diag(covariance))
     if abs(time) > _LONGEST * period or (np.abs(times - time) > _SURE * each + _ALIKE * abs(time)).any():
-        return None
+        return Late(0.0, _USUAL * period, slopes.sum(axis=1), False)  # joints differ: as before one was asked
     others = [joints != joint for joint in np.unique(joints)]
     without = [_mean(times[kept], covariance[np.ix_(kept, kept)]) for kept in others if kept.any()]
     sure = abs(time) > _SURE * std and all(np.sign(time) * t > _WITHOUT * s for t, s in without)
