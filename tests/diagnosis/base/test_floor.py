@@ -1,6 +1,6 @@
 """The floor: errors that no model is free of, in every replica; and what stands out above it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from one_joint import PERIOD, one_joint
+from six_axis_logs import arm, made
 
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
@@ -16,7 +17,7 @@ from pyident.conditioning.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, Region, examine
-from pyident.diagnosis.base.setting import set_up, workers_of
+from pyident.diagnosis.base.setting import in_closed_loop, set_up, workers_of
 from pyident.diagnosis.notes import in_doubt
 from pyident.diagnosis.search.gate import Refusal
 from pyident.diagnosis.search.search import Search
@@ -160,3 +161,15 @@ def test_a_noise_may_rise_where_it_was_not_measured(energy, stands_out):
         assert f"joint1, motor side ({np.sqrt(energy):.2g} times from 0 to 0.5 Hz)" in doubts[0]
         assert "; stribeck at joint1 comes nearest, but 60 %;" in doubts[0]
     assert standing_out(residual, bands, np.ones((20, 2)))
+
+
+def test_in_closed_loop_replicas_have_the_noise_of_rounding():
+    """Along the measured motion they are rounded; under a controller that stands in, noise does it."""
+    step, log = 1e-3, made(arm(), 0, duration=10.0)
+    rounded = {f"joint{k}.e": step * np.round(log.frame[f"joint{k}.e"] / step) for k in range(1, 7)}
+    logs = [replace(log, frame=log.frame.assign(**rounded))]
+    along = set_up(arm(), logs)
+    noise = in_closed_loop(along, logs).noise
+    for name in rounded:
+        assert along.noise[name] < 0.5 * step / np.sqrt(12)
+        assert noise[name] == pytest.approx(step / np.sqrt(12), rel=0.15)

@@ -138,7 +138,14 @@ def in_closed_loop(setting: Setting, logs: Sequence[Log]) -> Setting:
     if setting.simulates:
         return setting
     fitted = _fitted(setting.robot, setting.reduced, setting.solution)
-    return _repeated(replace(setting, robot=fitted), logs)
+    return _repeated(replace(setting, robot=fitted, noise=_with_rounding(setting)), logs)
+
+
+def _with_rounding(setting: Setting) -> dict[str, float]:
+    """Its noise, and what rounding adds, which replicas along the measured motion do by themselves."""
+    steps = [path.steps for path in setting.repeats if isinstance(path, AlongMotion)]
+    rounding = {name: np.mean([own[name] for own in steps]) / np.sqrt(12) for name in setting.noise}
+    return {name: float(np.hypot(sigma, rounding[name])) for name, sigma in setting.noise.items()}
 
 
 def _repeated(setting: Setting, logs: Sequence[Log]) -> Setting:
