@@ -171,5 +171,5 @@ def test_in_closed_loop_replicas_have_the_noise_of_rounding():
     along = set_up(arm(), logs)
     noise = in_closed_loop(along, logs).noise
     for name in rounded:
-        assert along.noise[name] < 0.5 * step / np.sqrt(12)
-        assert noise[name] == pytest.approx(step / np.sqrt(12), rel=0.15)
+        assert along.noise[name] < 0.7 * step / np.sqrt(12)
+        assert noise[name] == pytest.approx(step / np.sqrt(12), rel=0.25)
