@@ -56,7 +56,7 @@ _gap = Parameter("gap", "rad", start=1e-4, lower=0, grid=(0.1, 0.2, 0.4, 0.8), s
 
 backlash = Effect(
     name="backlash",
-    title="Backlash: stiffness that the drive lacks within a gap, total if equal to k[1]",
+    title="Backlash: stiffness that the drive lacks in a gap to either side, half of the play",
     forces={eps[1]: -_stiffness.symbol * Max(-_gap.symbol, Min(eps[1], _gap.symbol))},
     parameters=(_stiffness, _gap),
     proper=_stiffness.symbol > _k[1].symbol / 2,

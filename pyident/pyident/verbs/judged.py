@@ -175,7 +175,8 @@ class Added(Result):
             for s in self.extended.waterfall
         ]
         values = [
-            f"{name} = {p['value']:.5g} {p['unit']}" for name, p in self.extended.json()["parameters"].items()
+            f"{name} = {p['value']:.5g} {p['unit']}".removesuffix(" 1")
+            for name, p in self.extended.json()["parameters"].items()
         ]
         c = self.extended.correction
         if c and c.before:
