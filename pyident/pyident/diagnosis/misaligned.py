@@ -101,27 +101,32 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
     moved = replace(setting.alignment, own=()).needed
     if setting.simulates or len(rows) < _JOINTS or moved:
         return NOTHING
-    period = max(log.period for log in setting.logs)
+    period, chance = max(log.period for log in setting.logs), setting.rules.search.chance**2
     moving = where_moving(setting.robot, setting.logs, ex.logs)
+    delayed = [{k: X for k, X in log.items() if k in rows} for log in by_delay(ex, moving)]
+    if _shown(replace(ex, base=_beside(ex, named, ex.base, ex.logs)), delayed, chance) is None:
+        return NOTHING
 
     def energies(late: float) -> np.ndarray:
         data = _aligned(ex, Alignment(late), ex.floors)
-        base, levels = solve_base(data), levels_of(ex.floors, data)
-        for X in columns_of(setting.robot, named, data, levels):
-            base = extended(base, X)
-        pairs = zip(base.residual, moving, strict=True)
+        pairs = zip(_beside(ex, named, solve_base(data), data).residual, moving, strict=True)
         return np.sum([(np.square(r) * clear)[rows].sum(axis=1) for r, clear in pairs], axis=0)
 
     count = np.sum([clear[rows].sum(axis=1) for clear in moving], axis=0)
-
-    def left(late: float) -> float:
-        return float(count @ np.log(np.maximum(energies(late), 1e-300)))
-
-    late = float(_least(left, (-period, period), _EXACT * period).x)
-    fall, chance = energies(0.0) - energies(late), setting.rules.search.chance**2
+    left = _least(
+        lambda late: count @ np.log(np.maximum(energies(late), 1e-300)), (-period, period), _EXACT * period
+    )
+    fall = energies(0.0) - energies(left.x)
     if (fall > chance).sum() < max(_JOINTS, len(rows) / 2) or (fall < -chance).any():
         return NOTHING
-    return Alignment(late, own=tuple(OwnWay(k, late) for k in own))
+    return Alignment(float(left.x), own=tuple(OwnWay(k, float(left.x)) for k in own))
+
+
+def _beside(ex: Examination, named: Sequence[Candidate], base: Base, data: Sequence[Equations]) -> Base:
+    """The base of data with the columns of what was named."""
+    for X in columns_of(ex.setting.robot, named, data, levels_of(ex.floors, data)):
+        base = extended(base, X)
+    return base
 
 
 def _measured_alike(ex: Examination, delayed: Columns) -> bool:
