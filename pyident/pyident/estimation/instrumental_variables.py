@@ -248,16 +248,15 @@ def _spectral(
 def _spectral_of(
     rows: Rows, weights: np.ndarray, turn: np.ndarray, p: np.ndarray, counted: np.ndarray | None
 ) -> np.ndarray:
-    used = rows.share > 0
-    N = transform_length(len(used))
-    everywhere = np.sqrt(N / np.maximum(used.sum(axis=0), 1))
+    N = transform_length(len(rows.share))
+    everywhere = np.sqrt(N / np.maximum(np.square(rows.share).sum(axis=0), 1e-300))
     v = np.fft.fft(rows.residual(p) * rows.share * weights * everywhere, N, axis=0)
     half = N // 2 + 1
     if counted is not None:
         v *= np.concatenate([counted, counted[1 : N - half + 1][::-1]])
     X = np.empty((len(weights), turn.shape[1], half), complex)
     for c, weight in enumerate(weights):
-        np.conj(np.fft.rfft(weight * used[:, c] * rows.turned(c, turn), N), out=X[c])
+        np.conj(np.fft.rfft(weight * rows.share[:, c] * rows.turned(c, turn), N), out=X[c])
     twice = np.full(half, 2.0)
     twice[0] = 1.0
     if N % 2 == 0:
