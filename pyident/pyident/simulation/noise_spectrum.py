@@ -185,13 +185,14 @@ def _no_more_than(left: np.ndarray, known: np.ndarray, found: NoiseSpectrum) -> 
 
 def _fitted(pieces: np.ndarray, period: float, above: float) -> NoiseSpectrum:
     """White and low-passed noise by the spectrum of pieces (M, L), and above them what rises."""
-    f, typical = _typical(pieces, period, above)
+    f, typical, mean = _seen(pieces, period)
     seen = np.convolve(np.pad(typical, _AVERAGED // 2, mode="edge"), np.ones(_AVERAGED) / _AVERAGED, "valid")
     fine = np.linspace(0, 0.5 / period, _FINE)
     quiet = _before_a_rise(seen)
     low = _by_shapes(f[:quiet], typical[:quiet], fine, len(pieces))
     density = np.where(fine <= f[quiet - 1], low, np.interp(fine, f, seen)) if quiet < len(f) else low
-    return NoiseSpectrum(fine, density, period, continued=float(f[0]))
+    whole = NoiseSpectrum(f, mean, period)
+    return NoiseSpectrum(fine, density, period, continued=float(f[0])).raised(whole, above)
 
 
 def _before_a_rise(seen: np.ndarray) -> int:
@@ -213,20 +214,19 @@ def _by_shapes(f: np.ndarray, typical: np.ndarray, fine: np.ndarray, pieces: int
     return (white + odds * _shapes(fine, *corners[best]) @ fits[best]) / (1 + odds)
 
 
-def _typical(pieces: np.ndarray, period: float, above: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] that pieces (M, L) resolve, and the density that they typically have there.
+def _seen(pieces: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies [Hz] that pieces (M, L) resolve, the density that they typically have there, and the mean.
 
-    A median, which what a law leaves in some of them does not move; above a frequency the mean.
+    What is typical is a median, which what a law leaves in some of them does not move.
     """
     length = pieces.shape[1]
     basis = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, length), _SMOOTH))[0]
     window = np.hanning(length)
     smooth = pieces @ basis @ basis.T
     S = np.abs(np.fft.rfft((pieces - smooth) * window, axis=1)) ** 2 / np.sum(window**2) * 2 * period
-    f = np.fft.rfftfreq(length, period)
+    told = slice(_FIRST, -1)
     typical = np.median(S, axis=0) / np.log(2)
-    density = np.where(f > above, np.maximum(S.mean(axis=0), typical), typical)
-    return f[_FIRST:-1], density[_FIRST:-1]
+    return np.fft.rfftfreq(length, period)[told], typical[told], S.mean(axis=0)[told]
 
 
 def _low_passed(f: np.ndarray, typical: np.ndarray, corner: float, order: int) -> np.ndarray:
