@@ -10,6 +10,7 @@ from pyident.logs.foreign import delayed, sooner
 from pyident.logs.log import Log
 
 HELD = 0.6  # of a sample: a loop that holds its torque until the next one logs it half of one early
+LATEST = 0.05  # s: later is no matter of a drive, a filter or a clock
 _LEAST = 0.03  # of a frequency, that is raised to its whole: less is rounding as well
 _MATTERS = 0.2  # of the time constant of a low pass: a delay beside it
 _ENOUGH = 0.1  # of a frequency that is judged

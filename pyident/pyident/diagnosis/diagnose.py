@@ -134,7 +134,7 @@ def _in_time(
     """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    for apart in (_late_alike, _each_its_way, _late_alike):
+    for apart in (_late_alike, _each_its_way, _others_alike):
         further = apart(search, selection.candidates)
         if further.needed:
             search = put_right(search.examination.setting, further, open_pool)
@@ -144,16 +144,22 @@ def _in_time(
 
 
 def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """What keeps all positions and torques apart beside what was named or put right."""
-    if not named and not search.examination.setting.alignment.own:
-        return NOTHING
-    others = [c for c in named if not comes_late(search.robot, c)]
-    return delay_beside(search.examination, others)
+    """What keeps all positions and torques apart beside what was named; with no name it was asked before."""
+    return _beside(search, named) if named else NOTHING
 
 
 def _each_its_way(search: Search, named: Sequence[Candidate]) -> Alignment:
     """What single torques went through."""
     return Alignment(own=own_ways(search, named))
+
+
+def _others_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
+    """What keeps positions and all other torques apart, once single ones were put right."""
+    return _beside(search, named) if search.examination.setting.alignment.own else NOTHING
+
+
+def _beside(search: Search, named: Sequence[Candidate]) -> Alignment:
+    return delay_beside(search.examination, [c for c in named if not comes_late(search.robot, c)])
 
 
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:

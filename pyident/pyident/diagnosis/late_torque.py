@@ -20,13 +20,12 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import HELD, OwnWay
+from pyident.conditioning.alignment import HELD, LATEST, OwnWay
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.imitators.answer import follows_torque
 from pyident.diagnosis.search.search import Search
 from pyident.regression.descriptions import DESCRIPTIONS
 
-_LATEST = 0.05  # s: drives and their filters are faster
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _EXACT = 0.05  # of a step of a grid
 _CORNERS = 12
@@ -45,14 +44,17 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
     open_joints = [k for k, _ in search.robot.numbered if beside.standing_out[k - 1]]
     found = (_way(search, k, beside.remaining_on([k - 1])) for k in open_joints)
     ways = {way.joint: way for way in found if way is not None}
-    return tuple((_held(search, named) | ways).values())
+    return tuple((_held(beside) | ways).values())
 
 
-def _held(search: Search, named: Sequence[Candidate]) -> dict[int, OwnWay]:
-    """By joint the torques that are named late by no more than a loop holds them: that is no one's fault."""
-    period, found = max(e.band.period for e in search.examination.logs), {}
-    for late in [c for c in named if comes_late(search.robot, c)]:
-        early = _early(search.resting_on([c for c in named if c != late]), late)
+def _held(beside: Search) -> dict[int, OwnWay]:
+    """By joint the torques that are named late by no more than a loop holds them: that is no one's fault.
+
+    beside   rests on what was named
+    """
+    period, found = max(e.band.period for e in beside.examination.logs), {}
+    for late in [c for c in beside.chosen if comes_late(beside.robot, c)]:
+        early = _early(beside.without(late), late)
         if 0 < early <= HELD * period:
             found[late.joint] = OwnWay(late.joint, -early)
     return found
@@ -85,7 +87,7 @@ def _way(search: Search, joint: int, by_laws: float) -> OwnWay | None:
     best, left = min(filters, key=lambda found: found[1])
     if left > _CLEARLY * by_delay:
         best, left = delay, by_delay
-    at_the_end = abs(best.late) > _LATEST - period
+    at_the_end = abs(best.late) > LATEST - period
     if at_the_end or abs(best.behind) < period / 2:
         return None
     rules, missing = search.rules, search.remaining_on([joint - 1])
@@ -107,9 +109,9 @@ class _Kind:
 
 def _kinds(joint: int, period: float) -> list[_Kind]:
     """A delay, by half samples; low passes of one pole and of two, by the logarithm of the corner."""
-    count = int(np.ceil(2 * _LATEST / period))
+    count = int(np.ceil(2 * LATEST / period))
     times = np.arange(-count, count + 1) * period / 2
-    low, high = np.log([1 / (2 * np.pi * _LATEST), _HIGHEST * 0.5 / period]).tolist()
+    low, high = np.log([1 / (2 * np.pi * LATEST), _HIGHEST * 0.5 / period]).tolist()
     corners = np.linspace(low, high, _CORNERS)
 
     def low_pass(poles: int, logarithm: float) -> OwnWay:

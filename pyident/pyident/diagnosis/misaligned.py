@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay
+from pyident.conditioning.alignment import LATEST, NOTHING, Alignment, OwnWay
 from pyident.conditioning.fading import fading
 from pyident.conditioning.samples import Conditioned
 from pyident.diagnosis.base.candidates import Candidate, columns_of
@@ -49,7 +49,7 @@ _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
 _STEP = 0.5  # samples
 _JOINTS = 2  # that must tell the same
 _EXACT = 0.02  # of a sample, and of the logarithm of a corner
-_SAMPLES, _LATEST = 5.0, 0.05  # and s: more than both is no matter of a clock
+_SAMPLES = 5.0  # more than these and `LATEST` is no matter of a clock
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _AFTER, _PART = 0.3, 0.3  # s after a reversal in which friction may grow; of the usual time to the next
@@ -151,7 +151,7 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
 
     Positions may be late or early: at reversals, which a low pass smears, the column may have the wrong sign.
     """
-    furthest, exact = max(_SAMPLES * period, _LATEST), _EXACT * period
+    furthest, exact = max(_SAMPLES * period, LATEST), _EXACT * period
     delays = [
         _least(lambda late: _left(_aligned(ex, Alignment(late), ex.floors), moving), bounds, exact)
         for bounds in ((-furthest, 0.0), (0.0, furthest))
