@@ -11,7 +11,8 @@ from typing import Any
 import pyident as pi
 from flexmodels.coordinate import joint_number
 from pyident.comparison.compare import compared
-from pyident.comparison.model_against_replicas import on_trial, run_trial
+from pyident.comparison.model_against_replicas import run_trial
+from pyident.comparison.trial import on_trial
 from pyident.rules.bins import BINS
 from pyident.rules.rule import RulesError
 from pyident.rules.rules import RULES

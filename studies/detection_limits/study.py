@@ -14,12 +14,12 @@ from flexmodels.atomic import replacing
 from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, slopes
-from pyident.diagnosis.base.denoised import denoised_every_sample
 from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Limit
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
+from pyident.simulation.denoised import denoised_every_sample
 from pyident.simulation.fmu_runs import runs_here
 from pyident.simulation.processes.workers import workers_with
 from pyident.sweep.studies import StudyResult, row

@@ -97,7 +97,7 @@ def test_a_measured_axis_without_controller(data, folder):
     fitted = identify(robot, [log])
     c = compare(fitted.robot, [log], in_process, lambda _: None, FEW)
     error = c.logs[0].equations["joint1.e"]
-    assert error.nrmse_percent == pytest.approx(fitted.relative_error["joint1"], rel=1e-6)
+    assert 0.95 < error.nrmse_percent / fitted.relative_error["joint1"] < 1  # without the encoder's noise
     assert c.tracks
     assert c.logs[0].simulation["joint1.tau"].ratio > 1
 

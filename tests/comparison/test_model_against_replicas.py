@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from analytic_joint import INERTIA, analytic_log, free_joint
 
-from pyident.comparison.model_against_replicas import on_trial, residual
+from pyident.comparison.model_against_replicas import residual
+from pyident.comparison.trial import on_trial
 from pyident.conditioning.weak_form import condition
 
 

@@ -12,8 +12,9 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
-from pyident.comparison.model_against_replicas import TIP, Part, Progress, Trial, on_trial, run_trial
+from pyident.comparison.model_against_replicas import Part, Progress, run_trial
 from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
+from pyident.comparison.trial import TIP, Trial, on_trial
 from pyident.comparison.without_simulation import parts_without_simulation, sentence_without_simulation
 from pyident.conditioning.filters import thin
 from pyident.logs.log import Log
@@ -114,7 +115,7 @@ def compared(
         for bins, r in ((own, False), (refitted, True))
     )
     where = structure or values
-    sentence = f"{_first(where, structure is not None)} {_simulated(trial, errors)}"
+    sentence = f"{_first(where, structure is not None, trial.tracks)} {_simulated(trial, errors)}"
     return Comparison(
         trial.robot.name,
         sentence,
@@ -223,7 +224,7 @@ def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:
     return max(np.sqrt(max(e.rmse**2 - e.floor**2, 0.0)) / max(e.signal, 1e-300) for e in found)
 
 
-def _first(where: Bin | None, structural: bool) -> str:
+def _first(where: Bin | None, structural: bool, tracks: bool) -> str:
     if where is None:
         return "Nothing stands out: the equations leave what the method itself leaves."
     place = f"joint {joint_number(where.coordinate)}, {where.balance} side"
@@ -232,7 +233,7 @@ def _first(where: Bin | None, structural: bool) -> str:
         return f"It fails most at {place}: {where.ratio:.2g} times the floor."
     return (
         f"The values of its parameters are off, most at {place}: {where.ratio:.2g} times the floor, and "
-        "other values take that away; identify it with --refine."
+        f"other values take that away; identify it {'on these logs' if tracks else 'with --refine'}."
     )
 
 

@@ -15,9 +15,8 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
+from pyident.comparison.trial import TIP, Trial, again
 from pyident.conditioning.samples import Conditioned
-from pyident.conditioning.weak_form import condition
-from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import Log
@@ -27,14 +26,12 @@ from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import residual_of
 from pyident.simulation import replica
-from pyident.simulation.replica import Repeat, repeats, side_by_side
-from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator, Workers
 
 R = TypeVar("R")
 Progress = Callable[[float], None]
 _TOGETHER = 3  # replicas that one process simulates at once: as many as fill the cores of a small machine
-TIP = ("tip.x", "tip.y", "tip.z")
 
 
 @dataclass(frozen=True)
@@ -55,39 +52,6 @@ class Part:
     time: np.ndarray
     missed: dict[str, np.ndarray]
     loads: np.ndarray
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A model and the logs that it is held against.
-
-    robot       the model;  simulated: with the controller that its simulations run under
-    fitted      logs from which parameters are found;  judged: those on which errors are taken
-    since       per judged log the time [s] from which on it counts
-    noise       signal -> standard deviation of its sensor
-    estimator   finds values anew in logs and replicas
-    """
-
-    robot: Robot
-    simulated: Robot
-    fitted: tuple[Repeat, ...]
-    judged: tuple[Repeat, ...]
-    since: tuple[float, ...]
-    noise: dict[str, float]
-    estimator: Estimator = weighted
-
-    @property
-    def tracks(self) -> bool:
-        """Whether a stand-in controller makes the simulation follow the measured motion."""
-        return self.simulated.controller is not self.robot.controller
-
-
-def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
-    """A model with its own parameters against logs. Raises LogError."""
-    found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))
-    noise = sensor_noise(found.problem.robot, logs, found.solution.p)
-    simulated, made_again = repeats(robot, logs)
-    return Trial(robot, simulated, made_again, made_again, (0.0,) * len(logs), noise)
 
 
 @dataclass(frozen=True)
@@ -154,13 +118,11 @@ def _of_logs(fmu: Simulator, trial: Trial) -> list[Part]:
 
 def _refits(fmu: Simulator, trial: Trial, seeds: Sequence[int]) -> list[Refit]:
     """Of a replica per seed."""
-    repeats = list({id(r): r for r in (*trial.fitted, *trial.judged)}.values())
     chance = [np.random.default_rng(seed) for seed in seeds]
-    wanted = [(r, int(rng.integers(2**31))) for rng in chance for r in repeats]
-    logs = side_by_side(fmu, wanted, trial.robot.parameters, trial.noise)
+    drawn = [[int(rng.integers(2**31)) for _ in trial.repeats] for rng in chance]
     found = []
-    for first in range(0, len(logs), len(repeats)):
-        made = {id(r): log for r, log in zip(repeats, logs[first:], strict=False)}
+    for logs in again(fmu, trial, drawn):
+        made = {id(r): log for r, log in zip(trial.repeats, logs, strict=True)}
         found.append(_fit(trial, [made[id(r)] for r in trial.fitted], [made[id(r)] for r in trial.judged]))
     return found
 
@@ -178,7 +140,9 @@ def _of_replicas(
 
 
 def _fit(trial: Trial, fitted: Sequence[Log], judged: list[Log]) -> Refit:
-    found = trial.estimator(Problem(trial.robot, tuple(condition(log, trial.robot) for log in fitted)))
+    found = trial.estimator(
+        Problem(trial.robot, tuple(trial.conditioned(log, trial.robot) for log in fitted))
+    )
     return Refit(judged, found.reduced, found.solution)
 
 
@@ -206,18 +170,18 @@ def _judged(
     for robot, refit in zip(robots, refits, strict=True):
         fitted = refit.robot(robot, refit.solution.p)
         each = zip(refit.judged, trial.judged, trial.since, strict=True)
-        found.append([_part((trial.robot, robot, fitted), log, r, next(frames), s) for log, r, s in each])
+        found.append([_part(trial, (robot, fitted), log, r, next(frames), s) for log, r, s in each])
     return found
 
 
 def _part(
-    robots: tuple[Robot, Robot, Robot], log: Log, r: Repeat, simulated: pd.DataFrame, since: float
+    trial: Trial, robots: tuple[Robot, Robot], log: Log, r: Repeat, simulated: pd.DataFrame, since: float
 ) -> Part:
-    """robots: the model, the one that is judged, and this with what the regression finds.
+    """robots: the one that is judged, and this with what the regression finds.
 
-    simulated   the plan of `r` by the second
+    simulated   the plan of `r` by the first
     """
-    model, robot, fitted = robots
+    robot, fitted = robots
     frame = r.cut(simulated)
     time = frame["time"].to_numpy()
     late = time >= since
@@ -228,9 +192,10 @@ def _part(
         if name in log.frame and name in frame and name in r.log.frame
     }
     missed |= {n: missed[n] - missed[n].mean() for n in log.up_to_constant if n in missed}
-    part = condition(replace(log, frame=log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True)), robot)
+    used = replace(log, frame=log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True))
+    part = trial.conditioned(used, robot)
     left = residual(robot, part), residual(fitted, part)
-    return Part(part, log.period, *left, time[late], missed, loads_of(model, part))
+    return Part(part, log.period, *left, time[late], missed, loads_of(trial.robot, part))
 
 
 def loads_of(robot: Robot, part: Conditioned) -> np.ndarray:

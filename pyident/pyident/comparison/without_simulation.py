@@ -6,8 +6,8 @@ import numpy as np
 
 from flexmodels.coordinate import is_motor, joint_name, joint_number
 from pyident.comparison.errors import LogErrors
-from pyident.comparison.model_against_replicas import Part, Trial, loads_of, residual
-from pyident.conditioning.weak_form import condition
+from pyident.comparison.model_against_replicas import Part, loads_of, residual
+from pyident.comparison.trial import Trial
 from pyident.estimation.estimator import weighted
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import residual_of
@@ -16,7 +16,7 @@ from pyident.regression.regressor import residual_of
 def parts_without_simulation(trial: Trial) -> list[Part]:
     """What the model leaves of the judged logs; of a simulation nothing."""
     robot, logs = trial.robot, [r.log for r in trial.judged]
-    conditioned = [condition(log, robot) for log in logs]
+    conditioned = [trial.conditioned(log, robot) for log in logs]
     best = weighted(Problem(robot, tuple(conditioned)))
     refitted, p = best.problem.robot, best.solution.p
     return [

@@ -64,7 +64,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
-        sentence=in_time(ex.setting)
+        sentence=in_time(ex.setting.alignment)
         + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,

@@ -29,7 +29,6 @@ from pyident.conditioning.alignment import LATEST, NOTHING, Alignment, OwnWay
 from pyident.conditioning.fading import fading
 from pyident.conditioning.samples import Conditioned
 from pyident.diagnosis.base.candidates import Candidate, columns_of
-from pyident.diagnosis.base.denoised import denoised_every_sample, where_moving
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -44,6 +43,7 @@ from pyident.diagnosis.base.projection import (
 from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
 from pyident.diagnosis.base.standing_out import standing_out
 from pyident.regression.spectrum import Equations, Floor, all_over, equations, levels_of
+from pyident.simulation.denoised import denoised_every_sample, where_moving
 
 _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
 _STEP = 0.5  # samples

@@ -7,7 +7,7 @@ import numpy as np
 from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.effects.structure import joint_spring
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import HELD, OwnWay
+from pyident.conditioning.alignment import HELD, Alignment, OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.nonlinear_values import BEYOND
@@ -30,9 +30,8 @@ _AT_END = 0.01  # of a value's range
 _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 
-def in_time(setting: Setting) -> str:
-    """What came late, before the verdict; empty: nothing."""
-    found = setting.alignment
+def in_time(found: Alignment) -> str:
+    """What came late, before a verdict; empty: nothing."""
     if not found.needed:
         return ""
     parts = []

@@ -9,8 +9,7 @@ from functools import partial
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import Alignment
-from pyident.diagnosis.base.denoised import unfiltered, within
+from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
@@ -21,6 +20,7 @@ from pyident.diagnosis.search.search import Search, search_of
 from pyident.logs.log import Log, LogError
 from pyident.refinement.instruments.stand_in import driven
 from pyident.rules.rules import RULES, Rules
+from pyident.simulation.denoised import unfiltered, within
 from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
@@ -105,6 +105,15 @@ def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Se
     if driven(setting.robot):
         yield partial(steadied, free)
     yield bent
+
+
+def alignment_in(robot: Robot, logs: Sequence[Log], open_pool: OpenPool, rules: Rules = RULES) -> Alignment:
+    """What keeps positions and torques of logs apart, as a search would find first. Raises LogError."""
+    setting = set_up(unfiltered(robot, logs), logs, rules)
+    if setting.simulates:
+        return NOTHING
+    with workers_of(setting, open_pool) as workers:
+        return alignment_of(examine(unbiased(setting, workers), workers, lambda _: None, lambda *_: []))
 
 
 def put_right(setting: Setting, further: Alignment, open_pool: OpenPool) -> Search:

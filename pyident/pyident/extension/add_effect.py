@@ -20,7 +20,8 @@ from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.errors import Error, LogErrors
-from pyident.comparison.model_against_replicas import Progress, Trial
+from pyident.comparison.model_against_replicas import Progress
+from pyident.comparison.trial import Trial
 from pyident.extension.ask import Asked, ask
 from pyident.extension.beside import begun
 from pyident.extension.extended_robot import Correction, extended_robot, known_beforehand, require_new

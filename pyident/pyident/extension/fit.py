@@ -7,11 +7,12 @@ from functools import cached_property
 from flexmodels.robot import Robot
 from pyident.comparison.compare import log_errors
 from pyident.comparison.errors import LogErrors
-from pyident.comparison.model_against_replicas import Part, Progress, Trial, judged_logs, run_trial
-from pyident.diagnosis.base.denoised import unfiltered
+from pyident.comparison.model_against_replicas import Part, Progress, judged_logs, run_trial
+from pyident.comparison.trial import Trial
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.extension.split import Split
 from pyident.rules.rules import Rules
+from pyident.simulation.denoised import unfiltered
 from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
 

@@ -24,12 +24,13 @@ from pyident.conditioning.smooth_motion import (
     ends_of,
     reached,
 )
+from pyident.conditioning.torque_bends import telling
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
-from pyident.simulation.bends import telling
+from pyident.simulation.denoised import denoises
 from pyident.simulation.noise_spectrum import (
     NoiseSpectrum,
     between_reversals,
@@ -38,6 +39,7 @@ from pyident.simulation.noise_spectrum import (
     share_told,
 )
 from pyident.simulation.repetition import Repetition, repetition_of
+from pyident.simulation.sensor_noise import sensor_noise
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class AlongMotion:
             noisy = values + self.noise[name].draw(len(values), rng)
             step = self.steps.get(name, 0.0)
             frame[name] = np.round(noisy / step) * step if step > 0 else noisy
-        return Log(frame, f"replica of {self.log.source}")
+        return replace(self.log, frame=frame, source=f"replica of {self.log.source}")
 
 
 def along(
@@ -114,6 +116,28 @@ def along(
     spectra |= _torque_noise(robot, log, motion, p, repetition_of(measured, noise), corners, periodic)
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
+
+
+def along_each(
+    robot: Robot,
+    logs: Sequence[Log],
+    p: np.ndarray,
+    covariance: np.ndarray | None = None,
+    periodic: PeriodicRules = RULES.periodic,
+) -> tuple[AlongMotion, ...]:
+    """Every log so, p (P,); what a controller in the file does not account for tells the sensors' noise.
+
+    The others as in `along`.
+    """
+    known = [None if denoises(robot) else sensor_noise(robot, [log], p) for log in logs]
+    return tuple(
+        along(robot, log, p, covariance, noise, periodic) for log, noise in zip(logs, known, strict=True)
+    )
+
+
+def mean_noise(paths: Sequence[AlongMotion]) -> dict[str, float]:
+    """Signal -> standard deviation of its noise, of all logs."""
+    return {name: float(np.mean([path.noise[name].std for path in paths])) for name in paths[0].noise}
 
 
 def _torque_noise(

@@ -12,10 +12,10 @@ from studies.rigid_arm.pinocchio_chain import chain, inverse_dynamics
 
 from flexmodels.settings.processing import Processing
 from pyident.diagnosis.base.carried_loads import with_carried_loads
-from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import solve_base
 from pyident.logs.log import Log
 from pyident.regression.loads.bodies import link_torques
+from pyident.simulation.denoised import denoised_equations
 
 ROBOT = six_axes().with_settings(processing=Processing())
 PERIOD, DURATION, NOISE = 0.004, 12.0, 0.005  # s, s, of a joint's rms torque

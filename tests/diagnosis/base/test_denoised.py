@@ -8,11 +8,11 @@ from six_axis_logs import arm, made, plain
 from flexmodels.files.robot_file import load_robot
 from pyident.conditioning.fading import fading
 from pyident.conditioning.weak_form import condition
-from pyident.diagnosis.base.denoised import denoised, denoised_equations, denoised_every_sample, unfiltered
 from pyident.estimation.estimator import weighted
 from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import generalised_forces
+from pyident.simulation.denoised import denoised, denoised_equations, denoised_every_sample, unfiltered
 
 STEP = 2 * np.pi / 2**14
 

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pyident.diagnosis.base.denoised import denoised_equations, denoises
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import residuals_of
 from pyident.diagnosis.base.setting import Setting, replicas_of
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, all_over, floors, levels_of
+from pyident.simulation.denoised import denoised_equations, denoises
 from pyident.simulation.simulator import Simulator
 
 _WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent

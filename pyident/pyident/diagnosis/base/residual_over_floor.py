@@ -10,7 +10,6 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.balance import raised_floors
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law, needed_torque
 from pyident.diagnosis.base.carried_loads import with_carried_loads
-from pyident.diagnosis.base.denoised import denoised_equations
 from pyident.diagnosis.base.projection import (
     Base,
     Columns,
@@ -26,6 +25,7 @@ from pyident.diagnosis.base.setting import Setting, together
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, Equations, Floor, all_over, floors, levels_of, pooled
 from pyident.rules.periodic import PeriodicRules
+from pyident.simulation.denoised import denoised_equations
 from pyident.simulation.simulator import Simulator, Workers
 
 EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual is watched

@@ -9,7 +9,6 @@ import numpy as np
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import NOTHING, Alignment
-from pyident.diagnosis.base.denoised import denoised, denoises
 from pyident.estimation.base_parameters import supports
 from pyident.estimation.estimator import Estimator, weighted
 from pyident.estimation.identify import identified
@@ -24,7 +23,8 @@ from pyident.regression.equations import Problem
 from pyident.regression.loads.swinging_drive import Springs
 from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.along import AlongMotion, along
+from pyident.simulation.along import AlongMotion, along_each, mean_noise
+from pyident.simulation.denoised import denoised, denoises
 from pyident.simulation.processes.tools import inline
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.replica import Repeat, repeats
@@ -96,14 +96,9 @@ def set_up(
             own = {log.source: torque_noise(fitted, [log]) for log in logs}
             return _repeated(replace(setting, robot=fitted, noise=noise, own_noise=own), logs)
     fitted = _along_model(robot, reduced, solution)
-    known = [None if denoises(robot) else sensor_noise(fitted, [log], solution.p) for log in logs]
-    paths = tuple(
-        along(fitted, log, solution.p, solution.covariance, noise, rules.periodic)
-        for log, noise in zip(logs, known, strict=True)
-    )
-    each = [{name: spectrum.std for name, spectrum in path.noise.items()} for path in paths]
-    noise = {name: float(np.mean([own[name] for own in each])) for name in each[0]}
-    own = {path.log.source: of for path, of in zip(paths, each, strict=True)}
+    paths = along_each(fitted, logs, solution.p, solution.covariance, rules.periodic)
+    own = {path.log.source: {name: of.std for name, of in path.noise.items()} for path in paths}
+    noise = mean_noise(paths)
     return replace(setting, robot=fitted, simulated=fitted, repeats=paths, noise=noise, own_noise=own)
 
 

@@ -22,13 +22,13 @@ import numpy as np
 
 from pyident.conditioning.alignment import Alignment
 from pyident.diagnosis.base.candidates import Candidate, bounds
-from pyident.diagnosis.base.denoised import where_moving
 from pyident.diagnosis.base.projection import extended, gains_over, others_of
 from pyident.diagnosis.misaligned import by_delay
 from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
 from pyident.regression.descriptions import DESCRIPTIONS, DRIVE
 from pyident.regression.loads.bodies import carried_loads
+from pyident.simulation.denoised import where_moving
 
 _LEAST_BEND = 1e-4  # rad: what no encoder behind a gear would show
 

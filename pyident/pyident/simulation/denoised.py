@@ -21,10 +21,10 @@ from flexmodels.robot import Robot
 from pyident.conditioning.fading import faded
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
+from pyident.conditioning.torque_bends import telling
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, band_top, equations
-from pyident.simulation.bends import telling
 
 
 def denoised(robot: Robot, log: Log) -> Conditioned:
