@@ -1,9 +1,11 @@
 """Logs of the rigid six-axis arm of the study, with frictions of the tests' own."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from studies.rigid_arm.arm import (
     COULOMB,
     ROTOR,
@@ -19,7 +21,7 @@ from pyident.logs.log import Log
 
 pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
 
-__all__ = ["COULOMB", "ROTOR", "arm", "made", "plain", "three_laws"]
+__all__ = ["COULOMB", "ROTOR", "arm", "late", "made", "plain", "three_laws"]
 
 DURATION = 30.0  # s
 
@@ -47,3 +49,11 @@ def three_laws(q: np.ndarray, v: np.ndarray, load: np.ndarray, time: np.ndarray)
     out[:, 1:3] += 0.12 * np.abs(load[:, 1:3]) * np.sign(v[:, 1:3])
     out[:, 0] += 9.0 * (np.sign(v[:, 0]) * np.abs(v[:, 0]) ** 0.5 - v[:, 0])
     return out
+
+
+def late(log: Log, samples: float) -> Log:
+    """The log with all positions late, without its ends, at which nothing tells them."""
+    time = log.frame["time"].to_numpy()
+    names = [name for name in log.frame if name.endswith(".e")]
+    moved = {n: CubicSpline(time, log.frame[n])(time - samples * log.period) for n in names}
+    return replace(log, frame=log.frame.assign(**moved).iloc[5:-5].reset_index(drop=True))

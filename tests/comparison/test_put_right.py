@@ -1,26 +1,14 @@
 """A rigid arm in a loop that nobody knows: positions that all come late are no failure of its model."""
 
-from dataclasses import replace
-
-from scipy.interpolate import CubicSpline
-from six_axis_logs import arm, made, plain, three_laws
+from six_axis_logs import arm, late, made, plain, three_laws
 
 import pyident as pi
-from pyident.logs.log import Log
 
 LATE = 0.9  # samples
 
 
-def late(log: Log) -> Log:
-    """The log with all positions late, without the ends at which nothing tells them."""
-    time = log.frame["time"].to_numpy()
-    names = [name for name in log.frame if name.endswith(".e")]
-    moved = {n: CubicSpline(time, log.frame[n])(time - LATE * log.period) for n in names}
-    return replace(log, frame=log.frame.assign(**moved).iloc[5:-5].reset_index(drop=True))
-
-
 def compared(friction) -> pi.Compared:
-    logs = [late(made(arm(), seed, friction, 20.0, 6.0)) for seed in range(2)]
+    logs = [late(made(arm(), seed, friction, 20.0, 6.0), LATE) for seed in range(2)]
     return pi.compare(pi.identify(arm(), logs).robot, logs)
 
 

@@ -32,8 +32,11 @@ _OF_LOAD = ("load_dependent_friction", "quadratic_load_friction")
 
 def in_time(found: Alignment) -> str:
     """What came late, before a verdict; empty: nothing."""
-    if not found.needed:
-        return ""
+    return f"{apart(found)}. That put right: " if found.needed else ""
+
+
+def apart(found: Alignment) -> str:
+    """What kept positions and torques apart, which something did."""
     parts = []
     if np.isfinite(found.corner):
         parts.append(f"all torques come through a low pass of about {found.corner:.2g} Hz")
@@ -41,7 +44,7 @@ def in_time(found: Alignment) -> str:
         parts.append(f"all positions come about {_late(found.late)} against the torques")
     parts += [f"the torque of {joint_name(way.joint)} comes {_way(way)}" for way in found.own]
     said = ", and ".join(parts)
-    return f"{said[0].upper()}{said[1:]}. That put right: "
+    return f"{said[0].upper()}{said[1:]}"
 
 
 def _way(way: OwnWay) -> str:

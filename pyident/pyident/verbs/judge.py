@@ -10,7 +10,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
-from pyident.diagnosis.notes import in_time
+from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.divide import divided, instants
@@ -58,7 +58,7 @@ def compare(
 
 def _put_right(read: Given, apart: Alignment) -> Given:
     """What was read with its positions and torques together, and a note on that."""
-    note = in_time(apart).replace(". That put right: ", "; that was put right before all was compared")
+    note = f"{kept_apart(apart)}; that was put right before all was compared"
     logs = tuple(apart.of_all(read.robot, read.logs))
     return replace(read, robot=within(read.robot, apart.band), logs=logs, notes=(*read.notes, note))
 

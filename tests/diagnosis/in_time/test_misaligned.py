@@ -6,9 +6,8 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.interpolate import CubicSpline
 from scipy.signal import butter, cont2discrete, filtfilt, lfilter, lfilter_zi
-from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
+from six_axis_logs import COULOMB, VISCOUS, arm, late, made, plain, three_laws
 
 from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay, earlier
 from pyident.diagnosis.diagnose import concluded
@@ -22,13 +21,6 @@ PACE = 6.0  # of a slow motion, whose torques hardly change in a sample
 
 def never(_):
     raise AssertionError("without a known controller nothing is simulated")
-
-
-def late(log: Log, samples: float) -> Log:
-    time = log.frame["time"].to_numpy()
-    names = [name for name in log.frame if name.endswith(".e")]
-    moved = {n: CubicSpline(time, log.frame[n])(time - samples * log.period) for n in names}
-    return replace(log, frame=log.frame.assign(**moved).iloc[5:-5].reset_index(drop=True))
 
 
 def logs_of(friction, samples: float) -> list[Log]:
