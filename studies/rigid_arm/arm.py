@@ -46,12 +46,14 @@ def arm() -> Robot:
     return plain.with_settings(columns={}, processing=Processing())
 
 
-def moved(robot: Robot, rng: np.random.Generator, duration: float, pace: float = 1.0) -> Motion:
-    """`duration` [s] along sums of six sines a joint, drawn; needs the package `pin`.
+def moved(
+    robot: Robot, rng: np.random.Generator, duration: float, pace: float = 1.0, rate: float = RATE
+) -> Motion:
+    """`duration` [s] along sums of six sines a joint, drawn, sampled at a rate [Hz]; needs the package `pin`.
 
     pace   frequencies of the sines over those of a slow motion
     """
-    time = np.arange(0, duration, 1 / RATE)
+    time = np.arange(0, duration, 1 / rate)
     q, v, a = (np.zeros((len(time), 6)) for _ in range(3))
     for k in range(6):
         for harmonic in range(1, 7):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from one_joint import one_joint
-from studies.rigid_arm.arm import arm, moved, recorded
+from studies.rigid_arm.arm import COULOMB, ROTOR, VISCOUS, arm, moved, recorded
 
 import pyident as pi
 from flexmodels.experiment import Experiment
@@ -64,3 +64,25 @@ def test_noise_of_the_torque_does_not_pass_for_inertia():
         z.append(found.solution.p[told] / found.solution.std[told])  # of what is zero
     assert all(np.sqrt(np.mean(np.square(one))) < 1.2 for one in z)
     assert max(np.abs(one).max() for one in z) < 3
+
+
+def test_noise_of_encoders_does_not_pass_for_motion_where_samples_are_dense():
+    """At 5 kHz a share of the Nyquist frequency lets through accelerations that are the encoders' noise."""
+    pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
+    rng, robot = np.random.default_rng(3), arm()
+    motion = moved(robot, rng, 6.0, 6.0, rate=5000.0)
+    tau = motion.load + ROTOR * motion.a + COULOMB * np.sign(motion.v) + VISCOUS * motion.v
+    motion = replace(motion, q=motion.q + 2e-5 * rng.standard_normal(motion.q.shape))
+    log = recorded(motion, tau, 0.01 * tau.std(axis=0), rng, "log")
+    found = pi.identify(robot, log).identified
+    truth = {"J_m": ROTOR, "coulomb": COULOMB, "viscous": VISCOUS}
+    z = {
+        name: (found.solution.p[i] - truth[quantity][k]) / found.solution.std[i]
+        for k in range(6)
+        for quantity in truth
+        for i, name in enumerate(found.reduced.columns)
+        if name == f"joint{k + 1}.{quantity}" and found.support[name] == "alone"
+    }
+    assert len(z) >= 15
+    assert np.mean(np.abs(list(z.values())) < 1.96) > 0.85
+    assert max(np.abs(list(z.values()))) < 4

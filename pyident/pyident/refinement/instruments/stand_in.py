@@ -15,10 +15,12 @@ from flexmodels.coordinate import torque_of
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import without_phase
 from pyident.conditioning.motion import Motion
+from pyident.conditioning.smooth_motion import all_reached
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.replica import Repeat
 
-_PASSES = 0.15  # of the Nyquist frequency
+_PASSES = 0.15  # of the Nyquist frequency, at most
+_BEYOND = 3.0  # times the frequency that the fastest coordinate reaches over its encoder's noise
 
 
 def driven(robot: Robot) -> bool:
@@ -30,9 +32,12 @@ def smoothed(robot: Robot, again: Repeat) -> Repeat:
     """The same with inputs in which there is little noise; `robot` is fitted."""
     from scipy.signal import butter
 
-    sections, plan, log = np.asarray(butter(4, _PASSES, output="sos")), again.plan, again.log
+    plan, log = again.plan, again.log
     torques = [torque_of(k) for k, _ in robot.numbered]
-    logged, q = log.signals(torques), without_phase(sections, log.signals(robot.coordinates))
+    logged, measured = log.signals(torques), log.signals(robot.coordinates)
+    corner = min(_PASSES, _BEYOND * max(all_reached(measured)))
+    sections = np.asarray(butter(4, corner, output="sos"))
+    q = without_phase(sections, measured)
     dq, ddq = (np.gradient(x, log.period, axis=0) for x in (q, np.gradient(q, log.period, axis=0)))
     motion = Motion(q, dq, ddq, without_phase(sections, logged), plan.time)
     p = np.array(list(robot.linear_parameters.values()))
