@@ -12,7 +12,9 @@ from pyident.regression.reduced import Reduced
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
 _WEAK = 1e-2  # of the largest singular value: below, a direction is said to be weakly determined
-_ABSENT = 1e-3  # share of a scaled direction that is left out of an expression
+_ABSENT = 1e-3  # share of a scaled direction that is left out of an expression, unless it is seen:
+_SEEN = 0.1  # standard deviations that a term may be worth without standing in the expression
+_NOTHING = 1e-7  # share of a scaled direction that is rounding, not the robot's structure
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
     joins the combinations that it cannot be told apart from.
     """
     r, scale = solution.rank, solution.scale
+    largest = np.abs(scale * solution.p).max(initial=0.0)
     strength = solution.singular_values[:r, None] * solution.seen.T
     _, R, order = cast(_Pivoted, qr(strength, mode="economic", pivoting=True))
     mixing = solve_triangular(R[:r, :r], R[:r, r:])
@@ -55,10 +58,12 @@ def base_parameters(reduced: Reduced, solution: Solution) -> list[BaseParameter]
         factors = np.zeros(len(scale))
         factors[lead[i]] = 1.0
         factors[rest] = mixing[i] * scale[rest] / scale[lead[i]]
-        kept = [lead[i], *(j for j, m in zip(rest, mixing[i], strict=True) if abs(m) > _ABSENT)]
-        terms = tuple((float(factors[j]), reduced.columns[j]) for j in kept)
         at = np.flatnonzero(factors)  # a parameter without an interval takes it from its own combination only
         std = np.sqrt(max(factors[at] @ solution.covariance[np.ix_(at, at)] @ factors[at], 0.0))
+        seen = _SEEN * std * scale[lead[i]] / largest if largest and np.isfinite(std) else _ABSENT
+        least = min(_ABSENT, max(_NOTHING, seen))
+        kept = [lead[i], *(j for j, m in zip(rest, mixing[i], strict=True) if abs(m) > least)]
+        terms = tuple((float(factors[j]), reduced.columns[j]) for j in kept)
         out.append(BaseParameter(terms, float(factors @ solution.p), float(std)))
     return out
 
