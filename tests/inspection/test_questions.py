@@ -34,6 +34,18 @@ def inspected(folder, **columns):
             "N m (or N) are 100 % of torque_1",
             "rated = 1.0  # ? N m (or N) at 100 %",
         ),
+        (
+            "X1.Torque actual value [0.1%]",
+            400 * ANGLE,
+            "N m (or N) are 100 % of X1.Torque actual value",
+            "rated = 1.0  # ? N m (or N) at 100 %",
+        ),
+        (
+            "Drehmomentistwert Achse_1 [%]",
+            40 * ANGLE,
+            "N m (or N) are 100 % of Drehmomentistwert Achse_1",
+            "rated = 1.0  # ? N m (or N) at 100 %",
+        ),
         ("current_1 [mA]", 900 * ANGLE, "does one A of current_1 give", "drive = 1.0  # ? N m (or N) per A"),
         (
             "current_1",
@@ -57,7 +69,7 @@ def test_the_question_of_a_drive_is_in_the_unit_of_its_answer(column, values, as
     assert line in found.toml()
     (tmp_path / "m.toml").write_text(re.sub("(drive|rated) = 1.0", r"\1 = 3", found.toml()))
     frame = import_log([tmp_path / "raw.csv"], read_mapping(tmp_path / "m.toml")).frame
-    per = {"%": 0.01, "mA": 1e-3, "mV": 1e-3}.get(column.partition("[")[2].strip("]"), 1.0)
+    per = {"%": 0.01, "0.1%": 0.001, "mA": 1e-3, "mV": 1e-3}.get(column.partition("[")[2].strip("]"), 1.0)
     effort = next(name for name in frame if name.endswith((".tau", ".current")))
     assert frame[effort].to_numpy() == pytest.approx(3 * per * values)
 

@@ -163,8 +163,11 @@ def test_a_drive_is_per_ampere_or_column_and_a_rated_torque_at_100_percent(facts
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "V"', "needs drive = .* per V"),
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "%"', "at 100 %, and no drive"),
         ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nunit = "%"\ndrive = 3', "at 100 %, and no drive"),
-        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nrated = 300', "in % has a rated value"),
-        ('rate = 1\n[signals."joint1.e"]\nsource = "a"\nunit = "%"\nrated = 3', "in % has a rated value"),
+        ('rate = 1\n[signals."joint1.tau"]\nsource = "a"\nrated = 300', "in % or ‰ has a rated value"),
+        (
+            'rate = 1\n[signals."joint1.e"]\nsource = "a"\nunit = "%"\nrated = 3',
+            "in % or ‰ has a rated value",
+        ),
     ],
 )
 def test_a_mapping_that_cannot_be_meant_is_questioned(text, words, tmp_path):

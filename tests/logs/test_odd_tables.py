@@ -183,6 +183,14 @@ def test_a_name_that_comes_twice_is_told(tmp_path):
     assert found.notes == ("column q1 is there more than once; no. 2 is called 'q1 (2)' here",)
 
 
+def test_a_column_of_every_axis_gets_one_note(tmp_path):
+    """Scopes write the time beside every axis."""
+    path = tmp_path / "scope.csv"
+    path.write_text("t,q1,t,q2,t,q3\n" + "".join(f"{i},{i},{i},{i},{i},{i}\n" for i in range(30)))
+    found = read_recording(path)
+    assert found.notes == ("column t is there 3 times; the others are called 't (2)' to 't (3)' here",)
+
+
 def test_a_cell_without_a_value_here_and_there_makes_no_clocks():
     """One in every column but the time."""
     columns = {"time": TIME, "q1": np.sin(TIME), "tau1": np.cos(TIME), "tau2": 2 * TIME}

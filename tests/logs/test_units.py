@@ -43,6 +43,7 @@ KNOWN = {
     "mA": constants.milli,
     "mV": constants.milli,
     "%": constants.centi,
+    "‰": constants.milli,
 }
 SI = ("s", "rad", "m", "rad/s", "m/s", "N.m", "Nm", "N", "A", "V", "1")
 

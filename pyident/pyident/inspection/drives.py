@@ -1,17 +1,18 @@
 """Torques that come as a current, a voltage, counts or parts of a rated value: what is asked of them.
 
 The question, the line of the mapping and its arithmetic are of one and the same unit: A and V whatever the
-prefix in the file, 100 % of what comes in %, else one unit of the column.
+prefix in the file, 100 % of what comes in % or ‰, else one unit of the column.
 """
 
 import numpy as np
 
 from pyident.inspection.channel import Channel
+from pyident.logs.units import RATED
 
 
 def of_its_drive(c: Channel) -> str:
     """The question of what a column gives as a torque."""
-    if c.unit == "%":
+    if c.unit in RATED:
         return (
             f"how many {_given(c)} are 100 % of {c.column} (its rated value), and is it of the motor or of "
             "the joint? (rated, gear)"
@@ -29,7 +30,7 @@ def of_its_drive(c: Channel) -> str:
 
 def drive_line(c: Channel) -> str:
     """The line of the mapping that holds the answer, with what it is per."""
-    if c.unit == "%":
+    if c.unit in RATED:
         return f"rated = 1.0  # ? {_given(c)} at 100 % of the column"
     per = "unit of the column" if _unit(c) == "unit" else _unit(c)
     return f"drive = 1.0  # ? N m (or N) per {per}"

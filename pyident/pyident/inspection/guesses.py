@@ -13,7 +13,7 @@ from pyident.inspection.clock import rate, same_as, time_column, time_unit
 from pyident.inspection.letters import lettered, not_symbols
 from pyident.inspection.words import Meaning, first_of, meaning
 from pyident.logs.formats.recording import Recording
-from pyident.logs.units import FACTORS, KINDS, known_unit
+from pyident.logs.units import FACTORS, KINDS, RATED, known_unit
 
 NAME = "its name"
 MOTOR_SIDE = " is called that of a motor and the robot file has no gears: is it at the joint? (gear)"
@@ -50,7 +50,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
         unit = m.unit
         if signal == "unknown" and m.joint is not None and KINDS.get(unit or "") == "effort":
             signal = "torque"  # F3 [N]
-        if signal == "torque" and unit == "%":  # of a rated one, which has to be asked for as a current's
+        if signal == "torque" and unit in RATED:  # of a rated one, which has to be asked for as a current's
             signal = "current"
         kinds = _KIND.get(signal, ())
         if unit is not None and kinds and KINDS[unit] not in kinds:

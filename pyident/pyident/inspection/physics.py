@@ -201,6 +201,7 @@ def _efforts(channels: list[Channel], of: Balances, robot: Robot) -> list[Channe
     factor = file_factor(of) if explained else None
     weighed = factor is not None and 1 / _CLOSE < factor < _CLOSE  # friction alone fits any gear
     weighed &= not any(c.signal in ("current", "voltage") and c.joint for c in channels)  # of unknown drives
+    weighed &= not any(c.unit == "mrad" and c.doubt.endswith(MOTOR_SIDE) for c in channels)  # deg and a gear
     scaled = factor is not None and any(1 / _CLOSE < FACTORS[u] * factor < _CLOSE for u in _DECIMAL)
     out = []
     for c in channels:

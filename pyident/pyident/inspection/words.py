@@ -125,6 +125,7 @@ _SPLIT = re.compile(r"[^A-Za-z0-9°µ]+")
 _GERMAN = re.compile(
     r"(ist|soll|(?:motor|antrieb|abtrieb|rotor)(?:s(?!trom))?)(?=[a-z]{3})"
 )  # Antriebsmoment
+_GERMAN_VALUE = re.compile(r"(.{3,}?)(ist|soll)wert")  # Drehmomentistwert
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])|(?<=Q)(?=[A-Z][a-z])")
 
 
@@ -195,6 +196,9 @@ def _parts(word: str) -> list[str]:
     begin = _GERMAN.match(word)
     if begin and word not in _BARE and word not in _WANTED and word[begin.end() :] in _BARE:
         return [begin.group().removesuffix("s"), word[begin.end() :]]
+    value = _GERMAN_VALUE.fullmatch(word)
+    if value and value[1] in _BARE:
+        return [value[1], value[2]]
     return [word]
 
 

@@ -9,9 +9,7 @@ from flexmodels.files.toml_table import Table, number
 from flexmodels.robot import RobotError
 from pyident.logs.indices import at_joint, indexed
 from pyident.logs.log import LogError
-from pyident.logs.units import FACTORS, KINDS, factor, known_unit
-
-_PERCENT = "%"
+from pyident.logs.units import FACTORS, KINDS, RATED, factor, known_unit
 
 
 @dataclass(frozen=True)
@@ -155,20 +153,22 @@ def _turn(table: Table, unit: str, effort: bool) -> float | None:
 def _drive(table: Table, i: int, count: int, unit: str, effort: bool) -> float:
     """What a torque's column is multiplied by once its unit is: N m per A or V, or what 100 % of it are.
 
-    A column in % takes `rated` and no `drive`, which could be meant per % as well as per 100 %.
+    A column in % or ‰ takes `rated` and no `drive`, which could be meant per unit of it as well as per 100 %.
     """
     if "drive" in table and not effort:
         raise LogError(
             f"{table.place('drive')}: only a torque has a drive (N m per A or V, or per unit of the column)"
         )
-    percent = effort and unit == _PERCENT
-    if "rated" in table and not percent:
-        raise LogError(f"{table.place('rated')}: only a torque or current in % has a rated value, at 100 %")
-    if percent:
+    rated = effort and unit in RATED
+    if "rated" in table and not rated:
+        raise LogError(
+            f"{table.place('rated')}: only a torque or current in % or ‰ has a rated value, at 100 %"
+        )
+    if rated:
         if "drive" in table or "rated" not in table:
             raise LogError(
-                f"{table.place('unit')}: a torque in % needs rated = ..., its N m (or N) at 100 %, and no "
-                'drive; or give unit = "1" and as drive the N m per % of the column'
+                f"{table.place('unit')}: a torque in {unit} needs rated = ..., its N m (or N) at 100 %, and "
+                f'no drive; or give unit = "1" and as drive the N m per {unit} of the column'
             )
         return _of_joint(table, "rated", i, count, 1.0)
     by_robot = table.where.endswith(".current")  # its transmission makes a torque of it

@@ -34,9 +34,12 @@ _FACTORS = {
         "kN": 1e3,
     },
     "electric": {"A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3},
-    "none": {"1": 1.0, "%": 1e-2},
+    "none": {"1": 1.0, "%": 1e-2, "‰": 1e-3},
 }
 FACTORS = {unit: factor for group in _FACTORS.values() for unit, factor in group.items()}
+
+
+RATED = ("%", "‰")  # in which a torque or a current is part of a rated one
 
 
 def factor(unit: str, place: str) -> float:
@@ -59,7 +62,8 @@ _SPELLINGS = {
     "kn m": "kN.m", "knm": "kN.m", "ncm": "N.cm", "n cm": "N.cm", "ft-lb": "lbf.ft", "ft.lb": "lbf.ft",
     "ftlb": "lbf.ft", "in-lb": "lbf.in", "kgcm": "kgf.cm", "kg.cm": "kgf.cm", "µm": "um", "turn": "rev",
     "turns": "rev", "amp": "A", "amps": "A", "ampere": "A", "volt": "V", "volts": "V",
-    "percent": "%", "pct": "%", "prozent": "%",
+    "percent": "%", "pct": "%", "prozent": "%", "permille": "‰", "per mille": "‰", "promille": "‰",
+    "0.1%": "‰", "0.1 %": "‰", "0,1%": "‰", "0,1 %": "‰",
 }  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """CSV of any kind: its layout is found, rows that are none are left out, columns become numbers."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,13 +59,17 @@ def _of_joints(split: Recording, units: dict[str, str], header: bool, notes: lis
 def _told_apart(names: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
     """Names of which none comes twice, and a note on every one that did."""
     out: list[str] = []
-    notes: list[str] = []
     for name in names:
         count = 1 + names[: len(out)].count(name)
         out.append(name if count == 1 else f"{name} ({count})")
-        if count > 1:
-            notes.append(f"column {name} is there more than once; no. {count} is called {out[-1]!r} here")
-    return tuple(out), notes
+    return tuple(out), [_note(name, count) for name, count in Counter(names).items() if count > 1]
+
+
+def _note(name: str, count: int) -> str:
+    if count == 2:
+        return f"column {name} is there more than once; no. 2 is called {f'{name} (2)'!r} here"
+    others = f"{f'{name} (2)'!r} to {f'{name} ({count})'!r}"
+    return f"column {name} is there {count} times; the others are called {others} here"
 
 
 def _rows(path: Path, layout: Layout) -> tuple[pd.DataFrame, list[str]]:
