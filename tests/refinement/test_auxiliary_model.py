@@ -14,11 +14,12 @@ from flexmodels.robot import Robot
 from pyident.conditioning.fading import fading
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import identify
-from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
+from pyident.estimation.instrumental_variables import Rows, solve_instrumental
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import NAME, START, identify_by_instruments
 from pyident.refinement.identifications import IDENTIFICATIONS
 from pyident.refinement.instruments.noise_scatter import noise_scatter
+from pyident.refinement.instruments.residual_spectrum import spectral
 from pyident.regression.reduced import reduce
 from pyident.regression.regressor import regressor
 from pyident.simulation.replica import with_noise
@@ -92,6 +93,26 @@ def test_intervals_hold_where_a_joint_rests_half_the_time():
         sums.append(rows.moments(noise, np.ones(1)))
         said.append(spectral(lambda rows=rows: [rows], np.ones(1))(np.eye(3), np.zeros(3)).diagonal())
     np.testing.assert_allclose(np.mean(said, axis=0), np.var(sums, axis=0), rtol=0.2)
+
+
+def test_intervals_hold_where_parameters_are_many_in_a_few_bins():
+    """24 of a motion below 2 Hz, of 20 s: what they leave there is much less than the noise was."""
+    rng, N, P = np.random.default_rng(2), 2000, 24
+    time = np.arange(N) * 0.01
+    waves = [wave(2 * np.pi * f * time) for f in rng.uniform(0.1, 2, P // 2) for wave in (np.sin, np.cos)]
+    Z, share = np.linalg.qr(np.column_stack(waves))[0][:, None, :], np.ones((N, 1))
+    errors, bare, said = [], [], []
+    for _ in range(200):
+        rows = Rows(Z, Z, rng.normal(size=(N, 1)), share)
+        p = rows.moments(rows.y, np.ones(1))
+        errors.append(p)
+        for kept, fitted in ((bare, None), (said, np.eye(P))):
+            kept.append(
+                spectral(lambda rows=rows: [rows], np.ones(1), fitted=fitted)(np.eye(P), p).diagonal()
+            )
+    assert np.mean(bare) < 0.8 * np.var(errors)
+    z = np.abs(errors) / np.sqrt(said)
+    assert 0.94 < np.mean(z < 1.96) < 0.995
 
 
 def test_the_mask_fades_before_it_closes():

@@ -13,10 +13,11 @@ from typing import Any, Literal
 import numpy as np
 
 from flexmodels.inputs import SimulationError
-from pyident.estimation.instrumental_variables import Rows, spectral
+from pyident.estimation.instrumental_variables import Rows
 from pyident.estimation.newey_west import LongRun
 from pyident.greybox.recording import Progress, Recording, Simulate
 from pyident.greybox.search import Derivatives, Free, Search
+from pyident.refinement.instruments.residual_spectrum import spectral
 from pyident.regression.machine.svd import svd
 from pyident.rules.greybox import GREYBOX
 

@@ -26,13 +26,7 @@ from pyident.estimation.identify import (
     near,
     without_intervals,
 )
-from pyident.estimation.instrumental_variables import (
-    MomentEquations,
-    Rows,
-    moment_equations,
-    spectral,
-    unknown,
-)
+from pyident.estimation.instrumental_variables import MomentEquations, Rows, moment_equations, unknown
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.instruments.fixed_point import FixedPoint
@@ -45,6 +39,7 @@ from pyident.refinement.instruments.instrumental_covariance import (
 from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
 from pyident.refinement.instruments.positions_late import Late, positions_late
+from pyident.refinement.instruments.residual_spectrum import spectral
 from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -287,7 +282,7 @@ def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Worke
         rows = [columns.added(number, own, quiet) for number, own in enumerate(rows)]
     equations = moment_equations(every(rows), logs.reduced, weights)
     if before is None:
-        solution = equations.solve(spectral(equations.logs, equations.weights))
+        solution = equations.solve(spectral(equations.logs, equations.weights, fitted=equations.turn))
         std = solution.std
     else:
         solution, std = equations.solve(unknown, before.solution.rank), before.std

@@ -13,15 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.estimation.instrumental_variables import (
-    Rows,
-    beyond_noise,
-    smoothed_power,
-    solve_instrumental,
-    spectral,
-)
+from pyident.estimation.instrumental_variables import Rows, solve_instrumental
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
+from pyident.refinement.instruments.residual_spectrum import beyond_noise, smoothed_power, spectral
 from pyident.regression.reduced import Reduced
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.replay import Replay

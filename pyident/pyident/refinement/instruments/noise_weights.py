@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyident.estimation.instrumental_variables import Rows, smoothed_power, transform_length
+from pyident.estimation.instrumental_variables import Rows
+from pyident.refinement.instruments.residual_spectrum import smoothed_power, transform_length
 from pyident.refinement.instruments.simulated_rows import Data
 
 

@@ -3,25 +3,30 @@
 A drive's current passes a filter, an encoder's angle another bus: late by L the positions miss the torques by
 L times the rate of these. A millisecond is enough for friction to be found many of its standard deviations
 off. So the rates stand beside Φ, with the simulated rates as instruments, for each joint and each half of the
-logs by itself; and where all that tell agree on a time that is not chance, the positions belong there. What
-makes a single torque late, as a law with a memory does, says nothing of a clock: without any one joint the
-others must tell of it, too. Where they agree on nothing that is sure, the time may still be one that matters,
-and the parameters are known as badly as that.
+logs by itself; and where all that tell agree on a time that is not chance, the positions belong there. Of a
+motion that lost its noise, what else it lost may pass for a delay: the motion as it was measured must tell of
+it, too. What makes a single torque late, as a law with a memory does, says nothing of a clock: without any
+one joint the others must tell of it, too. Where they agree on nothing that is sure, the time may still be one
+that matters, and the parameters are known as badly as that.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.instrumental_variables import MomentEquations, Rows, products, spectral
+from pyident.estimation.instrumental_variables import MomentEquations, Rows, products
 from pyident.estimation.least_squares import Solution
 from pyident.logs.foreign import delayed
 from pyident.logs.log import Log
-from pyident.refinement.instruments.simulated_rows import Repeated, every
+from pyident.refinement.instruments.logged import quiet
+from pyident.refinement.instruments.residual_spectrum import spectral
+from pyident.refinement.instruments.simulated_rows import Repeated, every, in_memory
+from pyident.simulation.replica import Repeat
 
 _SURE = 3.0  # standard deviations, of the time from zero
 _ALIKE = 0.2  # of the time: as far as joints differ beside chance
@@ -62,16 +67,31 @@ def positions_late(
 
     frames   of the simulations that the instruments are from
     """
-    count = _PARTS * len(logs.robot.joints)
-    ends = np.cumsum([len(own.y) for own in rows])
-    parts = np.split(_PARTS * np.arange(ends[-1]) // ends[-1], ends[:-1])
-    pairs = zip(rows, logs.again, frames, parts, strict=True)
-    wider = [_with_rates(logs.robot, own, again.log, frame, part) for own, again, frame, part in pairs]
+    wider = _with_every_rate(logs, frames, rows)
+    found = [_late(wider, logs, equations, solution)]
+    if quiet(logs.robot):
+        found.append(
+            _late([*map(_as_measured, repeat(logs.robot), wider, logs.again)], logs, equations, solution)
+        )
+    told = [late for late in found if late is not None]
+    return min(told, key=lambda late: (late.sure, -late.std)) if len(told) == len(found) else None
+
+
+def _late(wider: list[Rows], logs: Repeated, equations: MomentEquations, solution: Solution) -> Late | None:
+    """What rows with rates tell; None as in `positions_late`."""
     try:
-        found = _times(wider, equations, solution, count)
+        found = _times(wider, equations, solution, _PARTS * len(logs.robot.joints))
     except np.linalg.LinAlgError:  # as of logs without any noise, or joints that never turn round
         return None
     return None if found is None else _common(*found, max(a.log.period for a in logs.again))
+
+
+def _with_every_rate(logs: Repeated, frames: Sequence[pd.DataFrame], rows: Sequence[Rows]) -> list[Rows]:
+    """Each log's rows with a column for every torque's rate in each part of the logs."""
+    ends = np.cumsum([len(own.y) for own in rows])
+    parts = np.split(_PARTS * np.arange(ends[-1]) // ends[-1], ends[:-1])
+    pairs = zip(rows, logs.again, frames, parts, strict=True)
+    return [_with_rates(logs.robot, own, again.log, frame, part) for own, again, frame, part in pairs]
 
 
 def _times(
@@ -91,7 +111,8 @@ def _times(
     spread = np.linalg.inv(free.T @ sums[:, told])
     p = np.append(solution.p, np.zeros(count))
     scores = sum(own.moments(own.residual(p), weights) for own in wider) @ free
-    covariance = spread @ spectral(every(wider), weights)(free, p) @ spread.T
+    fitted = np.concatenate([equations.turn, np.zeros((count, equations.turn.shape[1]))])
+    covariance = spread @ spectral(every(wider), weights, fitted=fitted)(free, p) @ spread.T
     slopes = -span @ np.linalg.solve(B, turn.T @ sums[:P, told])
     return spread @ scores, covariance, slopes, (np.array(told) - P) // _PARTS
 
@@ -118,6 +139,12 @@ def _mean(times: np.ndarray, covariance: np.ndarray) -> tuple[float, float]:
     """The time that times of a covariance agree on, and its standard deviation."""
     weights = np.linalg.solve(covariance, np.ones(len(times)))
     return float(weights @ times / weights.sum()), float(weights.sum() ** -0.5)
+
+
+def _as_measured(robot: Robot, wider: Rows, again: Repeat) -> Rows:
+    """Rows with all that their log has of the motion, noise included."""
+    A = in_memory(robot, condition(again.log, robot)).A
+    return replace(wider, A=np.concatenate([A, wider.A[:, :, A.shape[2] :]], axis=2))
 
 
 def _with_rates(robot: Robot, rows: Rows, log: Log, frame: pd.DataFrame, part: np.ndarray) -> Rows:

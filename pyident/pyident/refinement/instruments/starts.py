@@ -10,13 +10,14 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
 from pyident.conditioning.filters import without_phase
-from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import Estimate, weighted
 from pyident.estimation.identify import Identified, identified, near
-from pyident.estimation.instrumental_variables import Rows, solve_instrumental, spectral
+from pyident.estimation.instrumental_variables import Rows, moment_equations
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
+from pyident.refinement.instruments.logged import logged
 from pyident.refinement.instruments.noise_scatter import carries
+from pyident.refinement.instruments.residual_spectrum import spectral
 from pyident.refinement.instruments.simulated_rows import (
     Data,
     every,
@@ -51,7 +52,7 @@ def begun(robot: Robot, logs: Sequence[Log], prior: Robot | None = None) -> Begu
 
     Raises LogError.
     """
-    parts = [condition(log, robot) for log in logs]
+    parts = [logged(robot, log) for log in logs]
     plain = weighted(Problem(robot, tuple(parts)))
     robot = plain.problem.robot
     data = gathered(lambda part: in_memory(robot, part), parts)
@@ -80,7 +81,8 @@ def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Sol
             Z[:, c, columns] = without_phase(sections, d.A[:, c][:, columns] * share[:, c, None])
         rows.append(Rows(d.A, Z, d.y, share))
     weights = plain.solution.weights
-    return solve_instrumental(every(rows), plain.reduced, weights, spectral(every(rows), weights))
+    equations = moment_equations(every(rows), plain.reduced, weights)
+    return equations.solve(spectral(every(rows), weights, fitted=equations.turn))
 
 
 def coloured(robot: Robot, data: list[Data], plain: Estimate) -> Solution:
@@ -88,7 +90,7 @@ def coloured(robot: Robot, data: list[Data], plain: Estimate) -> Solution:
     rows = [Rows(d.A, d.A, d.y, d.use.astype(float)) for d in data]
     solution = plain.solution
     turn = solution.seen / solution.singular_values[: solution.rank] / solution.scale[:, None]
-    meat = spectral(every(rows), solution.weights)(turn, solution.p)
+    meat = spectral(every(rows), solution.weights, fitted=turn)(turn, solution.p)
     return replace(solution, covariance=turn @ meat @ turn.T)
 
 
