@@ -12,6 +12,7 @@ from pyident.comparison.trial import Trial
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.extension.split import Split
 from pyident.rules.rules import Rules
+from pyident.simulation.along import along_each, mean_noise
 from pyident.simulation.denoised import unfiltered
 from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
@@ -65,17 +66,18 @@ def fit_to(
         asked = setting if start.simulates else start
         if not start.simulates and plain is not robot:
             asked = set_up(plain, parts.fitted, rules)
-        fit = Fit(setting, asked, _on_trial(setting, parts), len(parts.fitted), [])
+        fit = Fit(setting, asked, _on_trial(start, setting, parts), len(parts.fitted), [])
         if not replicas:
             return replace(fit, data=judged_logs(fit.trial, workers))
         data, made = run_trial(fit.trial, workers, progress, replicas)
         return replace(fit, data=data, replicas=made)
 
 
-def _on_trial(setting: Setting, parts: Split) -> Trial:
+def _on_trial(start: Setting, setting: Setting, parts: Split) -> Trial:
+    """setting: the start in closed loop. Where that stands in, all is judged without the encoders' noise."""
     judged = tuple(repeat_like(setting.simulated, setting.robot, log) for log in parts.judged)
     fitted = tuple(r for r in setting.repeats if isinstance(r, Repeat))
-    return Trial(
+    trial = Trial(
         setting.robot,
         setting.simulated,
         fitted,
@@ -84,3 +86,7 @@ def _on_trial(setting: Setting, parts: Split) -> Trial:
         setting.noise,
         setting.estimator,
     )
+    if start.simulates:
+        return trial
+    paths = along_each(start.robot, [r.log for r in trial.repeats], start.solution.p)
+    return replace(trial, noise=mean_noise(paths), paths=paths)
