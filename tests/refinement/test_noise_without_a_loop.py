@@ -61,3 +61,14 @@ def test_intervals_are_as_wide_as_the_errors_are_large(logs):
     assert 0.7 < np.median(ratios) < 3
     z = np.array([e[n] / s[n] for e, s in zip(errors, stds, strict=True) for n in names])
     assert np.mean(np.abs(z) < 1.96) > 0.93
+
+
+def test_errors_on_both_logs_are_without_the_noise_of_encoders(logs):
+    """Differenced twice, it would leave many times what the torques' own noise leaves."""
+    fit = pi.identify(arm(), logs[0], heldout=logs[1])
+    assert "none of the positions" in " ".join(fit.summary().split())
+    (unseen,) = fit.heldout.values()
+    torques = logs[0].frame[[f"joint{k}.tau" for k in range(1, 7)]].to_numpy()
+    alone = 100 * TORQUE * np.sqrt(6) / np.sqrt(np.square(torques).sum(axis=1).mean())
+    assert fit.identified.relative_error["all"] < 3 * alone
+    assert unseen["all"] < 1.5 * fit.identified.relative_error["all"]

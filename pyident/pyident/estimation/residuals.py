@@ -1,12 +1,13 @@
 """What an identified robot leaves of the motor torques: errors, spectra, and whether the rest is slow."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmodels.coordinate import joint_name
 from flexmodels.robot import Robot
+from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.identify import relative_error
 from pyident.estimation.least_squares import Solution
@@ -58,13 +59,17 @@ def joint_residuals(robot: Robot, logs: Sequence[Log]) -> list[JointResidual]:
     ]
 
 
-def torque_error(robot: Robot, log: Log) -> dict[str, float]:
+def torque_error(
+    robot: Robot, log: Log, taken: Callable[[Robot, Log], Conditioned] | None = None
+) -> dict[str, float]:
     """100 |tau - Φ p| / |tau| of a log under the robot's own parameters, per joint and over all [%].
 
+    taken   how equations are made of the log; none: as the robot's [processing] says
     Raises LogError.
     """
+    part = taken(robot, log) if taken else condition(log, robot)
     p = np.array(list(robot.linear_parameters.values()))
-    return relative_error(Problem(robot, (condition(log, robot),)).reduced(), p, len(robot.joints))
+    return relative_error(Problem(robot, (part,)).reduced(), p, len(robot.joints))
 
 
 def correlations(solution: Solution, names: Sequence[str], count: int = 8) -> list[tuple[float, str, str]]:

@@ -11,8 +11,10 @@ from pyident.estimation.identify import Identified, near, of_the_same_arm, witho
 from pyident.estimation.identify import identify as regress
 from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
+from pyident.refinement.auxiliary_model import NAME, START
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
+from pyident.refinement.instruments.logged import logged
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.simulation.fmu_runs import runs_here, runs_in_threads
 from pyident.verbs.fitted import Fit, ServoFit
@@ -66,7 +68,8 @@ def identify(
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
     read = opened(robot, logs, mapping, heldout, force)
     found = _identified(read, "irls" if robust else estimator, progress, cad)
-    errors = {log.source: torque_error(found.robot, log) for log in read.heldout}
+    taken = logged if found.estimator in (NAME, START) else None
+    errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
         progress(1.0)
     return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)

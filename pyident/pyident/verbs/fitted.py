@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyident.refinement.auxiliary_model import NAME, START
+from pyident.refinement.instruments.logged import quiet
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
 from pyident.verbs.text import Text, half_interval, wrapped
@@ -150,12 +152,15 @@ class Fit(Result):
                 "file a cutoff of a few times the highest frequency of the motion"
             )
         elif written:
-            lines.append(
-                "these errors hold the sensors' noise, that of positions differentiated twice: pyident "
-                "compare tells what noise alone would leave"
-            )
+            lines.append(f"{self._what_errors_hold}: pyident compare tells what noise alone would leave")
         lines += [f"the same on {source}, held out: {_percentages(e)}" for source, e in self.heldout.items()]
         return [wrapped(line, "  ") for line in lines]
+
+    @property
+    def _what_errors_hold(self) -> str:
+        if self.identified.estimator in (NAME, START) and quiet(self.identified.robot):
+            return "these errors hold the noise of the torques, and none of the positions"
+        return "these errors hold the sensors' noise, that of positions differentiated twice"
 
 
 @dataclass(frozen=True, repr=False)
