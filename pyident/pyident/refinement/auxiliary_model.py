@@ -39,7 +39,7 @@ from pyident.refinement.instruments.instrumental_covariance import (
 from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
 from pyident.refinement.instruments.positions_late import Late, positions_late
-from pyident.refinement.instruments.residual_spectrum import spectral
+from pyident.refinement.instruments.residual_spectrum import of_fit
 from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -89,6 +89,11 @@ def identify_by_instruments(
     moved = [earlier(robot, log, late.time) for log in logs]
     again, _ = _identified(robot, moved, open_pool, lambda share: told((1 + share) / 2), prior, (found, late))
     return replace(again, notes=(*again.notes, _moved(late)))
+
+
+def by_instruments(found: Identified) -> bool:
+    """Whether its values are those of `identify_by_instruments`, whose equations are `logged`."""
+    return found.estimator in (NAME, START)
 
 
 def _moved(late: Late) -> str:
@@ -282,7 +287,7 @@ def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Worke
         rows = [columns.added(number, own, quiet) for number, own in enumerate(rows)]
     equations = moment_equations(every(rows), logs.reduced, weights)
     if before is None:
-        solution = equations.solve(spectral(equations.logs, equations.weights, fitted=equations.turn))
+        solution = equations.solve(of_fit(equations))
         std = solution.std
     else:
         solution, std = equations.solve(unknown, before.solution.rank), before.std

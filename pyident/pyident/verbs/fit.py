@@ -11,7 +11,7 @@ from pyident.estimation.identify import Identified, near, of_the_same_arm, witho
 from pyident.estimation.identify import identify as regress
 from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
-from pyident.refinement.auxiliary_model import NAME, START
+from pyident.refinement.auxiliary_model import by_instruments
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
 from pyident.refinement.instruments.logged import logged
@@ -68,7 +68,7 @@ def identify(
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
     read = opened(robot, logs, mapping, heldout, force)
     found = _identified(read, "irls" if robust else estimator, progress, cad)
-    taken = logged if found.estimator in (NAME, START) else None
+    taken = logged if by_instruments(found) else None
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
         progress(1.0)

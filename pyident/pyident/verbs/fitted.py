@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pyident.refinement.auxiliary_model import NAME, START
+from pyident.refinement.auxiliary_model import by_instruments
 from pyident.refinement.instruments.logged import quiet
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
@@ -158,7 +158,7 @@ class Fit(Result):
 
     @property
     def _what_errors_hold(self) -> str:
-        if self.identified.estimator in (NAME, START) and quiet(self.identified.robot):
+        if by_instruments(self.identified) and quiet(self.identified.robot):
             return "these errors hold the noise of the torques, and none of the positions"
         return "these errors hold the sensors' noise, that of positions differentiated twice"
 

@@ -19,7 +19,7 @@ from pyident.estimation.instrumental_variables import MomentEquations, Rows
 from pyident.estimation.least_squares import Solution
 from pyident.refinement.instruments.logged import quiet
 from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
-from pyident.refinement.instruments.residual_spectrum import beyond_noise, smoothed_power, spectral
+from pyident.refinement.instruments.residual_spectrum import beyond_noise, of_fit, smoothed_power, spectral
 from pyident.refinement.instruments.simulated_rows import Repeated, every, in_memory
 from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.natural_frequencies import natural_frequencies
@@ -35,7 +35,7 @@ def with_covariance(
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
     robot = logs.robot
     if quiet(robot) or not carries(robot):
-        return equations.solve(spectral(every(rows), solution.weights, fitted=equations.turn), solution.rank)
+        return equations.solve(of_fit(equations), solution.rank)
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 
     def scatter(turn: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -12,7 +12,6 @@ that matters, and the parameters are known as badly as that.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import repeat
 
 import numpy as np
 import pandas as pd
@@ -70,9 +69,9 @@ def positions_late(
     wider = _with_every_rate(logs, frames, rows)
     found = [_late(wider, logs, equations, solution)]
     if quiet(logs.robot):
-        found.append(
-            _late([*map(_as_measured, repeat(logs.robot), wider, logs.again)], logs, equations, solution)
-        )
+        pairs = zip(wider, logs.again, strict=True)
+        measured = [_as_measured(logs.robot, own, again) for own, again in pairs]
+        found.append(_late(measured, logs, equations, solution))
     told = [late for late in found if late is not None]
     return min(told, key=lambda late: (late.sure, -late.std)) if len(told) == len(found) else None
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmodels.threads import gathered
-from pyident.estimation.instrumental_variables import Logs, Rows, Scatter
+from pyident.estimation.instrumental_variables import Logs, MomentEquations, Rows, Scatter
 
 _BINS = 8  # neighbours on either side over which the periodogram is smoothed
 _MOST = 0.8  # of the noise in a bin that a fit is believed to have taken up
@@ -37,6 +37,11 @@ def spectral(
     fitted    (P, r) makes of instruments the orthonormal columns whose fit left the residual; none: no fit
     """
     return lambda turn, p: _spectral(logs, weights, turn, p, counted, fitted)
+
+
+def of_fit(equations: MomentEquations) -> Scatter:
+    """`spectral` of the residual that the solution of these equations leaves."""
+    return spectral(equations.logs, equations.weights, fitted=equations.turn)
 
 
 def transform_length(samples: int) -> int:

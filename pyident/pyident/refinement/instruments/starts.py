@@ -17,7 +17,7 @@ from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.instruments.logged import logged
 from pyident.refinement.instruments.noise_scatter import carries
-from pyident.refinement.instruments.residual_spectrum import spectral
+from pyident.refinement.instruments.residual_spectrum import of_fit, spectral
 from pyident.refinement.instruments.simulated_rows import (
     Data,
     every,
@@ -82,7 +82,7 @@ def _started(robot: Robot, data: list[Data], plain: Estimate, low: float) -> Sol
         rows.append(Rows(d.A, Z, d.y, share))
     weights = plain.solution.weights
     equations = moment_equations(every(rows), plain.reduced, weights)
-    return equations.solve(spectral(every(rows), weights, fitted=equations.turn))
+    return equations.solve(of_fit(equations))
 
 
 def coloured(robot: Robot, data: list[Data], plain: Estimate) -> Solution:
