@@ -6,7 +6,7 @@ controller that stands in for the loop, tells beside that which torques the mode
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,11 @@ class Trial:
         """Of all logs, fitted ones first, each once."""
         return list({id(r): r for r in (*self.fitted, *self.judged)}.values())
 
+    def along(self, robot: Robot, p: np.ndarray) -> "Trial":
+        """The same along the measured motions; robot: fitted, p (P,) its linear parameters."""
+        paths = along_each(robot, [r.log for r in self.repeats], p)
+        return replace(self, noise=mean_noise(paths), paths=paths)
+
     def conditioned(self, log: Log, robot: Robot) -> Conditioned:
         """The equations of one of its logs. Raises LogError."""
         return denoised(robot, log) if self.paths else condition(log, robot)
@@ -71,8 +76,7 @@ def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
         noise = sensor_noise(found.problem.robot, logs, found.solution.p)
         return Trial(robot, simulated, *judged, noise)
     found = weighted(Problem(robot, tuple(denoised(robot, log) for log in logs)))
-    paths = along_each(found.problem.robot, logs, found.solution.p)
-    return Trial(robot, simulated, *judged, mean_noise(paths), paths=paths)
+    return Trial(robot, simulated, *judged, {}).along(found.problem.robot, found.solution.p)
 
 
 def again(fmu: Simulator, trial: Trial, drawn: Sequence[Sequence[int]]) -> Sequence[Sequence[Log]]:

@@ -12,7 +12,6 @@ from pyident.comparison.trial import Trial
 from pyident.diagnosis.base.setting import Setting, in_closed_loop, set_up, unbiased
 from pyident.extension.split import Split
 from pyident.rules.rules import Rules
-from pyident.simulation.along import along_each, mean_noise
 from pyident.simulation.denoised import unfiltered
 from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool
@@ -86,7 +85,4 @@ def _on_trial(start: Setting, setting: Setting, parts: Split) -> Trial:
         setting.noise,
         setting.estimator,
     )
-    if start.simulates:
-        return trial
-    paths = along_each(start.robot, [r.log for r in trial.repeats], start.solution.p)
-    return replace(trial, noise=mean_noise(paths), paths=paths)
+    return trial if start.simulates else trial.along(start.robot, start.solution.p)
