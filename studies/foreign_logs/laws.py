@@ -112,7 +112,7 @@ def _cable(rng: np.random.Generator, s: State, k: int) -> Law:
         "cable",
         lambda s, k: np.maximum(_over_two(s, k) - start, 0),
         False,
-        ("joint_spring", "gravity_spring"),
+        ("slack_spring", "joint_spring", "gravity_spring"),
     )
 
 
@@ -123,7 +123,7 @@ def _stop(rng: np.random.Generator, s: State, k: int) -> Law:
         "stop",
         lambda s, k: np.maximum(s.q[:, k] - start, 0) ** 1.5,
         False,
-        ("joint_spring", "gravity_spring"),
+        ("slack_spring", "joint_spring", "gravity_spring"),
     )
 
 

@@ -43,6 +43,12 @@ STRONG: dict[str, dict[str, float]] = {
     "torque_droop": {"fall": 0.0005},
     "gravity_spring": {"stiffness": 150.0, "preload": 90.0, "ratio": 0.5, "phase": 0.8},
     "joint_spring": {"stiffness": 40.0, "preload": 3.0},
+    "slack_spring": {
+        "stiffness_below": 30.0,
+        "stiffness_above": 60.0,
+        "start_below": -0.05,
+        "start_above": 0.05,
+    },
     "joint_coupling": {"inertia": 0.4, "viscous": 2.0, "coulomb": 6.0, "ratio": 1.0},
     "payload": {"mass": 4.0},
 }
@@ -255,6 +261,7 @@ def test_dissipation_takes_power_and_springs_give_it_back():
         "kinematic_error",
         "gravity_spring",
         "joint_spring",
+        "slack_spring",
         "hardening_stiffness",
         "stiffness_coupling",
         "twist_offset",

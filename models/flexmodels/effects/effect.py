@@ -21,7 +21,8 @@ class Parameter:
     """A coefficient of a law. `unit` is for a revolute joint; a slider reads m and N instead.
 
     grid    values that a search tries first; a parameter enters its law nonlinearly if and only if it has one
-    scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`
+    scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`, unless it is
+    across  a signal's range in the logs: 0 is its lowest value, 1 its highest
     periodic  whether it counts the law's periods per turn of the joint; a law has one such parameter at most
     usual   its value where nothing is known, in the joint's base parameters (Symbol("k[1]")); None: whatever
             makes the law as large as is asked for
@@ -34,6 +35,7 @@ class Parameter:
     upper: float = inf
     grid: tuple[float, ...] = ()
     scale: Symbol | None = None
+    across: Symbol | None = None
     periodic: bool = False
     usual: Any = None
 
@@ -276,7 +278,11 @@ def sheet(effect: Effect) -> dict[str, str]:
 
 def _line(p: Parameter) -> str:
     limits = "" if p.lower == -inf and p.upper == inf else f", from {p.lower:g} to {p.upper:g}"
-    unit = f"rms of {p.scale}" if p.scale is not None else p.unit
+    unit = p.unit
+    if p.scale is not None:
+        unit = f"rms of {p.scale}"
+    elif p.across is not None:
+        unit = f"of the range of {p.across}"
     tried = "" if p.linear else f"; nonlinear, tried at {', '.join(f'{v:g}' for v in p.grid)} [{unit}]"
     return f"{p.name} [{p.unit}]{limits}{tried}"
 

@@ -1,6 +1,6 @@
 """Around the joint: springs, cables, mechanical couplings and what the tip carries."""
 
-from sympy import Matrix, cos, eye, pi, sign, sin, sqrt
+from sympy import Matrix, Max, Min, cos, eye, pi, sign, sin, sqrt
 
 from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.effects.signals import beyond, dde, de, e, eps, tip
@@ -16,8 +16,25 @@ joint_spring = Effect(
     parameters=(_stiffness, _pull),
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="a large part of the joint's range",
-    confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "offset", "twist_offset"),
+    confounders=("ms[x]", "ms[y]", "ms[z]", "gravity_spring", "slack_spring", "offset", "twist_offset"),
     experiment="slow motion over the whole range, at an axis that gravity does not load if there is one",
+)
+
+_below, _above = (Parameter(f"stiffness_{side}", "N.m/rad", lower=0) for side in ("below", "above"))
+_from = Parameter("start_below", "rad", start=-1.0, grid=(0.1, 0.25, 0.4), across=e)
+_to = Parameter("start_above", "rad", start=1.0, grid=(0.6, 0.75, 0.9), across=e)
+_pulls = _below.symbol * Min(_angle - _from.symbol, 0) + _above.symbol * Max(_angle - _to.symbol, 0)
+
+slack_spring = Effect(
+    name="slack_spring",
+    title="Hose, cable or stop with slack: a spring that acts below one angle and above another",
+    forces={q: _pulls for q in (e, eps[1])},
+    parameters=(_below, _above, _from, _to),
+    proper=_from.symbol < _to.symbol,
+    citation="Nordin and Gutman 2002: the dead zone",
+    needs="the ends of the joint's range, where the hose is tight or the stop is touched",
+    confounders=("joint_spring", "gravity_spring"),
+    experiment="slow motion into both ends of the range",
 )
 
 # The spring runs from a pivot on the base side, at distance a from the joint, to one on the link, at

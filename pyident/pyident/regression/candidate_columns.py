@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from flexmodels.coordinate import signal_of
-from flexmodels.effects.effect import Effect
+from flexmodels.effects.effect import Effect, Parameter
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
@@ -47,7 +47,7 @@ def nonlinear_grid(
 ) -> list[dict[str, float]]:
     """The values that a search tries first: every combination of the grids, in the parameters' units.
 
-    motions   of the logs, over all of which a signal's size is taken
+    motions   of the logs, over all of which a signal's size or range is taken
     A law without nonlinear parameters has one, the empty one. Raises ValueError
     for a signal that the motion does not have, and as `effect_columns` does.
     """
@@ -55,15 +55,24 @@ def nonlinear_grid(
     known = [_signals(robot, motion) for motion in motions]
     grids = []
     for p in law.nonlinear:
-        size = 1.0
-        if p.scale is not None:
-            name = signal_of(joint, str(p.scale))
+        zero, one = 0.0, 1.0
+        reads = p.scale if p.across is None else p.across
+        if reads is not None:
+            name = signal_of(joint, str(reads))
             values = [x for signals in known if (x := signals.of(name)) is not None]
             if len(values) < len(known):
                 raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
-            size = float(np.sqrt(np.mean(np.concatenate(values) ** 2)))
-        grids.append([(p.name, min(max(value * size, p.lower), p.upper)) for value in p.grid])
+            zero, one = _ends(np.concatenate(values), p)
+        tried = [zero + value * (one - zero) for value in p.grid]
+        grids.append([(p.name, min(max(value, p.lower), p.upper)) for value in tried])
     return [dict(values) for values in product(*grids)]
+
+
+def _ends(signal: np.ndarray, p: Parameter) -> tuple[float, float]:
+    """The values that the grid's 0 and 1 stand for, of the signal (N,) in which it is counted."""
+    if p.across is not None:
+        return float(signal.min()), float(signal.max())
+    return 0.0, float(np.sqrt(np.mean(signal**2)))
 
 
 def coverage(
