@@ -19,7 +19,7 @@ from pyident.regression.machine.svd import svd
 from pyident.regression.spectrum import Equations
 from pyident.regression.triangle import Triangle
 
-_IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
+IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
 CANCELLED = 1e-13  # of the longest column: what is left of forces that cancel, as of a moment about gravity
 _ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
 
@@ -254,7 +254,7 @@ def _directions(base: Base, columns: Columns) -> list[np.ndarray]:
         new.append(dense)
     size = np.sqrt(np.maximum(np.diag(G), 1e-300))
     w, V = np.linalg.eigh(sum(np.einsum("cek,cel->kl", d, d) for d in new) / np.outer(size, size))
-    kept = w > _IMITATED
+    kept = w > IMITATED
     directions = V[:, kept] / np.sqrt(w[kept]) / size[:, None]
     return [d @ directions for d in new]
 
@@ -273,9 +273,9 @@ class System:
     def of(full: np.ndarray, G: np.ndarray) -> "System":
         size = np.sqrt(np.maximum(np.diag(full), 1e-300))
         own = np.diag(G) / size**2
-        alone = np.where(own > _IMITATED, 1 / np.sqrt(np.maximum(own, _IMITATED)) / size, np.inf)
+        alone = np.where(own > IMITATED, 1 / np.sqrt(np.maximum(own, IMITATED)) / size, np.inf)
         w, V = np.linalg.eigh(G / np.outer(size, size))
-        return System(size, alone, w, V, w > _IMITATED)
+        return System(size, alone, w, V, w > IMITATED)
 
     def solved(self, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Gain:
         """g (K,): the columns times a residual."""
@@ -293,6 +293,6 @@ class System:
             with np.errstate(invalid="ignore"):  # SciPy tries steps along bounds that are infinite
                 x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
         z = half.T @ (x * size)
-        free = np.square(self.V[:, ~self.kept]).sum(axis=1) > _IMITATED
+        free = np.square(self.V[:, ~self.kept]).sum(axis=1) > IMITATED
         std = np.where(free, np.inf, np.sqrt(np.square(V / root).sum(axis=1)) / size)
         return Gain(float(2 * z @ target - z @ z), x, std, self.alone, left)

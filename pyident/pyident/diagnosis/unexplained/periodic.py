@@ -19,8 +19,7 @@ from scipy.special import chdtrc, chdtri
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import lowest_order
-from pyident.diagnosis.base.projection import Base, Columns, gains
-from pyident.diagnosis.unexplained.smooth import whitened_columns
+from pyident.diagnosis.base.projection import IMITATED, Base, Columns
 from pyident.regression.regressor import generalised_forces
 from pyident.regression.spectrum import Equations
 from pyident.rules.periodic import PeriodicRules
@@ -107,25 +106,16 @@ def highest(
 def periodic_columns(
     logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, at: float
 ) -> Columns:
-    """Per log: row -> (E, K) whitened cosine and sine."""
-    return _columns_at(logs, levels, over, [at])[0]
-
-
-def _columns_at(
-    logs: Sequence[Equations], levels: Sequence[np.ndarray], over: Over, listed: Sequence[float]
-) -> list[Columns]:
-    """`periodic_columns` at several frequencies or orders, transformed together."""
-    several: list[list[dict[int, np.ndarray]]] = [[] for _ in listed]
-    for i, log in enumerate(logs):
-        waves = np.hstack([_waves(log, over, at) for at in listed])
-        whole = whitened_columns([waves], [log], [levels[i]], over.row)[0][over.row]
-        for columns, X in zip(several, np.split(whole, len(listed), axis=1), strict=True):
-            if over.kind == "frequency":
-                wide = np.zeros((len(X), 2 * len(logs)))
-                wide[:, 2 * i : 2 * i + 2] = X
-                X = wide
-            columns.append({over.row: X})
-    return list(several)
+    """Per log: row -> (E, K) whitened cosine and sine; over time with a phase of its own in each log."""
+    out = []
+    for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
+        X = np.column_stack(_waves(log, level, over, [at]))
+        if over.kind == "frequency":
+            wide = np.zeros((len(X), 2 * len(logs)))
+            wide[:, 2 * i : 2 * i + 2] = X
+            X = wide
+        out.append({over.row: X})
+    return out
 
 
 def misread_columns(
@@ -143,7 +133,8 @@ def misread_columns(
     out = []
     for log, level in zip(logs, levels, strict=True):
         motion, part = log.part.motion, log.part
-        waves = _waves(log, Over("order", 0, column), order)
+        turning = _turning(log, Over("order", 0, column), [order])[0]
+        waves = np.column_stack([turning.real, turning.imag])
         v, a = motion.dq[:, column, None], motion.ddq[:, column, None]
         turned = np.column_stack([-waves[:, 1], waves[:, 0]])
         rates = (waves, order * turned * v, order * turned * a - order**2 * waves * v**2)
@@ -170,17 +161,33 @@ def _torques(
     return generalised_forces(robot, replace(motion, q=q, dq=dq, ddq=ddq), p)
 
 
-def _waves(log: Equations, over: Over, at: float) -> np.ndarray:
+def _turning(log: Equations, over: Over, at: Sequence[float]) -> np.ndarray:
+    """(F, N), cosine + i sine of each of several frequencies or orders an equal step apart."""
     motion = log.part.motion
     if over.kind == "frequency":
         assert motion.time is not None
-        phase = 2 * np.pi * at * (motion.time - motion.time[0])
-        return np.column_stack([np.cos(phase), np.sin(phase)])
-    q, v, a = (rate[:, over.column] for rate in (motion.q, motion.dq, motion.ddq))
-    c, s = np.cos(at * q), np.sin(at * q)
-    if over.kind == "order":
-        return np.column_stack([c, s])
-    return np.column_stack([-at * s * a - at**2 * c * v**2, at * c * a - at**2 * s * v**2])
+        angle = 2 * np.pi * (motion.time - motion.time[0])
+    else:
+        angle = motion.q[:, over.column]
+    z = np.empty((len(at), len(angle)), complex)
+    z[0] = np.exp(1j * at[0] * angle)
+    if len(at) > 1:
+        step = np.exp(1j * (at[-1] - at[0]) / (len(at) - 1) * angle)
+        for n in range(1, len(at)):
+            np.multiply(z[n - 1], step, out=z[n])
+    if over.kind != "misread":
+        return z
+    v, a, n = motion.dq[:, over.column], motion.ddq[:, over.column], np.array(at)[:, None]
+    return (1j * n * a - n**2 * v**2) * z
+
+
+def _waves(
+    log: Equations, level: np.ndarray, over: Over, at: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """(E, F) whitened cosines and sines on the equation."""
+    z = log.part.used(over.row, _turning(log, over, at))
+    whole = log.band.transform(np.concatenate([z.real, z.imag]).T) / level[over.row][:, None]
+    return whole[:, : len(at)], whole[:, len(at) :]
 
 
 def _held(
@@ -191,22 +198,39 @@ def _held(
     at: Sequence[float],
     rules: PeriodicRules,
 ) -> list[tuple[float, float]]:
-    """Energy and amplitude at each frequency or order.
+    """Energy and amplitude at each of several frequencies or orders, an equal step apart.
 
     The amplitude is of a wave with that energy: coefficients of one that the base nearly imitates are not.
+    What `projection.gains` says of `periodic_columns`, of many at once.
     """
-    freedom = _freedom(logs, over)
-    free = np.full(freedom, -np.inf), np.full(freedom, np.inf)
-    listed = _columns_at(logs, levels, over, at)
+    row, F, K = over.row, len(at), _freedom(logs, over)
+    b, g, G = np.zeros((F, base.basis[0].shape[2], K)), np.zeros((F, K)), np.zeros((F, K, K))
+    for i, (log, level) in enumerate(zip(logs, levels, strict=True)):
+        first = 2 * i if over.kind == "frequency" else 0
+        pair = _waves(log, level, over, at)
+        for j, X in enumerate(pair):
+            b[:, :, first + j] += X.T @ base.basis[i][row]
+            g[:, first + j] += X.T @ base.residual[i][row]
+            for k, Y in enumerate(pair):
+                G[:, first + j, first + k] += np.einsum("ef,ef->f", X, Y)
+    whole = np.maximum(np.trace(G, axis1=1, axis2=2), 1e-300)
+    energy, left = _energies(G, G - b.transpose(0, 2, 1) @ b, g)
     return [
-        (g.energy, float(np.sqrt(2 * g.energy / _energy(X)))) if g.left >= rules.left else (0.0, 0.0)
-        for g, X in zip(gains(base, listed, [free] * len(at)), listed, strict=True)
+        (float(e), float(np.sqrt(2 * e / w))) if share >= rules.left else (0.0, 0.0)
+        for e, w, share in zip(energy, whole, left, strict=True)
     ]
 
 
-def _energy(X: Columns) -> float:
-    """Of whole columns, cosines and sines."""
-    return max(sum(float(np.square(x).sum()) for log in X for x in log.values()), 1e-300)
+def _energies(full: np.ndarray, G: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`Gain.energy` and `Gain.left` (F,) of F sets of K columns.
+
+    full, G   (F, K, K) products of whole columns, and of what the base leaves;  g: (F, K) with a residual
+    """
+    size = np.sqrt(np.maximum(np.diagonal(full, axis1=1, axis2=2), 1e-300))
+    w, V = np.linalg.eigh(G / (size[:, :, None] * size[:, None, :]))
+    part = np.einsum("fkj,fk->fj", V, g / size)
+    told = w > IMITATED
+    return np.where(told, part**2 / np.where(told, w, 1.0), 0.0).sum(axis=1), w[:, -1]
 
 
 def _freedom(logs: Sequence[Equations], over: Over) -> int:
