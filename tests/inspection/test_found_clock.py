@@ -49,3 +49,26 @@ def test_seconds_and_nanoseconds_are_one_time(ends, tmp_path):
     (time, q), values = zip(*with_whole_stamps(columns).items(), strict=True)
     assert (time.startswith("Zeit"), q) == (True, "q")
     assert np.diff(values[0]) == pytest.approx(np.full(399, 0.01))
+
+
+def test_rows_that_come_again_hide_no_clock_and_no_column(tmp_path):
+    """Without names: the time stood still in them, so that the angle behind it was taken for joint 2's."""
+    table = np.repeat(np.column_stack([TIME, np.sin(TIME), np.cos(TIME), np.cos(3 * TIME) ** 3]), 3, axis=0)
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",")
+    found = inspect_log([tmp_path / "log.csv"])
+    assert [c.name for c in found.channels] == ["time", "joint1.e", None, "joint1.tau"]
+    assert found.channels[0].rate == pytest.approx(100)
+
+
+def test_rows_that_come_again_without_a_clock_are_told(tmp_path):
+    table = np.repeat(np.column_stack([np.sin(TIME), np.cos(3 * TIME)]), 2, axis=0)
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header="q1,tau1", comments="")
+    (note,) = inspect_log([tmp_path / "log.csv"], rate=200).notes
+    assert note.startswith("400 of 800 rows repeat the row before them")
+
+
+def test_values_of_joints_that_take_turns_are_told(tmp_path):
+    np.savetxt(tmp_path / "time.txt", TIME)
+    np.savetxt(tmp_path / "positions.txt", np.sin(np.arange(1200)))
+    (note,) = inspect_log([tmp_path / "positions.txt", tmp_path / "time.txt"]).notes
+    assert note.startswith("positions:1 holds 1200 values, 3 for each of the 400 of time:1")

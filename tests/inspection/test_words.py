@@ -56,6 +56,18 @@ def test_what_is_measured_in_newtons_at_a_joint_is_its_torque(column, tmp_path):
         ("r101", "reference", 101),  # of a bus, and no type
         ("m2_q", "position", 2),
         ("m2", "torque", 2),
+        ("current_q1", "position", 1),
+        ("current_angle_deg", "position", None),
+        ("CurrentVelocity1", "velocity", 1),
+        ("current1", "current", 1),
+        ("motor_current_1", "current", 1),
+        ("Target Joint Moments_0", "torque", 0),
+        ("measured_tq_0", "torque", 0),
+        ("joint1_eff", "torque", 1),
+        ("PosDiff", "other", "diff"),
+        ("finger_d_position", "position", "finger_d"),
+        ("q_d_1", "reference", 1),
+        ("et1", "other", 1),
     ],
 )
 def test_the_type_of_a_robot_and_the_letter_of_its_motor_are_no_signals(name, signal, joint):
@@ -133,3 +145,8 @@ def test_the_same_angle_in_another_unit_is_not_asked(tmp_path):
     found = inspected(tmp_path, **{f"j{k}_rad": x for k, x in MOVES.items()}, **degrees)
     assert not any("both look like" in question for question in found.questions)
     assert [c.column for c in found.channels if c.signal == "position"] == [f"j{k}_rad" for k in MOVES]
+
+
+def test_the_joint_behind_a_link_is_no_encoder_of_the_link():
+    assert meaning("arm_link_joint.position").side == "joint"
+    assert meaning("link1_position").side == "link"

@@ -68,3 +68,26 @@ def test_columns_in_twos_have_the_names_of_a_list_of_properties(tmp_path):
     found = read(tmp_path, text)
     assert list(found.columns) == ["q1.time", "q1", "tau1.time", "tau1"]
     assert found.columns["tau1"] == pytest.approx(-TIME)
+
+
+def test_an_empty_name_of_a_column_that_counts_the_rows_is_index(tmp_path):
+    found = read(tmp_path, f",time,q1,tau1\n{rows(begin='{},')}")
+    assert list(found.columns) == ["index", "time", "q1", "tau1"]
+    assert found.notes == ("the first column, which counts the rows and has no name, is called index",)
+
+
+def test_lines_that_begin_with_what_they_are_of(tmp_path):
+    """As TwinCAT Scope writes them: names, units and numbers that are no rows."""
+    labels = {
+        "Name": ["ActPos", "ActTorque"],
+        "Data-Type": ["REAL64", "INT16"],
+        "SampleTime[ms]": ["10", "10"],
+        "Unit": ["deg (Angle)", "(None)"],
+        "Unit Offset": ["0", "0"],
+    }
+    above = "\n".join("\t".join([label, *cells]) for label, cells in labels.items())
+    begin = "File\tC:\\scope.csv\n\n"
+    found = read(tmp_path, f"{begin}{above}\n\n{rows(chr(9))}")
+    assert list(found.columns) == ["time", "ActPos", "ActTorque"]
+    assert found.columns["ActPos"] == pytest.approx(np.sin(TIME), abs=1e-6)
+    assert found.units == {"time": "ms", "ActPos": "deg"}

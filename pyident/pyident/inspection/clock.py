@@ -10,10 +10,11 @@ from pyident.inspection.channel import Channel
 from pyident.inspection.words import Meaning, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.gaps import widest_gap
-from pyident.logs.steps import usual_step
+from pyident.logs.steps import repeated, usual_step
 from pyident.logs.units import FACTORS
 
 _MOVES = 0.02  # of a clock's rows, at least, that are later than those before
+_OFTEN = 0.01  # of the rows: repeats of which clocks and rates have to know
 _EVEN = 0.2  # of the median step: a clock's steps
 _TIMES = {"s": (2e-5, 0.15), "ms": (0.15, 150.0), "us": (150.0, 1.5e5), "ns": (1.5e5, 1e9)}  # steps
 _STAMPED = re.compile(r"header\W?stamp", re.IGNORECASE)
@@ -85,6 +86,26 @@ def time_column(recording: Recording, said: dict[str, Meaning]) -> str | None:
     counts = [n for n in able if said[n].signal == "other"]
     rest = [n for n in able if n not in counts]
     return rest[0] if rest and (not recording.header or said[rest[0]].signal == "unknown") else None
+
+
+def without_repeats(recording: Recording) -> tuple[Recording, list[str]]:
+    """Without the rows that repeat the row before them, stamp and values, as an import leaves them out.
+
+    Where no column counts the time, they stay: a recorder that was faster than what it recorded; and a note.
+    """
+    columns = recording.columns
+    if recording.clocks or len({len(x) for x in columns.values()}) != 1:
+        return recording, []
+    twice = repeated(list(columns.values()))
+    if np.mean(twice) < _OFTEN:
+        return recording, []
+    left = {name: x[~twice] for name, x in columns.items()}
+    if any(grows_evenly(x) for x in left.values()):
+        return replace(recording, columns=left), []
+    said = (
+        f"{twice.sum()} of {len(twice)} rows repeat the row before them: the recorder was faster than what "
+    )
+    return recording, [f"{said}it recorded; leave them out, and give the rate of what is left"]
 
 
 def same_as(name: str | None, recording: Recording) -> set[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
-from pyident.inspection.clock import gap, grows_evenly, no_clock, starts_again
+from pyident.inspection.clock import gap, grows_evenly, no_clock, starts_again, without_repeats
 from pyident.inspection.drives import of_its_drive
 from pyident.inspection.guesses import NAME, first_guesses, si
 from pyident.inspection.motion import with_motion_units, with_velocities_found, with_whole_turns
@@ -51,6 +51,8 @@ def inspect_log(
 
 def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: float | None) -> Proposal:
     recording, notes = _measured(_joined(read))
+    recording, said = without_repeats(recording)
+    notes += said + _in_turns(recording)
     channels = [with_whole_turns(c) for c in first_guesses(recording, robot)]
     notes += [f"{c.column} jumps by whole turns: unwrap = true joins it" for c in channels if c.turn]
     time = next((c for c in channels if c.signal == "time"), None)
@@ -120,6 +122,21 @@ def _measured(recording: Recording) -> tuple[Recording, list[str]]:
     kept = {name: x for name, x in recording.columns.items() if name not in notes}
     clocks = {name: clock for name, clock in recording.clocks.items() if name in kept and clock in kept}
     return replace(recording, columns=kept, clocks=clocks), [*said, *notes.values()]
+
+
+def _in_turns(recording: Recording) -> list[str]:
+    """A note where a column has several values for each time: of several joints, one after the other."""
+    times = [name for name in recording.columns if meaning(name).signal == "time" and not recording.clocks]
+    if not times:
+        return []
+    count = len(recording.columns[times[0]])
+    longer = {n: len(x) // count for n, x in recording.columns.items() if count and not len(x) % count}
+    longer = {n: ratio for n, ratio in longer.items() if ratio > 1}
+    if not longer:
+        return []
+    name, ratio = next(iter(longer.items()))
+    each = f"{name} holds {ratio * count} values, {ratio} for each of the {count} of {times[0]}"
+    return [f"{each}: if those of {ratio} joints take turns, make a column of each"]
 
 
 def _period(time: Channel) -> float:
@@ -221,7 +238,10 @@ def _without_position(channels: list[Channel], joints: int) -> list[str]:
     if loose and (lacking or joints == 0):
         return [_of_which_joint(loose, "position", len(lacking))]
     if joints == 0:
-        return ["no column looks like the position of a joint: which are they? a robot file (--robot) helps"]
+        return [
+            "no column looks like the position of a joint: which are they? a robot file (--robot) helps, and "
+            "where no column is a time, their rate (--rate)"
+        ]
     return [f"no column looks like the position of joint {k}: which is it?" for k in lacking]
 
 

@@ -19,93 +19,27 @@ _WORDS: dict[str, str] = {
     "velocity": "dq qd vel velo velocity velocities speed omega qdot thetadot geschwindigkeit drehzahl v w "
     "rate dqm qvel spd geschw",
     "acceleration": "ddq qdd acc acceleration beschleunigung ddqm qddot qacc",
-    "torque": "tau trq torque torques tauest effort efforts moment drehmoment force kraft load mot_torque "
-    "m taum qfrc",
+    "torque": "tau trq tq torque torques tauest effort efforts eff moment moments drehmoment "
+    "force kraft load mot_torque m taum qfrc",
     "current": "i cur curr current currents iq strom amp amps",
     "voltage": "pwm duty volt voltage vir u spannung",
 }
 _BARE = {word: signal for signal, words in _WORDS.items() for word in words.split()}
-_WANTED = frozenset(
-    [
-        "ref",
-        "reference",
-        "cmd",
-        "command",
-        "commands",
-        "commanded",
-        "des",
-        "desired",
-        "goal",
-        "target",
-        "set",
-        "setpoint",
-        "soll",
-        "sollwert",
-        "r",
-        "action",
-        "qg",
-        "qref",
-        "planned",
-        "demand",
-    ]
+_WANTED_WORDS = (
+    "ref reference cmd command commands commanded des desired goal target set setpoint soll sollwert r "
+    "action qg qref planned demand"
 )
+_WANTED = frozenset(_WANTED_WORDS.split())
 _AHEAD = set(["ff", "feedforward", "feed_forward", "tauff", "vorsteuerung"])
 _MOTOR = set(["motor", "mot", "drive", "antrieb", "rotor"])
 _LINK = set(["link", "se", "secondary", "output", "abtrieb", "load_side"])
-_OTHER = frozenset(
-    [
-        "temp",
-        "temperature",
-        "temperatures",
-        "status",
-        "error",
-        "err",
-        "flag",
-        "frame",
-        "episode",
-        "index",
-        "task",
-        "done",
-        "reward",
-        "volts",
-        "input",
-        "mode",
-        "enable",
-        "enabled",
-        "seq",
-        "count",
-        "following",
-        "runtime",
-        "machine",
-        "safety",
-        "schleppfehler",
-        "stiffness",
-        "damping",
-        "kp",
-        "kd",
-        "ki",
-        "ext",
-        "external",
-        "tip",
-        "tcp",
-        "ee",
-        "eef",
-        "effector",
-        "endeffector",
-        "cartesian",
-        "cart",
-        "pose",
-        "wrench",
-        "imu",
-        "rpy",
-        "quat",
-        "quaternion",
-        "scaling",
-        "override",
-        "fraction",
-        "factor",
-    ]
+_OTHER_WORDS = (
+    "temp temperature temperatures status error err flag frame episode index task done reward volts input "
+    "mode enable enabled seq count following diff difference deviation et runtime machine safety "
+    "schleppfehler stiffness damping kp kd ki ext external tip tcp ee eef effector endeffector cartesian "
+    "cart pose wrench imu rpy quat quaternion scaling override fraction factor"
 )
+_OTHER = frozenset(_OTHER_WORDS.split())
 _MEASURED = frozenset(["act", "actual", "meas", "measured", "msr", "ist", "present"])
 _OF_THE_MODEL = frozenset(["bias", "passive", "constraint", "smooth", "inverse", "gravcomp"])  # MuJoCo's qfrc
 _SWITCH = frozenset(["enable", "enabled"])
@@ -154,13 +88,14 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     if unit and len(words) > 1:
         words = words[:-1]
     unit = unit or _inner_unit(rest)
-    words = _of_the_load(words, KINDS.get(unit or ""))
+    words = _of_the_load(_of_now(words), KINDS.get(unit or ""))
+    words = [a for a, b in pairwise([*words, ""]) if not (a == "link" and b in _AXES)]  # arm_link_joint
     side: Side = "motor" if _MOTOR & set(words) else "link" if _LINK & set(words) else "joint"
     if joint is None and numbers:
         joint = numbers[-1]
     left = [w for w in words if w not in _BARE and w not in _WANTED and w not in _MOTOR | _LINK | _SWITCH]
     if joint is None and len(left) and "observation" not in left:
-        joint = "_".join(w for w in left if w not in _PLAIN)
+        joint = "_".join(w for w in left if w not in _PLAIN or (w == "d" and not _desired(words)))
     signal = _signal(words, KINDS.get(unit or ""))
     if signal == "unknown" and isinstance(joint, int) and all(w in _PLACES or known_unit(w) for w in words):
         signal = _MEASURES.get(KINDS.get(unit or "", ""), signal)  # j1_deg
@@ -191,6 +126,15 @@ def _of_the_load(words: list[str], kind: str | None) -> list[str]:
     return ["link" if moves and word == "load" else word for word in words]
 
 
+def _of_now(words: list[str]) -> list[str]:
+    """What stands in front of what moves says when: current_position is no current."""
+    moving = {word for word, signal in _BARE.items() if signal in ("position", "velocity", "torque")}
+    return [
+        "actual" if word == "current" and after in moving - {"e", "m", "v", "w", "x"} else word
+        for word, after in pairwise([*words, ""])
+    ]
+
+
 def _parts(word: str) -> list[str]:
     """A word, in two where it is put together of what it is of and what it is."""
     begin = _GERMAN.match(word)
@@ -205,7 +149,12 @@ def _parts(word: str) -> list[str]:
 def _wanted(words: list[str]) -> bool:
     """Whether it was asked for; the d of q_d says so, a bare d does not."""
     applied = "qfrc" in words and "applied" in words  # MuJoCo: what was asked for beside the actuators
-    return bool(set(words) & _WANTED) or "d" in words[1:] or applied
+    return bool(set(words) & _WANTED) or _desired(words) or applied
+
+
+def _desired(words: list[str]) -> bool:
+    """Whether a d behind a signal says so: of q_d, not of finger_d, which is the right one."""
+    return any(word == "d" and before in _BARE for before, word in pairwise(words))
 
 
 def _signal(words: list[str], kind: str | None) -> Signal:

@@ -17,6 +17,9 @@ from pyident.logs.units import known_unit, without_unit
 _LOOK = 200  # lines
 _HEAD = 1 << 18  # bytes
 _MARKS = ("#", "##", "%", "//", ";", "!")
+_INDEX = "index"
+_COUNTS = f"the first column, which counts the rows and has no name, is called {_INDEX}"
+_SCOPE = {"name", "data-type"}  # labels of lines above the numbers, as TwinCAT Scope writes them
 _SEPARATORS = (",", ";", "\t", "|", " ")
 
 
@@ -84,10 +87,15 @@ def _tried(lines: list[str], separator: str) -> tuple[tuple[float, int], Layout]
     width = Counter(len(row) for row in tail).most_common(1)[0][0] if tail else 0
     numeric = [_numeric(row, decimal) for row in rows]
     good = [len(row) == width and share > 0.5 for row, share in zip(rows, numeric, strict=True)]
+    if all(_is_number(row[0], decimal) for row in tail if len(row) == width):  # SampleTime[ms];2;2 is none
+        good = [fits and _is_number(row[0], decimal) for fits, row in zip(good, rows, strict=True)]
     first = next((i for i in range(len(rows)) if good[i]), len(rows))
     fitting = [share for i, share in enumerate(numeric) if good[i]]
     above, odd = _fitted(rows[:first], rows[first:], width)
-    layout = Layout(separator, decimal, *_heads(above, width), first, width, odd)
+    names, units, heads = _heads(above, width)
+    if names and heads and not heads[0] and _counts([row[0] for row in rows[first:] if len(row) == width]):
+        names, odd = (_INDEX, *names[1:]), odd or _COUNTS
+    layout = Layout(separator, decimal, names, units, heads, first, width, odd)
     score = float(np.mean(fitting)) * len(fitting) / max(len(rows) - first, 1) if fitting else 0.0
     return (round(score, 2) if width > 1 else 0.5 * score, width), layout
 
@@ -115,6 +123,10 @@ def _numeric(row: list[str], decimal: str) -> float:
     return numbers / len(cells) if cells else 0.0
 
 
+def _is_number(cell: str, decimal: str) -> bool:
+    return bool((NUMBER if decimal == "." else COMMA).fullmatch(cell) or is_stamp(cell))
+
+
 def _fitted(above: list[list[str]], below: list[list[str]], width: int) -> tuple[list[list[str]], str]:
     """Lines above the numbers, of as many cells as these where that is sure, and a note where it is not so.
 
@@ -131,8 +143,7 @@ def _fitted(above: list[list[str]], below: list[list[str]], width: int) -> tuple
     if count == width - 1 and not any(row[-1].strip() for row in whole):
         return [[*row, ""] for row in names], ""
     if count == width - 1 and _counts([row[0] for row in whole]):
-        said = "the first column, which counts the rows and has no name, is called index"
-        return [["" if _is_units(row) else "index", *row] for row in names], said
+        return [["" if _is_units(row) else _INDEX, *row] for row in names], _COUNTS
     numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in rows[-1])
     said = f"there are {count} names above rows of {width} cells: none is used; give as many names as cells"
     return bare, said if 2 * numbers < count else ""
@@ -153,6 +164,9 @@ def _heads(
         return None, None, ()
     if pairs := next(filter(None, map(_of_pairs, fitting)), None):
         return pairs, None, ()
+    labelled = {row[0].lower(): row for row in fitting}
+    if labelled.keys() >= _SCOPE:
+        return _of_scope(labelled)
     units = None
     if len(fitting) > 1 and _is_units(fitting[-1]):
         units = tuple(cell.lstrip("#%").strip("[]() ") for cell in fitting.pop())
@@ -161,6 +175,15 @@ def _heads(
     if len(set(names)) < len(names):
         names = [cell if names.count(n) > 1 else n for cell, n in zip(heads, names, strict=True)]
     return tuple(names), units or (tuple(inside) if any(inside) else None), tuple(fitting[-1])
+
+
+def _of_scope(
+    labelled: dict[str, list[str]],
+) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Names and units of columns behind one of time [ms], from lines that begin with what they are of."""
+    row = labelled["name"]
+    units = [unit.partition("(")[0].strip() for unit in labelled.get("unit", [""] * len(row))[1:]]
+    return ("time", *row[1:]), ("ms", *units), tuple(row)
 
 
 def _of_pairs(row: list[str]) -> tuple[str, ...] | None:
