@@ -20,6 +20,7 @@ from pyident.regression.spectrum import Equations
 from pyident.regression.triangle import Triangle
 
 IMITATED = 1e-6  # share of a column's energy that the base must leave for it to count at all
+_STEPS = 10  # per coefficient, in which those at their bounds are found
 CANCELLED = 1e-13  # of the longest column: what is left of forces that cancel, as of a moment about gravity
 _ROUNDING = 1e-9  # of the largest singular value of the base: below is arithmetic
 
@@ -290,8 +291,8 @@ class System:
             x = np.clip(x, lower, upper)
         elif (x < lower).any() or (x > upper).any():
             lo, hi = lower * size, upper * size
-            with np.errstate(invalid="ignore"):  # SciPy tries steps along bounds that are infinite
-                x = np.asarray(lsq_linear(half.T, target, (lo, np.maximum(hi, lo + 1e-300))).x) / size
+            ends, most = (lo, np.maximum(hi, lo + 1e-300)), _STEPS * len(x)
+            x = np.asarray(lsq_linear(half.T, target, ends, method="bvls", max_iter=most).x) / size
         z = half.T @ (x * size)
         free = np.square(self.V[:, ~self.kept]).sum(axis=1) > IMITATED
         std = np.where(free, np.inf, np.sqrt(np.square(V / root).sum(axis=1)) / size)

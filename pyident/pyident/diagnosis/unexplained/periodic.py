@@ -134,7 +134,7 @@ def misread_columns(
     for log, level in zip(logs, levels, strict=True):
         motion, part = log.part.motion, log.part
         turning = _turning(log, Over("order", 0, column), [order])[0]
-        waves = np.column_stack([turning.real, turning.imag])
+        waves = np.column_stack([np.real(turning), np.imag(turning)])
         v, a = motion.dq[:, column, None], motion.ddq[:, column, None]
         turned = np.column_stack([-waves[:, 1], waves[:, 0]])
         rates = (waves, order * turned * v, order * turned * a - order**2 * waves * v**2)
@@ -186,7 +186,7 @@ def _waves(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(E, F) whitened cosines and sines on the equation."""
     z = log.part.used(over.row, _turning(log, over, at))
-    whole = log.band.transform(np.concatenate([z.real, z.imag]).T) / level[over.row][:, None]
+    whole = log.band.transform(np.concatenate([np.real(z), np.imag(z)]).T) / level[over.row][:, None]
     return whole[:, : len(at)], whole[:, len(at) :]
 
 
