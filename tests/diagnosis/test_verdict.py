@@ -105,7 +105,7 @@ def test_sentences_say_where_it_is_left_and_what_the_robot_file_has_wrong():
     assert sentence.startswith(f"Missing or wrong: {large} against the other joints' or stribeck")
 
 
-@pytest.mark.parametrize(("ratio", "said"), [(0.99, True), (0.6, False)])
+@pytest.mark.parametrize(("ratio", "said"), [(0.99, True), (0.1333, True), (0.6, False)])
 def test_a_value_at_the_end_of_its_range_is_told(ratio, said):
     spring = Named(
         "gravity_spring", "joint2", {"stiffness": 3.0, "ratio": ratio, "phase": np.pi}, {}, {}, 97.0

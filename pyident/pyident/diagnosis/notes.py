@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from flexmodels.coordinate import joint_name, joint_number
+from flexmodels.effects.effect import Parameter
 from flexmodels.effects.structure import joint_spring
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import HELD, Alignment, OwnWay
@@ -255,15 +256,22 @@ def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
         law = robot.joints[joint_number(n.joint) - 1].law(n.effect)
         for p in law.nonlinear:
             value = n.values.get(p.name, np.nan)
-            largest = BEYOND * max(p.grid, default=np.inf) if p.scale is None and not p.periodic else np.inf
-            upper = min(p.upper, largest)
-            width = upper - p.lower
-            near = min(abs(value - p.lower), abs(upper - value)) < _AT_END * width
+            lower, upper = _ends(p)
+            width = upper - lower
+            near = min(abs(value - lower), abs(upper - value)) < _AT_END * width
             if np.isfinite(width) and not np.isclose(width, 2 * np.pi) and near:
                 yield (
                     f"{n.effect} at {n.joint}: its {p.name}, {value:.3g}, lies at the end of what it may be; "
                     "so the law may stand in for a force of another form"
                 )
+
+
+def _ends(p: Parameter) -> tuple[float, float]:
+    """Between which values a nonlinear parameter is looked for in every log."""
+    if p.scale is not None or p.across is not None or p.periodic:
+        return p.lower, p.upper
+    least = min(p.grid) / BEYOND if min(p.grid) > 0 else p.lower
+    return max(p.lower, least), min(p.upper, BEYOND * max(p.grid))
 
 
 def of_springs(findings: Sequence[Finding]) -> Iterator[str]:
