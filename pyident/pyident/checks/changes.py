@@ -3,8 +3,8 @@
 Any error of the model is smaller with more parameters, and where the first half of a log is slow and the
 second fast, each has its own best set. So nothing is asked before everything that may be missing of one
 machine has been given room: friction of any shape over speed, by load, that drifts, a spring, a zero that
-drifts. Then only what can change in an instant may: the body of the last link, or one joint's friction.
-A step is told from what grows by a second split: beside a step that gains little.
+drifts, drives that bend. Then only what can change in an instant may: the body of the last link, or one
+joint's friction. A step is told from what grows by a second split: beside a step that gains little.
 """
 
 from collections.abc import Iterator, Sequence
@@ -142,7 +142,8 @@ def _fitted(A: np.ndarray, y: np.ndarray, weight: np.ndarray) -> OneMachine:
 
 def _everything(of: Balances) -> np.ndarray:
     """(M, n, C) the model's columns for the joints that move, and what each of these may have beside."""
-    room = [_room(of, k) for k in of.joints]
+    bent = _snaps(of)
+    room = [np.column_stack([_room(of, k), bent]) for k in of.joints]
     own = np.zeros((len(of.samples.at), len(room), len(room), room[0].shape[1]))
     for i, columns in enumerate(room):
         own[:, i, i] = columns
@@ -159,6 +160,16 @@ def _room(of: Balances, k: int) -> np.ndarray:
     steady = [np.ones_like(speed), way, speed, angle - angle.mean(), way * np.abs(of.torque[:, k])]
     drifts = [x * along**i for x in steady[:3] for i in (1, 2)]
     return np.column_stack([*steady, *drifts, *shape, *(way * x for x in shape)])
+
+
+def _snaps(of: Balances) -> np.ndarray:
+    """(M, joints) second derivatives of the accelerations: what drives that bend add to the torques.
+
+    Of one log in the fast and the slow half of which they bend otherwise, each would be another body.
+    """
+    own = of.samples
+    step = own.period * float(np.median(np.diff(own.at)))
+    return np.gradient(np.gradient(own.ddq[:, of.joints], axis=0), axis=0) / step**2
 
 
 def last_body(of: Balances, one: OneMachine) -> Candidate | None:
@@ -187,7 +198,10 @@ def step(of: Balances, one: OneMachine, candidate: Candidate) -> Change | None:
     M, apart = len(one.left), int(coarse[1] - coarse[0])
     best = int(coarse[np.argmax(_gains(one, candidate, coarse))])
     near = np.arange(max(edge, best - apart), min(M - edge, best + apart + 1))
-    return step_at(of, one, candidate, int(near[np.argmax(_gains(one, candidate, near))]))
+    at = int(near[np.argmax(_gains(one, candidate, near))])
+    if at in (edge, M - edge - 1):  # it explains the more, the further out it lies
+        return None
+    return step_at(of, one, candidate, at)
 
 
 def step_at(of: Balances, one: OneMachine, candidate: Candidate, at: int) -> Change | None:
