@@ -65,7 +65,7 @@ def alignment_of(ex: Examination) -> Alignment:
     joints = range(len(setting.robot.joints))
     if setting.simulates or len(joints) < _JOINTS:
         return NOTHING
-    period = max(log.period for log in setting.logs)
+    period = setting.period
     moving = where_moving(ex.setting.robot, ex.setting.logs, ex.logs)
     everywhere = [np.ones_like(clear) for clear in moving]
     delayed = by_delay(ex, moving)
@@ -87,7 +87,7 @@ def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
 
     moving   per log (n, E): where these move
     """
-    period = max(log.period for log in ex.setting.logs)
+    period = ex.setting.period
     return _change(ex, Alignment(_STEP * period), moving)
 
 
@@ -101,7 +101,7 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
     moved = replace(setting.alignment, own=()).needed
     if setting.simulates or len(rows) < _JOINTS or moved:
         return NOTHING
-    period, chance = max(log.period for log in setting.logs), setting.rules.search.chance**2
+    period, chance = setting.period, setting.rules.search.chance**2
     moving = where_moving(setting.robot, setting.logs, ex.logs)
     delayed = [{k: X for k, X in log.items() if k in rows} for log in by_delay(ex, moving)]
     if _shown(replace(ex, base=_beside(ex, named, ex.base, ex.logs)), delayed, chance) is None:

@@ -196,8 +196,7 @@ def of_time(setting: Setting) -> Iterator[str]:
 
 def _by_hold(setting: Setting, late: float) -> str:
     """That a torque is logged before it acts because its loop holds it; empty where that is not enough."""
-    period = max(log.period for log in setting.logs)
-    return ", or is held until the next sample" if -HELD * period <= late < 0 else ""
+    return ", or is held until the next sample" if -HELD * setting.period <= late < 0 else ""
 
 
 def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:

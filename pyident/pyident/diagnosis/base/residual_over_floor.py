@@ -150,8 +150,9 @@ class Examination:
         """Of a log that is none of these."""
         return pooled(self.floors)
 
-    @property
+    @cached_property
     def levels(self) -> list[np.ndarray]:
+        """Per log (n, E) floors of its equations."""
         return levels_of(self.floors, self.logs)
 
 

@@ -38,7 +38,7 @@ def with_ringing_matched(setting: Setting, workers: Workers) -> Setting:
         return setting
     robot = setting.robot
     motions = [condition(log, robot).motion for log in setting.logs]
-    names = ringing(robot, motions, max(log.period for log in setting.logs))
+    names = ringing(robot, motions, setting.period)
     rows = [robot.coordinates.index(name.replace(".d[", ".eps[")) for name in names]
     if not names:
         return setting

@@ -67,6 +67,11 @@ class Setting:
         return [r.log for r in self.repeats]
 
     @property
+    def period(self) -> float:
+        """[s] of the log with the fewest samples a second."""
+        return max(log.period for log in self.logs)
+
+    @property
     def simulates(self) -> bool:
         """Whether its replicas are simulated, else they go along the measured motion."""
         return all(isinstance(r, Repeat) for r in self.repeats)

@@ -69,8 +69,7 @@ def worth_name(search: Search, error: Candidate, value: np.ndarray) -> bool:
     """Whether an error of the robot file, its value (K,) in SI units, is large enough in the slowest log."""
     if error.effect == DRIVE and not _gives_way(search, error, value):
         return False
-    period = max(log.period for log in search.examination.setting.logs)
-    return DESCRIPTIONS[error.effect].worth_name(value, period)
+    return DESCRIPTIONS[error.effect].worth_name(value, search.examination.setting.period)
 
 
 def _gives_way(search: Search, drive: Candidate, value: np.ndarray) -> bool:
