@@ -60,7 +60,7 @@ def test_a_velocity_that_belongs_to_something_else_says_nothing():
         (np.round(4000 * ANGLE), None, "how many counts make a turn"),
         (10.0 * ANGLE, "deg", "is a in radians or degrees? it reaches 10"),
         (3.0 * ANGLE, "rad", ""),
-        (90.0 * ANGLE, "deg", "is a in degrees, or in parts of its range from -100 to 100"),
+        (90.0 * ANGLE, "deg", "is a in degrees, in radians or turns of several turns, or in parts"),
         (170.0 * ANGLE, "deg", ""),
     ],
 )

@@ -86,8 +86,8 @@ def _not_in_parts(channels: list[Channel]) -> list[Channel]:
 def in_parts(c: Channel) -> str:
     """The question of an angle that stays within -100 to 100."""
     return (
-        f"is {c.column} in degrees, in radians or turns of several turns, or in parts of its range from -100 to "
-        f"100 (then: gain, in rad per part, and offset)? it reaches {_reach(c):.3g}"
+        f"is {c.column} in degrees, in radians or turns of several turns, or in parts of its range from "
+        f"-100 to 100 (then: gain, in rad per part, and offset)? it reaches {_reach(c):.3g}"
     )
 
 
