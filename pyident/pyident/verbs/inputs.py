@@ -16,6 +16,7 @@ from pyident.checks.defect import Defect
 from pyident.conditioning.own_cutoff import with_own_cutoff
 from pyident.conditioning.standing import standing
 from pyident.estimation.lock_unlogged import locked
+from pyident.logs.averaged import averaged
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
 from pyident.logs.log import Log, LogError, renamed
@@ -23,6 +24,7 @@ from pyident.logs.log import read_log as read_plain
 from pyident.logs.mapping import Mapping, read_mapping
 from pyident.refinement.instruments.stand_in import driven
 from pyident.refinement.loop_torque import with_loop_torque
+from pyident.simulation.denoised import denoises
 from pyident.verbs.fmu.arguments import is_fmu
 
 Model = Robot | str | Path
@@ -122,6 +124,9 @@ def given(
         raise LogError("there is no log; give one or more")
     robot, notes, defects = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
+    if denoises(robot):
+        logs, fewer = averaged(logs)
+        modelled = (*modelled, *fewer)
     return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled), defects)
 
 

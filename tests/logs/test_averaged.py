@@ -1,0 +1,54 @@
+"""Logs of more samples a second than a judgement needs."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from one_joint import one_joint
+
+import pyident as pi
+from pyident.logs.averaged import averaged
+from pyident.logs.log import Log
+
+
+def log(rate: float, seconds: float = 2.0) -> Log:
+    t = np.arange(round(rate * seconds)) / rate
+    columns = {
+        "time": t,
+        "joint1.e": np.sin(3 * t),
+        "joint1.tau": -9 * np.sin(3 * t),
+        "joint1.on": (t > 1.0003) * 1.0,
+    }
+    return Log.from_frame(pd.DataFrame(columns))
+
+
+@pytest.mark.parametrize(
+    ("rate", "left"), [(500, 500), (1000, 1000), (1900, 1900), (2000, 1000), (5000, 1000)]
+)
+def test_a_fast_log_is_thinned_out_by_means(rate, left):
+    ((found,), notes) = averaged([log(rate)])
+    assert 1 / found.period == pytest.approx(left)
+    assert bool(notes) == (left != rate)
+    t = found.frame["time"].to_numpy()
+    assert found.frame["joint1.e"].to_numpy() == pytest.approx(np.sin(3 * t), abs=1e-5)
+
+
+def test_a_motor_counts_as_on_where_it_is_on_throughout():
+    ((found,), _) = averaged([log(5000)])
+    assert set(found.frame["joint1.on"]) == {0.0, 1.0}
+    assert found.frame["time"][found.frame["joint1.on"] == 1].min() == pytest.approx(1.0014)
+
+
+def test_what_is_left_tells_the_same_law(tmp_path):
+    """An inertia and a viscous friction, of white noise at 4 kHz and of its means."""
+    rng = np.random.default_rng(5)
+    t = np.arange(16000) / 4000
+    q, dq, ddq = (
+        sum(a * w**n * np.sin(w * t + p + n * np.pi / 2) for a, w, p in ((0.5, 5.0, 0.3), (0.2, 17.0, 1.1)))
+        for n in range(3)
+    )
+    tau = 0.8 * ddq + 1.5 * dq + 0.02 * rng.standard_normal(len(t))
+    frame = pd.DataFrame({"time": t, "joint1.e": q, "joint1.tau": tau})
+    whole = [frame.iloc[i : i + 8000].reset_index(drop=True) for i in (0, 8000)]
+    found = pi.diagnose(one_joint(), whole[:1], heldout=whole[1:])
+    assert found.verdict == "nothing_detectable"
+    assert any(note.startswith("4000 samples a second") for note in found.notes)
