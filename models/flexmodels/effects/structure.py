@@ -56,7 +56,7 @@ gravity_spring = Effect(
     turning=True,
     citation="Jubien and Gautier 2013; Arakelian 2016",
     needs="a large part of the joint's range",
-    confounders=("ms[x]", "ms[y]", "ms[z]", "joint_spring", "torque_ripple"),
+    confounders=("ms[x]", "ms[y]", "ms[z]", "joint_spring", "slack_spring", "torque_ripple"),
     experiment="slow motion over the whole range with two payloads, or with the spring taken off",
 )
 
