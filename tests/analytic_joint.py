@@ -1,5 +1,6 @@
 """A log of one rigid joint from its closed form: no FMU, no integrator."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -37,3 +38,15 @@ def analytic_log(
         "joint1.tau": tau + torque_noise * rng.standard_normal(len(t)),
     }
     return Log(pd.DataFrame(frame), "closed form")
+
+
+def logs_with(torque: Callable[..., np.ndarray]) -> list[Log]:
+    """Three logs in whose noise [N m] a further torque f(q, v, load) lies; load: what moves the link."""
+    return [_with(torque, analytic_log(seconds=16.0 + n, torque_noise=0.02, seed=n)) for n in range(3)]
+
+
+def _with(torque: Callable[..., np.ndarray], log: Log) -> Log:
+    q, tau, t = (log.frame[name].to_numpy() for name in ("joint1.e", "joint1.tau", "time"))
+    v = np.gradient(q, t)
+    load = tau - VISCOUS * v - COULOMB * np.sign(v)
+    return replace(log, frame=log.frame.assign(**{"joint1.tau": tau + torque(q, v, load)}))

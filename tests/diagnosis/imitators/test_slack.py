@@ -1,30 +1,19 @@
 """Hoses, cables and stops: torques over an angle that begin somewhere, in closed form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from analytic_joint import analytic_log, free_joint
+from analytic_joint import free_joint, logs_with
 
 from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.searched import searched
-from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
-
-SIGMA = 0.02  # N m of white noise
 
 
 def diagnosed(torque) -> Diagnosis:
     """Of two logs and a held-out one with a further torque f(q) [N m]."""
-    logs = [_log(torque, seed) for seed in range(3)]
+    logs = logs_with(lambda q, v, load: torque(q))
     return concluded(searched(free_joint(), logs[:2], runs_here), runs_here, logs[2:])
-
-
-def _log(torque, seed: int) -> Log:
-    log = analytic_log(seconds=16.0 + seed, torque_noise=SIGMA, seed=seed)
-    q, tau = (log.frame[name].to_numpy() for name in ("joint1.e", "joint1.tau"))
-    return replace(log, frame=log.frame.assign(**{"joint1.tau": tau + torque(q)}))
 
 
 def named(found: Diagnosis) -> list[list[str]]:

@@ -1,34 +1,22 @@
 """Periodic torques of a joint in closed form: of several orders, or with an amplitude that grows."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from analytic_joint import COULOMB, INERTIA, VISCOUS, analytic_log, free_joint
+from analytic_joint import INERTIA, free_joint, logs_with
 
 from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.searched import searched
-from pyident.logs.log import Log
 from pyident.simulation.fmu_runs import runs_here
 
-SIGMA = 0.02  # N m of white noise
 FALLS = 0.1  # s2/rad2: a third less at the rms speed
 RESOLVED = 2.3  # orders per turn: two that lie as far apart differ by a period along this motion
 
 
 def diagnosed(torque) -> Diagnosis:
     """Of two logs and a held-out one with a further torque f(q, v, load) [N m]; load: what moves the link."""
-    logs = [_log(torque, seed) for seed in range(3)]
+    logs = logs_with(torque)
     return concluded(searched(free_joint(), logs[:2], runs_here), runs_here, logs[2:])
-
-
-def _log(torque, seed: int) -> Log:
-    log = analytic_log(seconds=16.0 + seed, torque_noise=SIGMA, seed=seed)
-    q, tau, t = (log.frame[name].to_numpy() for name in ("joint1.e", "joint1.tau", "time"))
-    v = np.gradient(q, t)
-    load = tau - VISCOUS * v - COULOMB * np.sign(v)
-    return replace(log, frame=log.frame.assign(**{"joint1.tau": tau + torque(q, v, load)}))
 
 
 def ripples(found: Diagnosis) -> list[float]:
