@@ -18,6 +18,7 @@ from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
+from pyident.simulation.denoised import where_moving
 
 _EXCHANGES = 4  # rounds; two are the rule
 
@@ -80,12 +81,29 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = "what it takes is too small beside the floor to matter"
     elif (driven := search.drives(candidates)) > rules.power:
         reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
+    elif _beyond_motion(search, lead.candidate):
+        reason = "it takes only what lies beyond the motion, where a controller answers the encoders' noise"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
     elif unseen is not None:
         reason = _not_held(search, candidates, share, unseen, held)
     held_out = unseen is not None and unseen.deviations >= rules.chance
     return Admission(lead.candidate, region, p_value, share, unseen, reason, counted, held_out)
+
+
+def _beyond_motion(search: Search, candidate: Candidate) -> bool:
+    """Whether hardly any of what a law of the motor's torque takes lies at frequencies of the joints' motion.
+
+    Beyond these the torque that a model needs is the encoders' noise, twice differenced, and the torque that
+    is measured may be a controller's answer to it: the one explains the other, late or early.
+    """
+    ex = search.examination
+    if candidate.describes or signals.tau not in law_of(search.robot, candidate).symbols:
+        return False
+    moving = where_moving(search.robot, ex.setting.logs, ex.logs)
+    fall = falls(search.base, search.columns(candidate))
+    inside = sum(float(log[clear].sum()) for log, clear in zip(fall, moving, strict=True))
+    return inside < search.rules.part * sum(float(log.sum()) for log in fall)
 
 
 def _not_held(
