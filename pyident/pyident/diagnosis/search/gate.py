@@ -81,7 +81,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         reason = "what it takes is too small beside the floor to matter"
     elif (driven := search.drives(candidates)) > rules.power:
         reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
-    elif _beyond_motion(search, lead.candidate):
+    elif beyond_motion(search, lead.candidate):
         reason = "it takes only what lies beyond the motion, where a controller answers the encoders' noise"
     elif share < rules.part:
         reason = f"it takes {100 * share:.2g} % of what exceeds the floor there"
@@ -91,7 +91,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     return Admission(lead.candidate, region, p_value, share, unseen, reason, counted, held_out)
 
 
-def _beyond_motion(search: Search, candidate: Candidate) -> bool:
+def beyond_motion(search: Search, candidate: Candidate) -> bool:
     """Whether hardly any of what a law of the motor's torque takes lies at frequencies of the joints' motion.
 
     Beyond these the torque that a model needs is the encoders' noise, twice differenced, and the torque that
