@@ -158,12 +158,12 @@ def log_errors(trial: Trial, i: int, data: Part, replicas: Sequence[Part]) -> Lo
     late = log.frame.iloc[-len(data.time) :]
     simulation = {
         name: Error(
-            _rms(missed),
+            _rms(data.missed_where_counted(name)),
             _rms(late[name].to_numpy()),
-            _rms([_rms(p.missed[name]) for p in replicas]),
+            _rms([_rms(p.missed_where_counted(name)) for p in replicas]),
             _force_unit(robot, name) if name.endswith("tau") else _length_unit(robot, name),
         )
-        for name, missed in data.missed.items()
+        for name in data.missed
     }
     tip = [simulation[name] for name in TIP if name in simulation]
     if len(tip) == len(TIP):

@@ -8,7 +8,7 @@ with the scatter of the fits among replicas.
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -43,6 +43,7 @@ class Part:
     refitted   (N, n) the same under what the regression finds
     time, missed   (S,) [s] and signal -> (S,), log less simulation
     loads      (N, joints) as of `loads_of`
+    counted    signal -> (S,) where what is missed counts; none: everywhere
     """
 
     part: Conditioned
@@ -52,6 +53,11 @@ class Part:
     time: np.ndarray
     missed: dict[str, np.ndarray]
     loads: np.ndarray
+    counted: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def missed_where_counted(self, name: str) -> np.ndarray:
+        """(S or fewer,) of one signal."""
+        return self.missed[name][self.counted[name]] if name in self.counted else self.missed[name]
 
 
 @dataclass(frozen=True)
@@ -195,7 +201,22 @@ def _part(
     used = replace(log, frame=log.frame.iloc[np.flatnonzero(late)].reset_index(drop=True))
     part = trial.conditioned(used, robot)
     left = residual(robot, part), residual(fitted, part)
-    return Part(part, log.period, *left, time[late], missed, loads_of(trial.robot, part))
+    counted = _counted(trial.robot, part, time[late] - used.began) if trial.paths else {}
+    return Part(part, log.period, *left, time[late], missed, loads_of(trial.robot, part), counted)
+
+
+def _counted(robot: Robot, part: Conditioned, time: np.ndarray) -> dict[str, np.ndarray]:
+    """Torque -> (S,) whether its equation is used at a time [s].
+
+    Elsewhere its joint rests or turns round. There the simulation of a drawn motion, whose friction lags
+    behind that of the measured motion, misses twice the friction, and one of the log does not.
+    """
+    assert part.motion.time is not None
+    at = np.searchsorted(part.motion.time, time - 1e-9)
+    inside = at < len(part.use)
+    use = part.use[np.minimum(at, len(part.use) - 1)] > 0
+    found = {name: inside & use[:, k] for k, name in enumerate(robot.torques)}
+    return {name: counts for name, counts in found.items() if counts.any()}
 
 
 def loads_of(robot: Robot, part: Conditioned) -> np.ndarray:
