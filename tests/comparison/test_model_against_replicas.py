@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from analytic_joint import INERTIA, analytic_log, free_joint
 
-from pyident.comparison.model_against_replicas import residual
+from pyident.comparison.model_against_replicas import judged_logs, residual
 from pyident.comparison.trial import on_trial
 from pyident.conditioning.weak_form import condition
+from pyident.simulation.fmu_runs import runs_here
 
 
 def test_the_true_model_leaves_the_noise_of_its_torque():
@@ -34,3 +35,18 @@ def test_a_model_without_controller_is_tracked_by_a_stand_in():
     assert trial.simulated.controller is not None
     assert trial.since == (0.0,)
     assert trial.noise["joint1.tau"] == pytest.approx(0.2, rel=0.15)
+
+
+def test_torques_count_where_their_equations_are_used():
+    """Where the joint turns round, the friction of a simulation that tracks it comes late."""
+    trial = on_trial(free_joint(), [analytic_log(torque_noise=0.02)])
+    with runs_here(trial.simulated) as workers:
+        (part,) = judged_logs(trial, workers)
+    counted = part.counted["joint1.tau"]
+    assert part.missed_where_counted("joint1.tau").shape == (counted.sum(),)
+    assert 0.8 < counted.mean() < 1
+    angle = trial.judged[0].log.frame["joint1.e"].to_numpy()[-len(counted) :]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle)))) + 1
+    assert len(turns) > 10
+    assert not counted[turns].any()
+    assert len(part.missed_where_counted("joint1.e")) == len(counted)
