@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
+from pathlib import Path
 from typing import Any, Literal
 
 from flexmodels.coordinate import joint_number
@@ -38,6 +39,11 @@ class Named:
     def describes(self) -> bool:
         """Whether it is an error of the robot file, not a law."""
         return describes(self.effect)
+
+    @property
+    def where(self) -> str:
+        """The law at its joint, and in which log alone."""
+        return f"{self.effect} at {self.joint}{f' in {Path(self.log).name} only' if self.log else ''}"
 
     @property
     def suspect(self) -> str:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Hashable, Sequence
-from pathlib import Path
 
 from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
@@ -28,7 +27,8 @@ def asked_for(robot: Robot, tie: Sequence[Candidate]) -> str:
     if len(tie) < 2:
         return ""
     laws = [(c, law_of(robot, c)) for c in tie[:2]]
-    return "; ".join(f"for {law.name} at joint {c.joint}: {law.experiment}" for c, law in laws)
+    each = (f"for {law.name} at joint {c.joint}: {law.experiment}" for c, law in laws)
+    return "; ".join(dict.fromkeys(each))  # a payload may be of one log or another
 
 
 def place_of(robot: Robot, candidate: Candidate) -> tuple[str, str]:
@@ -139,8 +139,7 @@ def _floors(place: Place) -> str:
 def _said(named: Named) -> str:
     """A law at its joint, or what the robot file says wrongly."""
     if not named.describes:
-        alone = f" in {Path(named.log).name} only" if named.log else ""
-        return f"{named.effect} at {named.joint}{alone}"
+        return named.where
     ((name, value),) = named.values.items()
     outside = outside_file(named.effect)
     if outside is not None:

@@ -232,6 +232,8 @@ def _no_such_law(robot: Robot, joint: int, effect: str) -> str:
         return ""
     law = robot.joints[joint - 1].law(effect)
     values = {p: robot.parameters[parameter_name(joint, effect, p.name)] for p in law.linear}
+    if not any(values.values()):
+        return "fitted beside all else, nothing is left of it"
     scatter = _SCATTER * max((abs(v) for v in values.values()), default=0.0)
     for p, value in values.items():
         if not p.lower - scatter <= value <= p.upper + scatter:

@@ -244,7 +244,7 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
     held, std = finding.heldout_gain_percent, finding.heldout_std_percent
     unseen = "-" if held is None else said_share(held, std)
     values = ", ".join(said_value(best, name) for name in best.values)
-    names = " or ".join(f"{n.effect} at {n.joint}" for n in finding.tie)
+    names = " or ".join(n.where for n in finding.tie)
     share = said_share(finding.share_percent) if finding.share_percent else "-"
     return names, share, unseen, values
 
