@@ -4,12 +4,15 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from inspection.styles import arm, sound
+from one_joint import one_joint
 
+from flexmodels.gearing import Transmission
 from pyident.inspection.inspect_log import inspect_log
 from pyident.logs.foreign import import_log
 from pyident.logs.log import LogError
@@ -196,3 +199,14 @@ def test_a_signal_that_names_no_joint_is_asked_for_it(tmp_path):
         read_mapping(tmp_path / "m.toml")
     (tmp_path / "m.toml").write_text(found.toml().replace("# [", "[").replace("# source", "source"))
     assert read_mapping(tmp_path / "m.toml").signals["joint1.e"].column == "COLUMN"
+
+
+def test_a_drive_that_the_robot_file_gives_is_not_asked(tmp_path):
+    time = 0.01 * np.arange(400)
+    columns = {"t": time, "motor1_angle_rad": 90 * np.sin(time), "motor1_current_A": -3 * np.sin(time)}
+    pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
+    robot = replace(one_joint(), transmission=Transmission(((100.0,),), (0.0,), (0.5,)))
+    found = inspect_log([tmp_path / "log.csv"], robot)
+    assert not any("(drive, gear)" in question for question in found.questions)
+    assert "drive =" not in found.toml()
+    assert any("(drive, gear)" in question for question in inspect_log([tmp_path / "log.csv"]).questions)

@@ -6,8 +6,15 @@ prefix in the file, 100 % of what comes in % or ‰, else one unit of the column
 
 import numpy as np
 
+from flexmodels.robot import Robot
 from pyident.inspection.channel import Channel
 from pyident.logs.units import RATED
+
+
+def knows_drive(robot: Robot, c: Channel) -> bool:
+    """Whether the robot file says what a motor's current gives."""
+    known = robot.transmission is not None and robot.transmission.drive is not None
+    return known and c.signal == "current" and c.side == "motor" and c.unit in ("A", "mA")
 
 
 def of_its_drive(c: Channel) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.inspection.channel import PLACE, Channel
 from pyident.inspection.clock import gap, grows_evenly, no_clock, starts_again, without_repeats
-from pyident.inspection.drives import of_its_drive
+from pyident.inspection.drives import knows_drive, of_its_drive
 from pyident.inspection.guesses import NAME, first_guesses, si
 from pyident.inspection.motion import with_motion_units, with_velocities_found, with_whole_turns
 from pyident.inspection.nameless import DERIVATIVE, nameless
@@ -65,7 +65,7 @@ def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: flo
         channels, further = with_physics(channels, recording.columns, robot, rate)
         notes += further
     explained = _explained(channels)
-    channels = [_asked(c) if c.name is not None else _unnamed(c) for c in channels]
+    channels = [_asked(c, robot) if c.name is not None else _unnamed(c) for c in channels]
     channels = channels if explained else [_placed(c) for c in channels]
     joints = len(robot.joints) if robot else max((c.joint or 0 for c in channels if c.name), default=0)
     questions = (*_missing(channels, robot, joints, time, rate), *(c.doubt for c in channels if c.doubt))
@@ -201,7 +201,9 @@ def _placed(c: Channel) -> Channel:
     return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if further else asked)
 
 
-def _asked(c: Channel) -> Channel:
+def _asked(c: Channel, robot: Robot | None) -> Channel:
+    if robot is not None and knows_drive(robot, c):
+        return replace(c, sure=True, doubt="", why=(*c.why, "the drive that the robot file gives"))
     if c.signal in ("current", "voltage"):
         return replace(c, sure=False, doubt=of_its_drive(c))
     if c.signal == "torque" and c.wanted:

@@ -83,7 +83,7 @@ class Proposal:
             lines.append("unwrap = true")
         if c.clock:
             lines.append(f"time = {_quoted(c.clock)}")
-        if c.signal in ("current", "voltage"):
+        if c.signal in ("current", "voltage") and not c.sure:
             lines.append(drive_line(c))
         return lines
 

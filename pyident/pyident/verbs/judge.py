@@ -14,6 +14,7 @@ from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.divide import divided, instants
+from pyident.extension.extended_robot import require_new
 from pyident.extension.split import split
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.report.moving_arm import MovingArm, moving
@@ -115,7 +116,9 @@ def add_effect(
     The others as in `identify`.
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
-    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
+    robot = _with_drive(model, parameters, allow_effects)
+    require_new(robot, joint, effect)  # before logs are read
+    read = given(robot, logs, mapping, heldout, force)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
     return Added(found, read.notes)
 
