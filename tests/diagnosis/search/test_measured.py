@@ -31,7 +31,7 @@ def search(size: float, stands_out: bool = False, late: float = 0.0, value: floa
     sine = size * np.sin(0.1 * np.arange(COUNT))
     after = SimpleNamespace(base=SimpleNamespace(residual=[noise]))
     taken = SimpleNamespace(energy=float(np.sum(sine**2)), coefficients=np.array([value]))
-    setting = SimpleNamespace(alignment=Alignment(late), robot=None, logs=[SimpleNamespace(period=0.01)])
+    setting = SimpleNamespace(alignment=Alignment(late), robot=None, logs=None, period=0.01)
     return cast(
         Any,
         SimpleNamespace(
@@ -173,6 +173,7 @@ def test_an_error_is_in_a_tie_with_a_law_that_held_out_logs_show_too(unseen, spr
 def test_a_law_alone_needs_its_share(monkeypatch):
     """What an error of the robot file counts by is not enough for a law."""
     monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
     monkeypatch.setattr(gate, "share_in", lambda *_: 0.01)
     held: Any = SimpleNamespace(share=lambda *_: SEEN_AGAIN, holds=lambda *_: True)
     view = search(0.3)
@@ -187,6 +188,7 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
     taken, matters, monkeypatch
 ):
     monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
     monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
     monkeypatch.setattr(gate, "same_order", lambda *_: False)
     unseen = Unseen(taken, taken / 20, 0.0, 0.9)
@@ -203,6 +205,7 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
 @pytest.mark.parametrize(("over", "named"), [(0.6, False), (0.8, True)])
 def test_a_residual_far_below_its_floor_shows_no_law(over, named, monkeypatch):
     monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+    monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
     monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
     held: Any = SimpleNamespace(share=lambda *_: None, holds=lambda *_: True)
     view = search(0.3)
