@@ -8,8 +8,10 @@ import pytest
 from one_joint import one_joint
 
 import pyident as pi
+from flexmodels.settings.processing import Processing
 from pyident.logs.averaged import averaged
 from pyident.logs.log import Log
+from pyident.verbs.inputs import given
 
 
 def log(rate: float, seconds: float = 2.0) -> Log:
@@ -56,3 +58,12 @@ def test_what_is_left_tells_the_same_law():
     found = pi.diagnose(robot, whole[:1], heldout=whole[1:])
     assert found.verdict == "nothing_detectable"
     assert any(note.startswith("4000 samples a second") for note in found.notes)
+
+
+def test_a_robot_file_with_a_filter_of_its_own_gets_every_sample():
+    """Its factor is one of samples: of means it would leave a quarter."""
+    thins = Processing(cutoff=100.0, decimate=20)
+    robot = replace(one_joint(), controller=None)
+    read = given(robot.with_settings(processing=thins), [log(4000).frame])
+    assert len(read.logs[0]) == 8000
+    assert len(given(robot, [log(4000).frame]).logs[0]) == 2000

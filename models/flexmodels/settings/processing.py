@@ -30,3 +30,8 @@ class Processing:
     decimate: int = 1
     band: float | None = None
     dead_zone: float = 0.0
+
+    @property
+    def filters(self) -> bool:
+        """Whether it filters or thins out, which says at what rate its logs are meant to come."""
+        return self.cutoff is not None or self.decimate > 1

@@ -69,7 +69,7 @@ def denoises(robot: Robot) -> bool:
 def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
     """The robot without its file's filter, judged up to where the equations would be sound with it."""
     plan = robot.settings.processing
-    if (plan.cutoff is None and plan.decimate == 1) or (robot.flexible and robot.controller is None):
+    if not plan.filters or (robot.flexible and robot.controller is None):
         return robot
     band = min(band_top(robot, log.period) for log in logs)
     return within(robot.with_settings(processing=replace(plan, cutoff=None, decimate=1)), band)

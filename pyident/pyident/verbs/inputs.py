@@ -124,7 +124,7 @@ def given(
         raise LogError("there is no log; give one or more")
     robot, notes, defects = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
-    if denoises(robot):
+    if denoises(robot) and not robot.settings.processing.filters:
         logs, fewer = averaged(logs)
         modelled = (*modelled, *fewer)
     return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled), defects)

@@ -23,7 +23,7 @@ _STEP = 1e-6  # rad, rad/s: finite differences of Φ p
 
 def carries(robot: Robot) -> bool:
     """Whether the equations are samples as they were conditioned, neither filtered nor thinned out."""
-    return robot.settings.processing.cutoff is None and robot.settings.processing.decimate == 1
+    return not robot.settings.processing.filters
 
 
 def noise_scatter(
