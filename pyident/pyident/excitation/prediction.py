@@ -15,7 +15,7 @@ from pyident.estimation.least_squares import ROUNDING
 from pyident.excitation.rehearsals.rehearsal import Rehearsal
 from pyident.logs.log import Log, LogError
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
-from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
+from pyident.refinement.instruments.noise_scatter import noise_scatter
 from pyident.regression.equations import Problem
 from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import reduce
@@ -97,7 +97,7 @@ def _by_regression(robot: Robot, log: Log, noise: Mapping[str, float]) -> Predic
     turn = seen / s[:rank] / scale[:, None]
     meat = np.eye(rank)
     p = np.array([robot.parameters[name] for name in reduced.columns])
-    if carries(robot):
+    if not robot.settings.processing.filters:
         Phi = regressor(robot, part.motion).matrix
         rows = Rows(Phi, Phi, part.target, part.use)
         meat = noise_scatter(robot, part, rows, p, weights, turn, noise, log.period)

@@ -36,7 +36,6 @@ from pyident.refinement.instruments.instrumental_covariance import (
     with_covariance,
     without_intervals_of,
 )
-from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
 from pyident.refinement.instruments.positions_late import Late, positions_late
 from pyident.refinement.instruments.residual_spectrum import of_fit
@@ -128,7 +127,7 @@ def _identified(
         solution = with_covariance(last.logs, last.rows, last.equations, last.solution)
     except (SimulationError, NotFollowedError) as error:
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
-        name = START if carries(robot) else best.estimator
+        name = best.estimator if robot.settings.processing.filters else START
         note = f"{_why(error)}; the estimate is that of {name} and has no intervals"
         found = replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
         return found, None
@@ -171,7 +170,7 @@ def robot_by_instruments(
     try:
         return identified(robot, start.plain.reduced, _rounds(start, again, best, workers).solution).robot
     except (SimulationError, NotFollowedError):
-        if not (carries(robot) and driven(robot)):
+        if robot.settings.processing.filters or not driven(robot):
             raise
         return best.robot
 
@@ -276,7 +275,7 @@ def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Worke
     values = np.array(list(made.wanted.linear_parameters.values()))
     quiet = np.array([put_in[name] for name in logs.reduced.columns])
     rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
-    if driven(logs.robot) or carries(logs.robot):
+    if driven(logs.robot) or not logs.robot.settings.processing.filters:
         rows, weights = counted_by_noise(logs.data, rows, values)
     else:
         weights = counted_alike(rows, values)

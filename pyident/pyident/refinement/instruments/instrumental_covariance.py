@@ -18,7 +18,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import MomentEquations, Rows
 from pyident.estimation.least_squares import Solution
 from pyident.refinement.instruments.logged import quiet
-from pyident.refinement.instruments.noise_scatter import carries, noise_scatter
+from pyident.refinement.instruments.noise_scatter import noise_scatter
 from pyident.refinement.instruments.residual_spectrum import beyond_noise, of_fit, smoothed_power, spectral
 from pyident.refinement.instruments.simulated_rows import Repeated, every, in_memory
 from pyident.refinement.instruments.stand_in import driven
@@ -34,7 +34,7 @@ def with_covariance(
 ) -> Solution:
     """The noise of the sensors through the equations, and what there is beyond it by its spectrum."""
     robot = logs.robot
-    if quiet(robot) or not carries(robot):
+    if quiet(robot) or robot.settings.processing.filters:
         return equations.solve(of_fit(equations), solution.rank)
     noise = sensor_noise(robot, [r.log for r in logs.again], solution.p)
 

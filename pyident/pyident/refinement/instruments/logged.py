@@ -11,14 +11,13 @@ from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
-from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.stand_in import driven
 from pyident.simulation.denoised import denoised, denoises
 
 
 def quiet(robot: Robot) -> bool:
     """Whether the motion of its logs loses the encoders' noise before it is differenced."""
-    return denoises(robot) and not driven(robot) and carries(robot)
+    return denoises(robot) and not driven(robot) and not robot.settings.processing.filters
 
 
 def logged(robot: Robot, log: Log) -> Conditioned:

@@ -21,11 +21,6 @@ from pyident.regression.regressor import generalised_forces
 _STEP = 1e-6  # rad, rad/s: finite differences of Φ p
 
 
-def carries(robot: Robot) -> bool:
-    """Whether the equations are samples as they were conditioned, neither filtered nor thinned out."""
-    return not robot.settings.processing.filters
-
-
 def noise_scatter(
     robot: Robot,
     part: Conditioned,

@@ -16,7 +16,6 @@ from pyident.estimation.instrumental_variables import Rows, moment_equations
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.instruments.logged import logged
-from pyident.refinement.instruments.noise_scatter import carries
 from pyident.refinement.instruments.residual_spectrum import of_fit, spectral
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -56,7 +55,7 @@ def begun(robot: Robot, logs: Sequence[Log], prior: Robot | None = None) -> Begu
     plain = weighted(Problem(robot, tuple(parts)))
     robot = plain.problem.robot
     data = gathered(lambda part: in_memory(robot, part), parts)
-    lows = _LOW if carries(robot) else ()
+    lows = () if robot.settings.processing.filters else _LOW
     solutions = gathered(lambda low: _started(robot, data, plain, low), lows)
     if not solutions:
         solutions = [plain.solution if prior is None else coloured(robot, data, plain)]
