@@ -133,6 +133,8 @@ def test_a_correction_is_what_the_file_lacks():
     require_new(robot, 2, "axis[y]")
     with pytest.raises(RobotError, match="has no joint 3"):
         require_new(robot, 3, "encoder_zero")
+    with pytest.raises(RobotError, match="part of link 2 wherever all logs have it"):
+        require_new(robot, 2, "payload")
 
 
 @pytest.mark.parametrize(("share", "said"), [(0.7, ""), (1.05, ""), (4.57, "its share of 4.57 is above 1")])

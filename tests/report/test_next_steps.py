@@ -37,10 +37,17 @@ def test_laws_are_added_one_after_the_other_each_once():
     ((heading, lines),) = commands(MISSING, "my/arm.toml")
     assert heading.startswith("Add it and fit again")
     assert lines == [
-        "pyident add my/arm.toml stribeck --joint 2 'a log.csv' b.csv --holdout c.csv -o arm_stribeck.toml",
-        "pyident add arm_stribeck.toml payload --joint 3 b.csv -o arm_stribeck_payload.toml",
-        "pyident diagnose arm_stribeck_payload.toml 'a log.csv' b.csv --holdout c.csv",
+        "pyident add my/arm.toml stribeck --joint 2 'a log.csv' --holdout c.csv -o arm_stribeck.toml",
+        "pyident identify arm_stribeck.toml 'a log.csv' -o arm_stribeck_empty.toml",
+        "pyident payload arm_stribeck_empty.toml 'a log.csv' b.csv -o arm_stribeck_b.toml",
+        "pyident diagnose arm_stribeck.toml 'a log.csv' --holdout c.csv",
     ]
+
+
+def test_no_command_speaks_of_a_load_that_is_taken_up_within_a_log():
+    within = replace(MISSING, findings=(finding(law("payload", 3, "b.csv from 9.008 s on")),))
+    ((_, lines),) = commands(within, "arm.toml")
+    assert lines == ["pyident diagnose arm.toml 'a log.csv' --holdout c.csv"]
 
 
 def test_of_one_log_its_last_part_is_held_out_again():

@@ -20,6 +20,7 @@ cannot be told from a law.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ from pyident.diagnosis.base.projection import (
 )
 from pyident.diagnosis.base.residual_over_floor import Examination, bands_of, whitened
 from pyident.diagnosis.base.standing_out import standing_out
+from pyident.diagnosis.moved_torques import energies_in, moved, typical
 from pyident.regression.spectrum import Equations, Floor, all_over, equations, levels_of
 from pyident.simulation.denoised import denoised_every_sample, where_moving
 
@@ -98,19 +100,18 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
     """
     setting, own = ex.setting, sorted(way.joint for way in ex.setting.alignment.own)
     rows = [k - 1 for k, _ in setting.robot.numbered if k not in own]
-    moved = replace(setting.alignment, own=()).needed
-    if setting.simulates or len(rows) < _JOINTS or moved:
+    put_right = replace(setting.alignment, own=()).needed
+    if setting.simulates or len(rows) < _JOINTS or put_right:
         return NOTHING
     period, chance = setting.period, setting.rules.search.chance**2
     moving = where_moving(setting.robot, setting.logs, ex.logs)
+    base = _beside(ex, named)
     delayed = [{k: X for k, X in log.items() if k in rows} for log in by_delay(ex, moving)]
-    if _shown(replace(ex, base=_beside(ex, named, ex.base, ex.logs)), delayed, chance) is None:
+    if _shown(replace(ex, base=base), delayed, chance) is None:
         return NOTHING
 
     def energies(late: float) -> np.ndarray:
-        data = _aligned(ex, Alignment(late), ex.floors)
-        pairs = zip(_beside(ex, named, solve_base(data), data).residual, moving, strict=True)
-        return np.sum([(np.square(r) * clear)[rows].sum(axis=1) for r, clear in pairs], axis=0)
+        return energies_in(moved(ex.logs, ex.levels, base, late), moving)[rows]
 
     count = np.sum([clear[rows].sum(axis=1) for clear in moving], axis=0)
     left = _least(
@@ -122,9 +123,10 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
     return Alignment(float(left.x), own=tuple(OwnWay(k, float(left.x)) for k in own))
 
 
-def _beside(ex: Examination, named: Sequence[Candidate], base: Base, data: Sequence[Equations]) -> Base:
-    """The base of data with the columns of what was named."""
-    for X in columns_of(ex.setting.robot, named, data, levels_of(ex.floors, data)):
+def _beside(ex: Examination, named: Sequence[Candidate]) -> Base:
+    """The examination's base with the columns of what was named."""
+    base = ex.base
+    for X in columns_of(ex.setting.robot, named, ex.logs, ex.levels):
         base = extended(base, X)
     return base
 
@@ -152,12 +154,8 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
     Positions may be late or early: at reversals, which a low pass smears, the column may have the wrong sign.
     """
     furthest, exact = max(_SAMPLES * period, LATEST), _EXACT * period
-    delays = [
-        _least(lambda late: _left(_aligned(ex, Alignment(late), ex.floors), moving), bounds, exact)
-        for bounds in ((-furthest, 0.0), (0.0, furthest))
-    ]
     low, high = np.log([1 / (2 * np.pi * _SLOWEST), _HIGHEST * 0.5 / period]).tolist()
-    delay = Alignment(min(delays, key=lambda d: d.fun).x)
+    delay = Alignment(_delay(ex, moving, furthest, exact))
     tried = [
         replace(shape, corner=float(np.exp(x))) for shape in _TRIED for x in np.linspace(low, high, 5)[1:-1]
     ]
@@ -171,6 +169,23 @@ def _best(ex: Examination, moving: Sequence[np.ndarray], period: float) -> Align
     if rest < _CLEARLY * least:
         return both
     return alone if least < clearly else delay
+
+
+def _delay(ex: Examination, moving: Sequence[np.ndarray], furthest: float, exact: float) -> float:
+    """The time [s] by which positions come late that leaves least.
+
+    What is left out at bends of the torques is where the positions belong once a first time is known.
+    """
+
+    def left(data: Sequence[Equations], base: Base, late: float) -> float:
+        return typical(moved(data, levels_of(ex.floors, data), base, late), moving)
+
+    given = partial(left, ex.logs, ex.base)
+    found = min(
+        (_least(given, ends, exact) for ends in ((-furthest, 0.0), (0.0, furthest))), key=lambda d: d.fun
+    )
+    data, period = _aligned(ex, Alignment(found.x), ex.floors), ex.setting.period
+    return float(found.x + _least(partial(left, data, solve_base(data)), (-period, period), exact).x)
 
 
 def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: float) -> Any:
@@ -200,15 +215,8 @@ def _aligned(ex: Examination, alignment: Alignment, floors: Sequence[Floor]) -> 
 
 
 def _left(data: Sequence[Equations], asked: Sequence[np.ndarray]) -> float:
-    """What is left of an equation on average, over its floor; asked: per log (n, E).
-
-    The mean is geometric over coordinates: what another law leaves at one joint is no witness of a delay.
-    """
-    pairs = zip(residuals_of(data), asked, strict=True)
-    squares = np.sum([(np.square(r) * clear).sum(axis=1) for r, clear in pairs], axis=0)
-    count = np.sum([clear.sum(axis=1) for clear in asked], axis=0)
-    there = (count > 0) & (squares > 0)
-    return float(np.exp(np.sum(count[there] * np.log(squares[there] / count[there])) / count[there].sum()))
+    """What is left of an equation on average, over its floor; asked: per log (n, E)."""
+    return typical(residuals_of(data), asked)
 
 
 def _shown(ex: Examination, X: Columns, least: float = 0.0) -> Gain | None:

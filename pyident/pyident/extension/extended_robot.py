@@ -48,6 +48,12 @@ def require_new(robot: Robot, joint: int, effect: str) -> None:
         return
     if robot.with_effect(joint, effect).units == robot.units:
         raise RobotError(f"robot {robot.name} has the effect {effect} at joint {joint} already")
+    if robot.catalogue[effect].body:
+        raise RobotError(
+            f"{effect} at joint {joint} is a part of link {robot.last_link} wherever all logs have it, and "
+            "cannot be told from it; what one log carries and another does not is found by `pyident payload "
+            "MODEL EMPTY LOADED`"
+        )
 
 
 def known_beforehand(robot: Robot, joint: int, effect: str) -> Robot | None:

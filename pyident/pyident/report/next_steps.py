@@ -25,19 +25,29 @@ def _chain(d: Diagnosis, model: str, chosen: Sequence[Named]) -> list[str]:
     """Each effect added to the model of the line before, once per joint, and a new diagnosis.
 
     A torque's gain, which no robot file states, is left out: it is corrected in the mapping of the logs. Of a
-    log whose last part was held out every command holds it out by itself.
+    log whose last part was held out every command holds it out by itself. What one log carries is found
+    between it and those without; of a load that is taken up within a log no command can speak.
     """
+    loaded = {n.log for n in chosen if n.log}
+    logs = [log for log in d.logs if not any(f"{n} ".startswith(f"{log} ") for n in loaded)] or list(d.logs)
     lines, name, last = [], Path(model).stem, model
     held = [word for log in d.heldout if log not in d.logs for word in ("--holdout", log)]
-    for n in {(n.effect, n.joint): n for n in chosen if stated(n.effect)}.values():
+    everywhere = [n for n in chosen if stated(n.effect) and not n.log]
+    for n in {(n.effect, n.joint): n for n in everywhere}.values():
         name = f"{name}_{'geometry' if n.describes else n.effect}"
         new = f"{name}.toml"
-        logs = [n.log] if n.log else [*d.logs, *held]
-        lines.append(
-            join(["pyident", "add", last, *words_of(n.effect, joint_number(n.joint)), *logs, "-o", new])
-        )
+        words = words_of(n.effect, joint_number(n.joint))
+        lines.append(join(["pyident", "add", last, *words, *logs, *held, "-o", new]))
         last = new
-    lines.append(join(["pyident", "diagnose", last, *d.logs, *held]))
+    alone = [log for log in d.logs if log in loaded and log not in logs]
+    if alone:
+        empty = f"{name}_empty.toml"
+        lines.append(join(["pyident", "identify", last, *logs, "-o", empty]))
+        lines += [
+            join(["pyident", "payload", empty, logs[0], log, "-o", f"{name}_{Path(log).stem}.toml"])
+            for log in alone
+        ]
+    lines.append(join(["pyident", "diagnose", last, *logs, *held]))
     return lines
 
 

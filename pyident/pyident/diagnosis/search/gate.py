@@ -16,6 +16,7 @@ from pyident.diagnosis.base.residual_over_floor import Region
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
+from pyident.diagnosis.search.power import impossible
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.simulation.denoised import where_moving
@@ -80,7 +81,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
     elif (driven := search.drives(candidates)) > rules.power:
-        reason = f"the joint's friction would drive it: it puts in {100 * driven:.0f} % of what it takes"
+        reason = impossible(search.robot, lead.candidate, driven)
     elif beyond_motion(search, lead.candidate):
         reason = "it takes only what lies beyond the motion, where a controller answers the encoders' noise"
     elif share < rules.part:

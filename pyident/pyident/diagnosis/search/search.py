@@ -15,7 +15,7 @@ from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
 from pyident.diagnosis.search.found import Found, Step
-from pyident.diagnosis.search.power import energy_put_in, is_friction
+from pyident.diagnosis.search.power import knows_sign, of_wrong_sign
 from pyident.rules.search import SearchRules
 
 
@@ -116,14 +116,14 @@ class Search:
         return of_whole_periods(self.robot, listed, [g.energy for g in each])
 
     def drives(self, further: Sequence[Candidate]) -> float:
-        """Energy that friction puts in at the first's joint, over what it takes, beside all the others."""
+        """Energy that no friction and no body has, over what the first has, beside all the others."""
         listed = [*self.chosen, *further]
-        if not is_friction(self.robot, further[0]):
+        if not knows_sign(self.robot, further[0]):
             return 0.0
         p, x = self.fitted(listed)
         ends = np.cumsum([width(self.robot, c) for c in listed])[:-1]
         laws = list(zip(listed, np.split(x, ends), strict=True))
-        return energy_put_in(self.robot, self.examination.logs, p, laws, further[0].joint)
+        return of_wrong_sign(self.robot, self.examination.logs, p, laws, further[0])
 
     def _proper(self, candidate: Candidate, explained: Gain) -> bool:
         if self.drives([candidate]) > self.rules.power:
