@@ -58,8 +58,9 @@ def diagnose(
     """
     most = 0.8 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
     search = searched(robot, logs, open_pool, lambda share: progress(most * share), rules)
-    search, found = _from_columns(search.resting_on(()), heldout, open_pool)
-    progress(0.8)
+    search, found = _from_columns(
+        search.resting_on(()), heldout, open_pool, _part(progress, most, 0.8 - most)
+    )
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
@@ -107,12 +108,15 @@ def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) 
     return _from_signatures(search, found, open_pool, heldout)
 
 
-def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -> tuple[Search, Diagnosis]:
+def _from_columns(
+    search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress = lambda _: None
+) -> tuple[Search, Diagnosis]:
     """What the laws come to, and the search that says so: that in which logs have their own friction,
     where laws without it leave much more.
     """
-    search, held, selection = _in_time(search, heldout, open_pool)
+    search, held, selection = _in_time(search, heldout, open_pool, _part(progress, 0.0, 0.7))
     search, selection = _about_bends(search, held, selection)
+    progress(0.8)
     beside = search.resting_on(selection.candidates)
     by_log = friction_by_log(search, beside.chosen) if unsettled(search.examination, beside.base) else None
     if by_log is not None:
@@ -123,18 +127,20 @@ def _from_columns(search: Search, heldout: Sequence[Log], open_pool: OpenPool) -
             named = search.resting_on(again.candidates)
             note, said = by_log.note(named), f"{by_log.sentence(named)} {found.sentence}"
             return by_log.search, replace(found, sentence=said, notes=(note, *found.notes))
+    progress(0.9)
     return search, conclusion(search, selection, held, heldout)
 
 
 def _in_time(
-    search: Search, heldout: Sequence[Log], open_pool: OpenPool
+    search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress
 ) -> tuple[Search, HeldOut, Selection]:
     """What the laws come to; with all torques put right that are late alike beside them, and single ones
     where that leaves far less.
     """
     held = held_out(search, heldout)
     selection = _selected(search, held)
-    for apart in (_late_alike, _each_its_way, _others_alike):
+    for asked, apart in enumerate((_late_alike, _each_its_way, _others_alike), start=1):
+        progress(0.25 * asked)
         further = apart(search, selection.candidates)
         if further.needed:
             search = put_right(search.examination.setting, further, open_pool)

@@ -22,6 +22,8 @@ from pyident.comparison.bins import mean_square_over_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.model_against_replicas import Progress
 from pyident.comparison.trial import Trial
+from pyident.diagnosis.base.candidates import law_of
+from pyident.diagnosis.coefficients import loosely_told
 from pyident.extension.ask import Asked, ask
 from pyident.extension.beside import begun
 from pyident.extension.extended_robot import Correction, extended_robot, known_beforehand, require_new
@@ -47,6 +49,7 @@ class Extended:
     reason           why the effect is refused; empty: it is accepted
     asked            what the gate of a diagnosis says, with its numbers
     correction       of the description; None where a law was added
+    undetermined     parameters of the law that logs do not tell by themselves, whatever it takes with them
     """
 
     base: Robot
@@ -58,6 +61,7 @@ class Extended:
     reason: str
     asked: Asked
     correction: Correction | None = None
+    undetermined: tuple[str, ...] = ()
 
     @property
     def accepted(self) -> bool:
@@ -67,7 +71,8 @@ class Extended:
         """For machines: whether it is accepted, why not, its parameters, errors on held-out data."""
         new = {n: v for n, v in self.robot.parameters.items() if n not in self.base.parameters}
         units = self.robot.units
-        parameters = {n: {"value": v, "unit": units[n]} for n, v in new.items()}
+        known = {n: n not in self.undetermined for n in new}
+        parameters = {n: {"value": v, "unit": units[n], "determined": known[n]} for n, v in new.items()}
         if self.correction:
             parameters |= self.correction.json()
         return {
@@ -120,6 +125,16 @@ def add_effect(
     return _judged(base.beside(new.replicas), new, asked, correction)
 
 
+def _loose(asked: Asked) -> tuple[str, ...]:
+    """Linear parameters of a law that its logs do not determine."""
+    c, std = asked.candidate, asked.found.gain.std
+    if c.describes:
+        return ()
+    names = [parameter_name(c.joint, c.effect, p.name) for p in law_of(asked.search.robot, c).linear]
+    unknown = np.isinf(std) | loosely_told(asked.search, (), c)
+    return tuple(name for name, loose in zip(names, unknown.tolist(), strict=False) if loose)
+
+
 def _share(progress: Progress, start: float, end: float) -> Progress:
     return lambda fraction: progress(start + (end - start) * fraction)
 
@@ -132,7 +147,8 @@ def _not_simulated(
     rows = _acts_on(wider, joint, effect)
     steps = tuple(step for row in rows for step in _steps("equations", row, base, base))
     reason = f"{effect} at joint {joint} is refused: the model fitted with it cannot be simulated ({error})"
-    return Extended(base.trial.robot, wider, errors, errors, steps, (0.0, 0.0), reason, asked, correction)
+    found = base.trial.robot, wider, errors, errors, steps, (0.0, 0.0)
+    return Extended(*found, reason, asked, correction, _loose(asked))
 
 
 def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) -> Extended:
@@ -153,17 +169,15 @@ def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) ->
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
     reason = _reason(asked, gains, base.trial.tracks, base.setting.rules, _no_such_law(robot, joint, effect))
-    return Extended(base.trial.robot, robot, before, after, tuple(steps), gains, reason, asked, correction)
+    found = base.trial.robot, robot, before, after, tuple(steps), gains
+    return Extended(*found, reason, asked, correction, _loose(asked))
 
 
 def _acts_on(robot: Robot, joint: int, effect: str) -> list[str]:
     """Coordinates on whose equations the law acts."""
     if describes(effect):
         return list(robot.coordinates)
-    law = robot.joints[joint - 1].law(effect)
-    if law.body:
-        return list(robot.coordinates)
-    named = {str(q) for q in law.forces}
+    named = {str(q) for q in robot.joints[joint - 1].law(effect).forces}
     wanted = {signal_of(joint, name) for name in named}
     return [c.name for c in robot.q if c.signal in wanted]
 

@@ -176,6 +176,7 @@ class Added(Result):
         ]
         values = [
             f"{name} = {p['value']:.5g} {p['unit']}".removesuffix(" 1")
+            + ("" if p.get("determined", True) else " (not determined by itself)")
             for name, p in self.extended.json()["parameters"].items()
         ]
         c = self.extended.correction
