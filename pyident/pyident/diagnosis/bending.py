@@ -36,6 +36,7 @@ _DRIVES = 4  # of a robot, that are fitted together
 _SLOWEST, _PER_SWING, _FREQUENCIES = 1.0, 8, 20  # Hz; samples; to look at between
 _DAMPING = (0.02, 0.1)  # ratios
 _LOOKS = 16  # at other springs, of each drive
+_RIVALS, _NEAR = 3, 0.5  # drives that are fitted, and the part of the most that their own equation tells
 _RESTS = 0.02  # of a compliance
 _ALIKE = 4.0  # times: so far may the size of a swing be from that of the spring that makes it
 
@@ -136,8 +137,9 @@ def _borne_out(bent: Search, lead: Candidate, drives: Sequence[Candidate], held:
 def _further(search: Search, fit: _Fit, joints: Sequence[int]) -> _Fit:
     """The fit with one more drive, that which takes most; on a swing if that takes much more than a sag."""
     sag = max((_with_sag(search, fit, k) for k in joints), key=lambda f: f.energy)
-    scanned = max((_scanned(search, fit, k) for k in joints), key=lambda f: f.energy)
-    swings = [_settled(search, begun, _ROUNDS) for begun in (scanned, sag.all_swinging)]
+    scanned = sorted((_scanned(search, fit, k) for k in joints), key=lambda f: -f.energy)
+    near = [f for f in scanned[:_RIVALS] if f.energy - fit.energy > _NEAR * (scanned[0].energy - fit.energy)]
+    swings = [_settled(search, begun, _ROUNDS) for begun in (*near, sag.all_swinging)]
     return _unless_much_more(search, sag, swings)
 
 

@@ -165,7 +165,8 @@ def _others_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
 
 
 def _beside(search: Search, named: Sequence[Candidate]) -> Alignment:
-    return delay_beside(search.examination, [c for c in named if not comes_late(search.robot, c)])
+    others = [c for c in named if not comes_late(search.robot, c)]
+    return delay_beside(search.examination, others, len(others) < len(named))
 
 
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:

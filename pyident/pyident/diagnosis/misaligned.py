@@ -93,9 +93,11 @@ def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
     return _change(ex, Alignment(_STEP * period), moving)
 
 
-def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
-    """A delay of all positions, of a sample at most, with which most joints leave less beside what was named.
+def delay_beside(ex: Examination, named: Sequence[Candidate], told: bool = False) -> Alignment:
+    """A delay of all positions, of a sample at most, with which most joints leave less beside what was named,
+    or all but one together, and none more.
 
+    told   one torque was found late, by more than in any replica: that need not be asked of all together
     Torques that were put right by themselves go with the positions.
     """
     setting, own = ex.setting, sorted(way.joint for way in ex.setting.alignment.own)
@@ -107,7 +109,7 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
     moving = where_moving(setting.robot, setting.logs, ex.logs)
     base = _beside(ex, named)
     delayed = [{k: X for k, X in log.items() if k in rows} for log in by_delay(ex, moving)]
-    if _shown(replace(ex, base=base), delayed, chance) is None:
+    if not told and _shown(replace(ex, base=base), delayed, chance) is None:
         return NOTHING
 
     def energies(late: float) -> np.ndarray:
@@ -118,7 +120,9 @@ def delay_beside(ex: Examination, named: Sequence[Candidate]) -> Alignment:
         lambda late: count @ np.log(np.maximum(energies(late), 1e-300)), (-period, period), _EXACT * period
     )
     fall = energies(0.0) - energies(left.x)
-    if (fall > chance).sum() < max(_JOINTS, len(rows) / 2) or (fall < -chance).any():
+    several = (fall > chance).sum() >= max(_JOINTS, len(rows) / 2)
+    others = fall.sum() - fall.max() > chance
+    if not (several or others) or (fall < -chance).any():
         return NOTHING
     return Alignment(float(left.x), own=tuple(OwnWay(k, float(left.x)) for k in own))
 

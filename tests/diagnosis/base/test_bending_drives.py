@@ -1,6 +1,7 @@
 """A drive that bends, seen by its motor alone: Pinocchio's torques, a spring as Spong (1987) models it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
 from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
 
 from flexmodels.files.robot_file import load_robot
+from pyident.diagnosis import bending
 from pyident.diagnosis.base.candidates import drive
 from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.diagnose import concluded
@@ -104,3 +106,25 @@ def test_compliances_of_large_bends_are_those_of_the_springs(springs):
     bends = bent.examination.setting.bends
     compliances = {k: spring.compliance for k, spring in bends.items()}
     assert compliances == {k: pytest.approx(c, rel=0.1) for k, c in springs.items()}
+
+
+def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypatch):
+    """Of an arm whose second drive bends the third's own equation had told most, and it got the name."""
+    scanned, fitted = {1: 40.0, 2: 90.0, 3: 100.0}, {2: 200.0, 3: 110.0}
+    fit = bending._Fit(arm(), {}, 0.0)
+
+    def told(_, fit, k):
+        return replace(fit, drives={k: bending.Spring(1e-5, 0.1)}, energy=scanned[k])
+
+    def settled(_, begun, __):
+        (joint,) = begun.drives  # of the first it would fail
+        return replace(begun, energy=fitted[joint])
+
+    monkeypatch.setattr(bending, "_with_sag", lambda _, fit, k: replace(fit, drives={3: None}))
+    monkeypatch.setattr(bending, "_scanned", told)
+    monkeypatch.setattr(bending, "_settled", settled)
+    monkeypatch.setattr(
+        bending, "_unless_much_more", lambda _, sag, swings: max(swings, key=lambda f: f.energy)
+    )
+    search: Any = None
+    assert list(bending._further(search, fit, [1, 2, 3]).drives) == [2]
