@@ -4,6 +4,7 @@ Positions and torques pass the same filter without phase shift; Φ is evaluated 
 where any linear change of the channels (sign, unit, offset, order) can be applied after differentiation.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from pyident.regression.regressor import regressor
 from pyident.rules.equation_checks import EQUATIONS
 
 _ROWS = 1500  # samples at which Φ is evaluated
+_BELL = 0.265  # samples of a bell's deviation, over the edge: there it leaves half as the filter does
 _HOSE = 3  # powers of its angle in the torque of a hose at a joint
 
 
@@ -32,6 +34,7 @@ class Samples:
     direction   (M, joints) signs of the joints' speeds, smoothed as the torques that hold their friction are
     use         (M, joints) where a joint moves
     blurred     [s] on either side over which the smoothing smears a step
+    by_bell     the same under a bell, which bends the motion a little, and does not ring behind a step
     """
 
     robot: Robot
@@ -44,6 +47,7 @@ class Samples:
     direction: np.ndarray
     use: np.ndarray
     blurred: float
+    by_bell: "Samples | None" = None
 
     def torque(self) -> np.ndarray:
         """(M, joints) torques at the samples."""
@@ -93,12 +97,15 @@ class Balances:
 
     @cached_property
     def in_motion(self) -> "Balances":
-        """Without what is near a joint's rest or reversal, where its friction is that of before, or none."""
-        own = self.samples
-        reach = int(np.ceil(own.blurred / max(own.period * float(np.median(np.diff(own.at))), 1e-300)))
-        window = np.ones(2 * reach + 1)
+        """Without what is near a joint's rest or reversal, where its friction is that of before, or none.
+
+        The log is smoothed by a bell: what a filter that rings makes of that friction goes on for long.
+        """
+        own = self.samples.by_bell or self.samples
+        step = max(own.period * float(np.median(np.diff(own.at))), 1e-300)
+        window = np.ones(2 * int(np.ceil(own.blurred / step)) + 1)
         near = [np.convolve(still, window, "same") > 0 for still in (own.use == 0).T.astype(float)]
-        return self.within(~np.array(near).T)
+        return (self if own is self.samples else balances(own)).within(~np.array(near).T)
 
     def within(self, inside: np.ndarray) -> "Balances":
         """With those samples alone that are `inside` (M,) or (M, joints)."""
@@ -172,16 +179,21 @@ def samples(robot: Robot, log: Log) -> Samples | None:
     border = max(REACH, min(int(EQUATIONS.settled / edge), n // 10))
     if n < 20 * REACH or n - 2 * border < 60:
         return None
+    from scipy.ndimage import gaussian_filter1d
     from scipy.signal import butter
 
     sections = np.asarray(butter(4, edge, output="sos"))
-    q, tau = without_phase(sections, q), without_phase(sections, np.nan_to_num(tau)) + 0 * tau
-    q, dq, ddq = central_differences(q, T)
     at = np.arange(border, n - border, max(1, (n - 2 * border) // _ROWS))
-    inner = at - REACH
-    direction = without_phase(sections, np.sign(dq[:, : len(robot.joints)]))[inner]
-    use = _moving(robot, q[inner], dq[inner])
-    return Samples(robot, T, at, q[inner], dq[inner], ddq[inner], tau, direction, use, T / edge)
+
+    def smoothed(low_pass: Callable[[np.ndarray], np.ndarray]) -> Samples:
+        motion = central_differences(low_pass(q), T)
+        Q, dQ, ddQ = (x[at - REACH] for x in motion)
+        direction = low_pass(np.sign(motion[1][:, : len(robot.joints)]))[at - REACH]
+        torque = low_pass(np.nan_to_num(tau)) + 0 * tau
+        return Samples(robot, T, at, Q, dQ, ddQ, torque, direction, _moving(robot, Q, dQ), T / edge)
+
+    found = smoothed(lambda x: without_phase(sections, x))
+    return replace(found, by_bell=smoothed(lambda x: gaussian_filter1d(x, _BELL / edge, axis=0)))
 
 
 def balances(signals: Samples) -> Balances:

@@ -1,10 +1,12 @@
 """Torques that belong to another instant than the motion beside them, or come from a clock that drifts.
 
 What sticks holds its torque after it has stopped, as if this came late. So a delay must show where joints
-keep moving as well.
+keep moving as well. What else a balance leaves changes slowly, so that its samples say less than their
+number: how sure a delay is, is seen from what a log tells without one or another of its stretches (Quenouille
+1956; Künsch 1989).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -21,6 +23,7 @@ _FINE = 9  # half samples on either side that are looked at first
 _NEAR = 6  # samples on either side in which a delay of all torques is sought
 _SURE = 3.0  # standard deviations
 _TRAVELS = np.array([1e-3, 3e-3, 1e-2, 3e-2])  # of the joint's way, over which friction turns round
+_STRETCHES = 8  # of a log, each of which is left out once
 _TELLS = 1.0  # samples: of a joint whose delay is less certain, nothing is asked
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
@@ -59,9 +62,13 @@ def delay(of: Balances, k: int) -> Delay | None:
     if not inside or abs(shift) < LOG_CHECKS.delay or not material or left[best] > LOG_CHECKS.better * now:
         return None
     by_bristles = _left_by_bristles(of, k)
-    if left[best] > LOG_CHECKS.better * by_bristles or not _shows_in_motion(of, k, shift):
+    if left[best] > LOG_CHECKS.better * by_bristles:
         return None
-    return Delay(shift, float(left[best]), now)
+    told = _in_motion(of, k, shift)
+    if told is None:
+        return None
+    after = float(energies(of, k, np.array([told]))[0])
+    return Delay(told, after, now) if after <= LOG_CHECKS.better * now else None
 
 
 def _left_by_bristles(of: Balances, k: int) -> float:
@@ -79,12 +86,34 @@ def _left_by_bristles(of: Balances, k: int) -> float:
     return min(left) / max(of.variance(k), 1e-300)
 
 
-def _shows_in_motion(of: Balances, k: int, shift: float) -> bool:
-    """Whether joint k (from 0) tells about this shift where it keeps moving."""
+def _in_motion(of: Balances, k: int, shift: float) -> float | None:
+    """What joint k (from 0) tells of such a shift where it keeps moving; None where that is nothing."""
     moving = of.in_motion
     width = round(abs(shift)) + _NEAR
-    told = _vertex(moving, k, np.arange(-2 * width, 2 * width + 1) / 2) if k in moving.joints else None
-    return told is not None and abs(told.shift) > _SURE * told.std and _alike(told.shift, shift, told.std)
+    shifts = np.arange(-2 * width, 2 * width + 1) / 2
+    told = _vertex(moving, k, shifts) if k in moving.joints else None
+    if told is None or not _alike(told.shift, shift, told.std):
+        return None
+    std = max(told.std, _scatter(moving, lambda part: _shift(_vertex(part, k, shifts))))
+    certain = abs(told.shift) > max(_SURE * std, LOG_CHECKS.delay + std)
+    return told.shift if certain else None
+
+
+def _scatter(of: Balances, told: Callable[[Balances], float | None]) -> float:
+    """Standard deviation of what samples tell, by what they tell without each of a log's stretches; infinite
+    where some tell nothing.
+    """
+    count = len(of.samples.at)
+    place = np.arange(count) * _STRETCHES // count
+    each = [told(of.within(place != stretch)) for stretch in range(_STRETCHES)]
+    known = [x for x in each if x is not None]
+    if len(known) < _STRETCHES:
+        return float("inf")
+    return float(np.sqrt((_STRETCHES - 1) * np.var(known)))
+
+
+def _shift(told: "CommonDelay | None") -> float | None:
+    return None if told is None else told.shift
 
 
 def _alike(one: float, other: float, std: float) -> bool:
@@ -104,7 +133,7 @@ def _late(of: Balances, k: int, source: str) -> Defect | None:
         "gross" if time >= LOG_CHECKS.delay_gross and share < LOG_CHECKS.far_better else "doubtful",
         "delay",
         torque_of(k + 1),
-        f"{source}: {torque_of(k + 1)} is {abs(found.shift):g} samples ({1e3 * time:.3g} ms) {way}: moved "
+        f"{source}: {torque_of(k + 1)} is {abs(found.shift):.2g} samples ({1e3 * time:.2g} ms) {way}: moved "
         f"back it leaves {100 * share:.0f} % of the residual; give its column a delay in the mapping, or "
         f"look for {cause}",
     )
@@ -124,16 +153,28 @@ def common_delay(of: Balances) -> CommonDelay | None:
     The residual's energy over the shift has its minimum at the delay; its curvature there, over what is left,
     is the information on it.
     """
-    shifts = np.arange(-2 * _NEAR, 2 * _NEAR + 1) / 2
-    each = [_vertex(of, k, shifts) for k in of.joints]
-    told = [one for one in each if one is not None and one.std < _TELLS]
+    told = _told(of)
     if len(told) < 2:
         return None
-    weights = np.array([one.std**-2 for one in told])
-    shift, std = float(weights @ [one.shift for one in told] / weights.sum()), float(weights.sum() ** -0.5)
     pairs = combinations(told, 2)
     alike = all(_alike(a.shift, b.shift, float(np.hypot(a.std, b.std))) for a, b in pairs)
-    return CommonDelay(shift, std) if alike else None
+    return _together(told) if alike else None
+
+
+def _told(of: Balances) -> list[CommonDelay]:
+    """Of each joint that tells one."""
+    shifts = np.arange(-2 * _NEAR, 2 * _NEAR + 1) / 2
+    each = [_vertex(of, k, shifts) for k in of.joints]
+    return [one for one in each if one is not None and one.std < _TELLS]
+
+
+def _together(told: Sequence[CommonDelay]) -> CommonDelay | None:
+    """Their mean, each by its weight."""
+    if not told:
+        return None
+    weights = np.array([one.std**-2 for one in told])
+    shift = float(weights @ [one.shift for one in told] / weights.sum())
+    return CommonDelay(shift, float(weights.sum() ** -0.5))
 
 
 def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
@@ -153,6 +194,9 @@ def all_late(of: Balances, source: str) -> Iterator[Defect]:
     delay = common_delay(of.in_motion)
     if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
         return
+    std = max(delay.std, _scatter(of.in_motion, lambda part: _shift(_together(_told(part)))))
+    if abs(delay.shift) - _SURE * std < LOG_CHECKS.common_delay:
+        return
     way, cause, move = "late", "a recorder that reads before it steps writes them one sample late", "torques"
     if delay.shift < 0:
         way, cause, move = "early", "positions behind a filter or a bus make it look so", "positions"
@@ -160,7 +204,7 @@ def all_late(of: Balances, source: str) -> Iterator[Defect]:
         "doubtful",
         "delay",
         "",
-        f"{source}: all torques are {abs(delay.shift):.2f} ± {delay.std:.2f} samples {way}; {cause}: move "
+        f"{source}: all torques are {abs(delay.shift):.2f} ± {std:.2f} samples {way}; {cause}: move "
         f"the columns of the {move}, or give them a delay in the mapping",
     )
 

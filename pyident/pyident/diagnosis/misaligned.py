@@ -4,7 +4,7 @@ Another clock, a bus, drives that all lag: late by d the positions miss the torq
 these, at every joint, so that laws with a memory are found at several joints, and what is missing besides
 drowns. The column is what moving the positions changes in the equations, the time the one that leaves least
 of them. It has to take most of what exceeds the floor of two joints, and more than of any replica, to be
-believed; or, of a sample at most, two joints at which nothing stands out have to measure about the same. It
+believed; or, of a sample or 5 ms, two joints at which nothing stands out have to measure about the same. It
 is judged at the frequencies of the motion: a controller answers the noise of its encoder later than a robot.
 
 A low pass of the torques (of a drive's current, or of a recorder) delays them likewise, and smears the steps
@@ -51,6 +51,7 @@ _ANY = (np.full(1, -np.inf), np.full(1, np.inf))
 _STEP = 0.5  # samples
 _JOINTS = 2  # that must tell the same
 _EXACT = 0.02  # of a sample, and of the logarithm of a corner
+_SMALL = 0.005  # s, or a sample: a drive's filter and a loop's hold, which may hide in the noise
 _SAMPLES = 5.0  # more than these and `LATEST` is no matter of a clock
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
@@ -78,7 +79,7 @@ def alignment_of(ex: Examination) -> Alignment:
     data = _aligned(ex, best, ex.floors)
     base = solve_base(data)
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
-    small = best == best.delay and abs(best.late) <= period
+    small = best == best.delay and abs(best.late) <= max(period, _SMALL)
     if len(told) < _JOINTS and not (small and _measured_alike(ex, delayed)):
         return NOTHING
     return NOTHING if _belied(ex, best, moving) else best
@@ -94,8 +95,8 @@ def by_delay(ex: Examination, moving: Sequence[np.ndarray]) -> Columns:
 
 
 def delay_beside(ex: Examination, named: Sequence[Candidate], told: bool = False) -> Alignment:
-    """A delay of all positions, of a sample at most, with which most joints leave less beside what was named,
-    or all but one together, and none more.
+    """A small delay of all positions with which most joints leave less beside what was named, or all but one
+    together, and none more.
 
     told   one torque was found late, by more than in any replica: that need not be asked of all together
     Torques that were put right by themselves go with the positions.
@@ -115,9 +116,11 @@ def delay_beside(ex: Examination, named: Sequence[Candidate], told: bool = False
     def energies(late: float) -> np.ndarray:
         return energies_in(moved(ex.logs, ex.levels, base, late), moving)[rows]
 
-    count = np.sum([clear[rows].sum(axis=1) for clear in moving], axis=0)
+    count, furthest = np.sum([clear[rows].sum(axis=1) for clear in moving], axis=0), max(period, _SMALL)
     left = _least(
-        lambda late: count @ np.log(np.maximum(energies(late), 1e-300)), (-period, period), _EXACT * period
+        lambda late: count @ np.log(np.maximum(energies(late), 1e-300)),
+        (-furthest, furthest),
+        _EXACT * period,
     )
     fall = energies(0.0) - energies(left.x)
     several = (fall > chance).sum() >= max(_JOINTS, len(rows) / 2)
