@@ -27,6 +27,9 @@ from pyident.regression.spectrum import Equations
 _ROUNDS = 20  # until a coefficient rests
 _RESTS = 0.05  # of its standard deviation
 _CHANCE = 9.0  # of an energy: the square of three standard deviations
+_STEP = 1e-4  # of a nonlinear value
+_SURE = 3.0  # standard deviations
+_MATTERS = 0.3  # of a law's force
 _LOOSE = 2.0  # times: a coefficient that may be as much larger is not told
 
 
@@ -52,19 +55,47 @@ def gain_beside(search: Search, others: Sequence[Candidate], candidate: Candidat
 
 
 def loosely_told(search: Search, others: Sequence[Candidate], candidate: Candidate) -> np.ndarray:
-    """(K,) which coefficients hang on nonlinear values that the logs do not tell.
+    """(K + nonlinear,) which coefficients hang on nonlinear values that the logs do not tell; and these.
 
     Values of the grid that take as much, within three standard deviations of the noise, give others: the
-    viscous part of a coupling and its ratio, of which the logs tell the product.
+    viscous part of a coupling and its ratio, of which the logs tell the product. Or values beside these do.
     """
     if not candidate.nonlinear or candidate.speeds:
-        return np.zeros(width(search.robot, candidate), bool)
+        return np.zeros(width(search.robot, candidate) + len(candidate.nonlinear), bool)
     view, ex = search.resting_on(others), search.examination
     grid = [ex.candidates[i] for i in search.families.members[candidate.family]]
     every = [view.gain_of(c) for c in (candidate, *grid)]
     as_good = np.array([g.coefficients for g in every if g.energy > every[0].energy - _CHANCE])
     low, high = np.abs(as_good).min(axis=0), np.abs(as_good).max(axis=0)
-    return (np.ptp(np.sign(as_good), axis=0) > 1) | (high > _LOOSE * low)
+    loose = (np.ptp(np.sign(as_good), axis=0) > 1) | (high > _LOOSE * low)
+    valley = _along_a_valley(view, candidate, every[0].coefficients, grid)
+    valley[: len(loose)] |= loose
+    return valley
+
+
+def _along_a_valley(
+    view: Search, candidate: Candidate, x: np.ndarray, grid: Sequence[Candidate]
+) -> np.ndarray:
+    """(K + nonlinear,) which of its coefficients x (K,) and nonlinear values are uncertain by their own size.
+
+    All are taken together: a long spring that nearly cancels itself does what a short one does. One that is
+    near zero counts if so much of it would make a good part of the law's force, or of the grid.
+    """
+    values, slopes = dict(candidate.values), []
+    for name, value in candidate.values:
+        step = _STEP * max(abs(value), _STEP)
+        ends = (view.columns(candidate.at({**values, name: value + way * step})) for way in (1, -1))
+        pairs = zip(*ends, strict=True)
+        slopes.append(
+            [{row: ((up[row] - down[row]) @ x / (2 * step))[:, None] for row in up} for up, down in pairs]
+        )
+    own, together = view.columns(candidate), joined([view.columns(candidate), *slopes])
+    force = sum(float(np.square(X @ x).sum()) for log in own for X in log.values())
+    sizes = np.sqrt(sum(np.square(X).sum(axis=0) for log in together for X in log.values()))
+    least = _MATTERS * np.sqrt(force) / np.maximum(sizes, 1e-300)
+    widths = [_MATTERS * np.ptp([dict(c.values)[name] for c in grid]) for name in values]
+    least[len(x) :] = np.minimum(least[len(x) :], widths)
+    return _SURE * gain(view.base, together).std > np.maximum(np.abs([*x, *values.values()]), least)
 
 
 @dataclass(frozen=True)

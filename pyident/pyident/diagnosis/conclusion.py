@@ -152,9 +152,11 @@ def _together(search: Search, found: Found, others: Sequence[Candidate], held: H
         value = held.together(search.resting_on(others), found.candidate)
         return named(search, replace(found, gain=replace(found.gain, coefficients=value)))
     own = gain_beside(search, others, found.candidate)
-    std = np.where(loosely_told(search, others, found.candidate), np.inf, own.std)
-    coefficients = replace(found.gain, coefficients=own.coefficients, std=std)
-    return named(search, replace(found, gain=coefficients))
+    loose, K = loosely_told(search, others, found.candidate), len(own.std)
+    std = np.where(loose[:K], np.inf, own.std)
+    said = named(search, replace(found, gain=replace(found.gain, coefficients=own.coefficients, std=std)))
+    told = tuple(n for n, unknown in zip(said.nonlinear, loose[K:].tolist(), strict=True) if not unknown)
+    return replace(said, nonlinear=told)
 
 
 def named(search: Search, found: Found) -> Named:

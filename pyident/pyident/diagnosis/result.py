@@ -18,7 +18,8 @@ class Named:
 
     values, std    parameter -> value and standard deviation (inf: a nonlinear one, or not determined); of the
                    floor's noise alone, and so no interval
-    nonlinear      the parameters that enter the law nonlinearly, and the correction of a robot file
+    nonlinear      those that the logs determine of parameters that enter the law nonlinearly, and the
+                   correction of a robot file
     units          parameter -> unit
     gain_percent   share of the base model's residual energy over the floor that it takes away by itself
     log            the only log in which it acts, None: all

@@ -126,13 +126,15 @@ def add_effect(
 
 
 def _loose(asked: Asked) -> tuple[str, ...]:
-    """Linear parameters of a law that its logs do not determine."""
+    """Parameters of a law that its logs do not determine."""
     c, std = asked.candidate, asked.found.gain.std
     if c.describes:
         return ()
-    names = [parameter_name(c.joint, c.effect, p.name) for p in law_of(asked.search.robot, c).linear]
-    unknown = np.isinf(std) | loosely_told(asked.search, (), c)
-    return tuple(name for name, loose in zip(names, unknown.tolist(), strict=False) if loose)
+    linear = [p.name for p in law_of(asked.search.robot, c).linear]
+    names = [parameter_name(c.joint, c.effect, name) for name in (*linear, *dict(c.nonlinear))]
+    loose = loosely_told(asked.search, (), c)
+    loose[: len(std)] |= np.isinf(std)
+    return tuple(name for name, unknown in zip(names, loose.tolist(), strict=False) if unknown)
 
 
 def _share(progress: Progress, start: float, end: float) -> Progress:
