@@ -12,9 +12,10 @@ from pyident.diagnosis.base.order_peaks import order_peaks
 from pyident.diagnosis.base.setting import set_up
 from pyident.diagnosis.diagnose import concluded
 from pyident.diagnosis.searched import searched
+from pyident.logs.encoders import resolution
 from pyident.regression.spectrum import equations
 from pyident.rules.rules import RULES
-from pyident.simulation.along import along, resolution
+from pyident.simulation.along import along
 
 
 def never(_):

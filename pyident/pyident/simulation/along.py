@@ -26,6 +26,7 @@ from pyident.conditioning.smooth_motion import (
 )
 from pyident.conditioning.torque_bends import telling
 from pyident.conditioning.weak_form import REACH, central_differences
+from pyident.logs.encoders import resolution
 from pyident.logs.log import Log
 from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
@@ -182,20 +183,6 @@ def _of_highest(rest: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpe
     """White noise by the highest frequencies of what is left (N,), of which straight lines hold none."""
     white = NoiseSpectrum.white(channel_noise(rest) / np.sqrt(share_told(moving)), period)
     return replace(white, continued=WHITE_FROM * 0.5 / period)
-
-
-def resolution(x: np.ndarray) -> float:
-    """The step of a quantised channel x (N,), 0: none. Every change is a multiple of the smallest."""
-    changes = np.abs(np.diff(x))
-    changes = changes[changes > 1e-12 * max(float(np.abs(x).max()), 1e-300)]
-    if len(changes) < 10:
-        return 0.0
-    step = float(np.quantile(changes, 0.01))
-    ratio = changes / step
-    steps = np.round(ratio)
-    if np.mean((steps > 0) & (np.abs(ratio - steps) < 0.02)) < 0.95:
-        return 0.0
-    return float(np.median(changes[steps > 0] / steps[steps > 0]))
 
 
 def _extended(q: np.ndarray) -> np.ndarray:

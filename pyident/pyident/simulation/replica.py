@@ -16,6 +16,7 @@ from scipy.fft import rfft
 from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
+from pyident.logs.encoders import second_encoders
 from pyident.logs.log import Log
 from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
@@ -66,7 +67,10 @@ class Repeat:
 
     def _drawn(self, noise: Mapping[str, float], seed: int) -> dict[str, np.ndarray]:
         rng = np.random.default_rng(seed)
-        return {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
+        drawn = {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
+        for twist, motor in second_encoders(self.log.frame).items():
+            drawn[twist] = drawn.get(twist, 0.0) - drawn.get(motor, 0.0)
+        return drawn
 
     def _made(self, frame: pd.DataFrame) -> Log:
         return replace(self.log, frame=self.cut(frame), source=f"replica of {self.log.source}")

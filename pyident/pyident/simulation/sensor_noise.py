@@ -20,8 +20,9 @@ from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
 from pyident.conditioning.fading import faded
-from pyident.conditioning.smooth_motion import top_power
+from pyident.conditioning.smooth_motion import channel_noise, top_power
 from pyident.conditioning.weak_form import condition
+from pyident.logs.encoders import resolution, second_encoders
 from pyident.logs.log import Log
 from pyident.regression.regressor import residual_of
 from pyident.rules.stillness import stands_still
@@ -76,7 +77,19 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     rest = np.maximum(np.sum(total, axis=0) - power[:, len(unknown) :] @ of_torques, 0.0)
     variances = _shared(rest, power[:, : len(unknown)], kinds, most)
     variances = np.minimum(variances * _raised(rest, power[:, : len(unknown)] @ variances), most)
-    return known | dict.fromkeys(still, 0.0) | dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
+    found = dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
+    rounded = {name: max(found[name], _rounding(logs, name)) for name in found if name in robot.coordinates}
+    return known | dict.fromkeys(still, 0.0) | found | rounded
+
+
+def _rounding(logs: Sequence[Log], name: str) -> float:
+    """What an encoder's steps add, as far as its highest frequencies show it; of a second one its own."""
+    least = []
+    for log in logs:
+        motor = second_encoders(log.frame).get(name)
+        x = log.frame[name].to_numpy(float) + (log.frame[motor].to_numpy(float) if motor else 0.0)
+        least.append(min(resolution(x) / np.sqrt(12), channel_noise(x)))
+    return float(np.sqrt(np.mean(np.square(least))))
 
 
 def _still(logs: Sequence[Log], kinds: Sequence[Sequence[str]]) -> list[str]:
@@ -169,14 +182,19 @@ def _quietest(left: np.ndarray, change: np.ndarray) -> float:
 def _patterns(
     robot: Robot, log: Log, p: np.ndarray, probes: Mapping[str, float], rng: np.random.Generator
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Spectra (lines, n) of a log's residual, and per channel of unit noise in it; probes: channel -> std."""
+    """Spectra (lines, n) of a log's residual, and per channel of unit noise in it; probes: channel -> std.
+
+    Noise of a motor's encoder is in the twist as well, where this is what a second one reads beside it.
+    """
     noise = {channel: size * rng.standard_normal(len(log.frame)) for channel, size in probes.items()}
     part = faded(condition(log, robot))
-    residual = residual_of(robot, part, p)
+    residual, seconds = residual_of(robot, part, p), second_encoders(log.frame)
 
     def pattern(channel: str) -> np.ndarray:
         frame = log.frame.copy()
         frame[channel] = frame[channel] + noise[channel]
+        for twist in (twist for twist, motor in seconds.items() if motor == channel):
+            frame[twist] = frame[twist] - noise[channel]
         again = condition(replace(log, frame=frame), robot)
         noisy = replace(again, use=part.use)  # another mask's edge is no noise
         return _spectrum(residual_of(robot, noisy, p) - residual) / max(probes[channel], 1e-300) ** 2
