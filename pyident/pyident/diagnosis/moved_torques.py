@@ -2,14 +2,15 @@
 
 Positions that come late by d are torques that come early by d. So all columns stay, and of a least squares
 that is solved only the right-hand side changes: r + Δ - B Bᵀ Δ, with an orthonormal basis B of the columns
-and Δ the change of the torques. What is left out at reversals and at bends stays where it is as well. Between
-samples a torque goes by Akima's curve, which does not ring behind the steps of dry friction (Akima 1970).
+and Δ the change of the torques. What is left out at reversals and at bends stays where it is as well.
+Between samples a torque goes by cubics over four of them (Catmull and Rom 1974): these do not ring behind
+the steps of dry friction, and are linear, so that noise stays at its frequencies.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+from scipy.interpolate import CubicHermiteSpline
 
 from pyident.diagnosis.base.projection import Base
 from pyident.regression.spectrum import Equations
@@ -25,7 +26,8 @@ def moved(
     changes = []
     for e, level in zip(data, levels, strict=True):
         time, torque = np.arange(len(e.part.target)) * e.band.period, e.part.target
-        change = Akima1DInterpolator(time, torque)(np.clip(time - late, 0.0, time[-1])) - torque
+        slope = np.gradient(torque, e.band.period, axis=0)
+        change = CubicHermiteSpline(time, torque, slope)(np.clip(time - late, 0.0, time[-1])) - torque
         changes.append(e.band.transform(e.part.all_used(change)).T / level)
     taken = sum(np.tensordot(x, basis, 2) for x, basis in zip(changes, base.basis, strict=True))
     parts = zip(base.residual, changes, base.basis, strict=True)

@@ -69,7 +69,8 @@ class Repeat:
         rng = np.random.default_rng(seed)
         drawn = {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
         for twist, motor in second_encoders(self.log.frame).items():
-            drawn[twist] = drawn.get(twist, 0.0) - drawn.get(motor, 0.0)
+            if motor in drawn:
+                drawn[twist] = drawn.get(twist, np.zeros_like(drawn[motor])) - drawn[motor]
         return drawn
 
     def _made(self, frame: pd.DataFrame) -> Log:

@@ -19,6 +19,7 @@ from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.measured import worth_name
 from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
+from pyident.regression.loads.swinging_drive import Spring
 
 PACE = 4.0
 
@@ -114,7 +115,7 @@ def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypa
     fit = bending._Fit(arm(), {}, 0.0)
 
     def told(_, fit, k):
-        return replace(fit, drives={k: bending.Spring(1e-5, 0.1)}, energy=scanned[k])
+        return replace(fit, drives={k: Spring(1e-5, 0.1)}, energy=scanned[k])
 
     def settled(_, begun, __):
         (joint,) = begun.drives  # of the first it would fail

@@ -1,5 +1,8 @@
 """Torques that are moved in time tell the same as positions that are."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
@@ -30,5 +33,23 @@ def test_they_leave_what_a_new_fit_of_moved_positions_leaves(samples):
     assert by_torques(0.0) == pytest.approx(by_positions(0.0), rel=1e-9)
     for time in (0.5 * samples * period, samples * period, 1.5 * samples * period):
         assert by_torques(time) == pytest.approx(by_positions(time), rel=0.05)
-    found = minimize_scalar(by_torques, bounds=(-5 * period, 5 * period), options={"xatol": 0.01 * period})
+    found: Any = minimize_scalar(
+        by_torques, bounds=(-5 * period, 5 * period), options={"xatol": 0.01 * period}
+    )
     assert found.x == pytest.approx(samples * period, abs=0.05 * period)
+
+
+def test_what_a_move_changes_of_two_torques_is_the_sum():
+    """Weights that hang on the data had spread loud noise of high frequencies over low ones."""
+    robot, log, rng = arm(), made(arm(), 0, plain, 12.0, PACE), np.random.default_rng(0)
+    data = denoised_equations(robot, [log])
+    base, levels = solve_base(data), [np.ones(e.y.shape) for e in data]
+
+    def change(torque: np.ndarray) -> np.ndarray:
+        (e,) = data
+        other = replace(e, part=replace(e.part, target=torque))
+        return moved([other], levels, base, 0.3 * log.period)[0] - base.residual[0]
+
+    torque = data[0].part.target
+    noise = rng.standard_normal(torque.shape)
+    assert change(torque + noise) == pytest.approx(change(torque) + change(noise), abs=1e-9)

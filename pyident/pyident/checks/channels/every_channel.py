@@ -80,7 +80,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
         if torque:
             hangs = _frozen(log, name, start, length, after)
         elif start + length >= len(x):
-            hangs = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1])
+            hangs = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1], step_of(x))
         else:
             hangs = steps[start + length - 1] > LOG_CHECKS.catch_up * usual
         if hangs:
@@ -129,7 +129,7 @@ def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     for extreme in (x.max(), x.min()):
         for at in np.flatnonzero((x[of.start] == extreme) & (of.length > LOG_CHECKS.gap_rows)):
             first, last = int(of.start[at]), int(of.start[at] + of.length[at] - 1)
-            if _sudden(log, steps[:first][::-1]) and _sudden(log, steps[last:]):
+            if all(_sudden(log, way, step_of(x)) for way in (steps[:first][::-1], steps[last:])):
                 samples += int(of.length[at])
     if samples > LOG_CHECKS.at_limit * len(x):
         yield _defect("gross", "limit", log, name, f"stands at its largest or smallest value in "
@@ -137,15 +137,18 @@ def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
                       f"channel is clipped; widen its range")  # fmt: skip
 
 
-def _sudden(log: Log, steps: np.ndarray) -> bool:
+def _sudden(log: Log, steps: np.ndarray, count: float) -> bool:
     """Steps (sizes) from a stop outwards: whether a joint came to it, or left it, faster than any motor can.
 
-    The second (the first is cut short) is as long as those beyond, in a log that resolves a braking.
+    The second (the first is cut short) is as long as those beyond, in a log that resolves a braking; a single
+    count of the encoder is no speed.
     """
     if log.period > CHANNELS.braking or len(steps) < 6:
         return False
     second, beyond = float(steps[1]), float(steps[2:6].mean())
-    return second > 0.8 * beyond and second > CHANNELS.at_speed * float(np.sqrt(np.mean(steps**2)))
+    return second > max(0.8 * beyond, 1.5 * count) and second > CHANNELS.at_speed * float(
+        np.sqrt(np.mean(steps**2))
+    )
 
 
 def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
