@@ -237,3 +237,14 @@ def test_a_torque_that_hangs_is_said_and_refused_where_its_noise_is_seen(step, s
     (defect,) = [d for d in channels(one_joint(), in_steps(step, frozen=True)) if d.kind == "stuck"]
     assert f"joint1.tau {said} from 4 s" in defect.sentence
     assert defect.severity == severity
+
+
+def test_a_coarse_encoder_that_rests_at_the_end_is_not_stuck():
+    """Its last counts come and go with the noise; one of them is no speed at which a channel could stop."""
+    t, step = np.arange(10_000) / 1000, 2 * np.pi / 2**14
+    counts = np.round(0.6 * np.cos(0.4 * np.pi * (t - 10)) / step)
+    counts[9780:] = counts[9780]
+    for number, at in enumerate((9792, 9799, 9808, 9820, 9841, 9885, 9887, 9891, 9895, 9896, 9898, 9899)):
+        counts[at:] += 1 if number % 2 else -1
+    frame = pd.DataFrame({"time": t, "joint1.e": step * counts, "joint1.tau": -counts})
+    assert "stuck" not in {d.kind for d in channels(one_joint(), Log(frame, "log"))}
