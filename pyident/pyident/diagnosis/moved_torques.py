@@ -41,7 +41,7 @@ def energies_in(residuals: Sequence[np.ndarray], asked: Sequence[np.ndarray]) ->
 
 
 def typical(residuals: Sequence[np.ndarray], asked: Sequence[np.ndarray]) -> float:
-    """Their mean square there.
+    """The mean square of residuals, per log (n, E), where they are asked, per log (n, E).
 
     It is geometric over coordinates: what another law leaves at one joint is no witness of a delay.
     """

@@ -44,7 +44,8 @@ def of_wrong_sign(
 ) -> float:
     """What no friction puts in, or no body has, over what the first of some laws takes, or has.
 
-    p, laws   as of `energy_put_in`
+    p      (P,) linear parameters of the robot
+    laws   candidates beside it, and their coefficients (K,) each
     """
     if is_body(robot, first):
         return energy_below_zero(robot, logs, first, next(x for c, x in laws if c == first))
