@@ -64,7 +64,7 @@ class Samples:
     def every(self, step: int) -> "Samples":
         """One in so many of the samples at which Φ is evaluated."""
         part = {n: getattr(self, n)[::step] for n in ("at", "q", "dq", "ddq", "direction", "use")}
-        return replace(self, **part)
+        return replace(self, **part, by_bell=None)
 
     def moved(self, matrix: np.ndarray, offset: np.ndarray) -> "Samples":
         """The same with coordinates  matrix q + offset."""
@@ -73,7 +73,7 @@ class Samples:
         direction, of_one = np.sign(dq[:, :joints]), np.count_nonzero(matrix[:joints, :joints], axis=1) == 1
         direction[:, of_one] = self.direction @ np.sign(matrix[:joints, :joints])[of_one].T
         use = _moving(self.robot, q, dq)
-        return replace(self, q=q + offset, dq=dq, ddq=ddq, direction=direction, use=use)
+        return replace(self, q=q + offset, dq=dq, ddq=ddq, direction=direction, use=use, by_bell=None)
 
 
 @dataclass(frozen=True)

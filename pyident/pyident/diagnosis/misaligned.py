@@ -184,15 +184,16 @@ def _delay(ex: Examination, moving: Sequence[np.ndarray], furthest: float, exact
     What is left out at bends of the torques is where the positions belong once a first time is known.
     """
 
-    def left(data: Sequence[Equations], base: Base, late: float) -> float:
-        return typical(moved(data, levels_of(ex.floors, data), base, late), moving)
+    def left(data: Sequence[Equations], levels: Sequence[np.ndarray], base: Base, late: float) -> float:
+        return typical(moved(data, levels, base, late), moving)
 
-    given = partial(left, ex.logs, ex.base)
+    given = partial(left, ex.logs, ex.levels, ex.base)
     found = min(
         (_least(given, ends, exact) for ends in ((-furthest, 0.0), (0.0, furthest))), key=lambda d: d.fun
     )
     data, period = _aligned(ex, Alignment(found.x), ex.floors), ex.setting.period
-    return float(found.x + _least(partial(left, data, solve_base(data)), (-period, period), exact).x)
+    again = partial(left, data, levels_of(ex.floors, data), solve_base(data))
+    return float(found.x + _least(again, (-period, period), exact).x)
 
 
 def _least(left: Callable[[float], float], bounds: tuple[float, float], exact: float) -> Any:

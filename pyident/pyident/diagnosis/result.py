@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any, Literal
 
@@ -40,6 +40,10 @@ class Named:
     def describes(self) -> bool:
         """Whether it is an error of the robot file, not a law."""
         return describes(self.effect)
+
+    def determines(self, parameter: str) -> bool:
+        """Whether the logs determine a parameter by itself."""
+        return self.std[parameter] != inf or parameter in self.nonlinear
 
     @property
     def where(self) -> str:

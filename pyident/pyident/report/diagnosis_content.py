@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isinf
 
 from pyident.diagnosis.result import Diagnosis, Finding, Limit, Named, Row
 from pyident.report.diagnosis_figures import band_name, colour, row_name
@@ -72,8 +71,7 @@ def parameters(d: Diagnosis) -> list[tuple[Named, list[ParameterRow]]]:
 
 def _row(n: Named, name: str) -> ParameterRow:
     value, std = n.values[name], n.std[name]
-    undetermined = isinf(std) and name not in n.nonlinear
-    known = "not determined by itself" if undetermined else measured(value, std)
+    known = measured(value, std) if n.determines(name) else "not determined by itself"
     return ParameterRow(name, known, unit(n.units[name]))
 
 

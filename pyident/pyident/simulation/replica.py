@@ -7,6 +7,7 @@ the measured motion under a stabilising controller with the measured torque fed 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -65,10 +66,14 @@ class Repeat:
         frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
         return [self._made(frame) for frame in frames]
 
+    @cached_property
+    def _seconds(self) -> dict[str, str]:
+        return second_encoders(self.log.frame)
+
     def _drawn(self, noise: Mapping[str, float], seed: int) -> dict[str, np.ndarray]:
         rng = np.random.default_rng(seed)
         drawn = {name: sigma * rng.standard_normal(len(self.plan.time)) for name, sigma in noise.items()}
-        for twist, motor in second_encoders(self.log.frame).items():
+        for twist, motor in self._seconds.items():
             if motor in drawn:
                 drawn[twist] = drawn.get(twist, np.zeros_like(drawn[motor])) - drawn[motor]
         return drawn

@@ -78,15 +78,20 @@ def sensor_noise(robot: Robot, logs: Sequence[Log], p: np.ndarray) -> dict[str, 
     variances = _shared(rest, power[:, : len(unknown)], kinds, most)
     variances = np.minimum(variances * _raised(rest, power[:, : len(unknown)] @ variances), most)
     found = dict(zip(unknown, np.sqrt(variances).tolist(), strict=True))
-    rounded = {name: max(found[name], _rounding(logs, name)) for name in found if name in robot.coordinates}
+    encoders = [name for name in found if name in robot.coordinates]
+    seconds = [second_encoders(log.frame) for log in logs]
+    rounded = {name: max(found[name], _rounding(logs, seconds, name)) for name in encoders}
     return known | dict.fromkeys(still, 0.0) | found | rounded
 
 
-def _rounding(logs: Sequence[Log], name: str) -> float:
-    """What an encoder's steps add, as far as its highest frequencies show it; of a second one its own."""
+def _rounding(logs: Sequence[Log], seconds: Sequence[Mapping[str, str]], name: str) -> float:
+    """What an encoder's steps add, as far as its highest frequencies show it; of a second one its own.
+
+    seconds   per log, as of `second_encoders`
+    """
     least = []
-    for log in logs:
-        motor = second_encoders(log.frame).get(name)
+    for log, second in zip(logs, seconds, strict=True):
+        motor = second.get(name)
         x = log.frame[name].to_numpy(float) + (log.frame[motor].to_numpy(float) if motor else 0.0)
         least.append(min(resolution(x) / np.sqrt(12), channel_noise(x)))
     return float(np.sqrt(np.mean(np.square(least))))

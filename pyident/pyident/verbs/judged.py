@@ -244,7 +244,7 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
     best = finding.tie[0]
     held, std = finding.heldout_gain_percent, finding.heldout_std_percent
     unseen = "-" if held is None else said_share(held, std)
-    loose = [name for name in best.values if not _is_told(best, name)]
+    loose = [name for name in best.values if not best.determines(name)]
     told = [said_value(best, name) for name in best.values if name not in loose]
     together = " by themselves" if len(loose) > 1 else " by itself"
     values = ", ".join([*told, *([f"{', '.join(loose)} not determined{together}"] if loose else [])])
@@ -255,12 +255,7 @@ def _row(finding: Any) -> tuple[str, str, str, str]:
 
 def said_value(named: Any, parameter: str) -> str:
     """A parameter of a named effect, where the logs determine it."""
-    if not _is_told(named, parameter):
+    if not named.determines(parameter):
         return f"{parameter} not determined by itself"
     unit = "" if named.units[parameter] == "1" else f" {named.units[parameter]}"
     return f"{parameter} = {named.values[parameter]:.4g}{unit}"
-
-
-def _is_told(named: Any, parameter: str) -> bool:
-    """Whether the logs determine a parameter of a named effect."""
-    return named.std[parameter] != float("inf") or parameter in named.nonlinear

@@ -70,7 +70,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     steps = np.abs(np.diff(x))
     ends = (of.start + of.length - 1)[long]
     usual = float(np.delete(steps, ends[ends < len(steps)]).max(initial=0.0))
-    stuck = []
+    count, stuck = step_of(x) if len(long) else 0.0, []
     for at in long:
         start, length = int(of.start[at]), int(of.length[at])
         many = CHANNELS.neighbours
@@ -80,7 +80,7 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
         if torque:
             hangs = _frozen(log, name, start, length, after)
         elif start + length >= len(x):
-            hangs = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1], step_of(x))
+            hangs = length > 3 * LOG_CHECKS.gap_rows and _sudden(log, steps[:start][::-1], count)
         else:
             hangs = steps[start + length - 1] > LOG_CHECKS.catch_up * usual
         if hangs:
@@ -88,11 +88,11 @@ def _stuck(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     if stuck:
         start, length = stuck[0]
         repeats = np.mean(np.delete(steps, slice(start, start + length)) == 0)
-        natural = torque and step_of(x) > 0 and repeats > CHANNELS.repeats
+        natural = torque and count > 0 and repeats > CHANNELS.repeats
         severity: Severity = "doubtful" if natural else "gross"
         where = f"from {time[start]:.13g} s for {length} samples"
         said = (
-            f"keeps one value {where}, in steps of {step_of(x):.3g}; if its sensor hung, cut the log there"
+            f"keeps one value {where}, in steps of {count:.3g}; if its sensor hung, cut the log there"
             if natural
             else f"is stuck {where}; cut the log there"
         )
@@ -125,11 +125,12 @@ def _turns(x: np.ndarray) -> bool:
 
 def _clipped(log: Log, name: str, x: np.ndarray, of: Runs) -> Iterator[Defect]:
     """A position that runs into its largest or smallest value at full speed, and leaves it so."""
-    samples, steps = 0, np.abs(np.diff(x))
+    samples, steps, long = 0, np.abs(np.diff(x)), of.length > LOG_CHECKS.gap_rows
+    count = step_of(x) if long.any() else 0.0
     for extreme in (x.max(), x.min()):
-        for at in np.flatnonzero((x[of.start] == extreme) & (of.length > LOG_CHECKS.gap_rows)):
+        for at in np.flatnonzero((x[of.start] == extreme) & long):
             first, last = int(of.start[at]), int(of.start[at] + of.length[at] - 1)
-            if all(_sudden(log, way, step_of(x)) for way in (steps[:first][::-1], steps[last:])):
+            if all(_sudden(log, way, count) for way in (steps[:first][::-1], steps[last:])):
                 samples += int(of.length[at])
     if samples > LOG_CHECKS.at_limit * len(x):
         yield _defect("gross", "limit", log, name, f"stands at its largest or smallest value in "
