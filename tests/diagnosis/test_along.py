@@ -87,6 +87,17 @@ def test_replicas_differ_in_noise_and_keep_the_steps_of_the_log(nothing):
     assert np.std(difference) == pytest.approx(np.sqrt(2) * again.noise["joint3.tau"].std, rel=0.1)
 
 
+def test_known_noise_holds_the_rounding_which_replicas_do_not_add_again(nothing):
+    setting, frame = set_up(arm(), nothing[:1]), nothing[0].frame.copy()
+    frame["joint1.e"] = np.round(frame["joint1.e"] / 1e-3) * 1e-3
+    sigma = float(np.hypot(3e-4, 1e-3 / np.sqrt(12)))
+    known = dict.fromkeys([*setting.robot.coordinates, *setting.robot.torques], 0.0) | {"joint1.e": sigma}
+    again = along(setting.robot, replace(nothing[0], frame=frame), setting.solution.p, known=known)
+    first, second = again.replicas(setting.robot.parameters, (1, 2))
+    difference = first.frame["joint1.e"] - second.frame["joint1.e"]
+    assert np.std(difference) == pytest.approx(np.sqrt(2) * sigma, rel=0.1)
+
+
 def test_a_ripple_of_a_gear_is_seen_hundreds_of_times_a_turn():
     def ripple(q, v, load, time):
         out = plain(q, v, load, time)

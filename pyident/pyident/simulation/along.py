@@ -95,7 +95,8 @@ def along(
 ) -> AlongMotion:
     """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact.
 
-    known   signal -> standard deviation of its noise, which is white; none: it is measured in the channels
+    known   signal -> standard deviation of its noise, rounding among it, which is white; none: it is measured in
+            the channels
     periodic   by which waves over a joint's angle are told from noise
     """
     measured = log.signals(robot.coordinates)
@@ -109,12 +110,12 @@ def along(
     names = [*robot.coordinates, *robot.torques]
     steps = {name: resolution(log.frame[name].to_numpy()) for name in names}
     motion = Motion(q, dq, ddq, tau, time - time[0])
-    if known is not None:
-        given = {name: NoiseSpectrum.white(known[name], log.period) for name in names}
-        return AlongMotion(log, robot, motion, steps, given, _spread(covariance, len(p)))
-    white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
-    spectra = dict(zip(robot.coordinates, white, strict=True))
-    spectra |= _torque_noise(robot, log, motion, p, repetition_of(measured, noise), corners, periodic)
+    if known is None:
+        white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
+        spectra = dict(zip(robot.coordinates, white, strict=True))
+        spectra |= _torque_noise(robot, log, motion, p, repetition_of(measured, noise), corners, periodic)
+    else:
+        spectra = {name: NoiseSpectrum.white(known[name], log.period) for name in names}
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
     return AlongMotion(log, robot, motion, steps, apart, _spread(covariance, len(p)))
 
