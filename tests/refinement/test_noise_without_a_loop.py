@@ -7,7 +7,7 @@ import pytest
 from studies.rigid_arm.arm import COULOMB, ROTOR, VISCOUS, arm, moved, recorded
 
 import pyident as pi
-from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.noise.sensor_noise import sensor_noise
 
 ENCODER, TORQUE = 5e-5, 0.05  # rad, N m
 LOGS = 4

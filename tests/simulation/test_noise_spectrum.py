@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from scipy.signal import bessel, butter, sosfilt, sosfreqz
 
-from pyident.simulation.noise_spectrum import NoiseSpectrum, between_reversals, bridged, repeated_spectrum
-from pyident.simulation.repetition import period_of, repetition_of
+from pyident.simulation.noise.noise_spectrum import (
+    NoiseSpectrum,
+    between_reversals,
+    bridged,
+    repeated_spectrum,
+)
+from pyident.simulation.noise.repetition import period_of, repetition_of
 
 PERIOD, POLE = 0.01, 0.9
 SLOW = np.array([0.1, 0.3])  # Hz, where the motion is

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from analytic_joint import analytic_log, free_joint
 
-from pyident.simulation.sensor_noise import _raised, _shared, sensor_noise
+from pyident.simulation.noise.sensor_noise import _raised, _shared, sensor_noise
 
 
 def _estimate(**noise):

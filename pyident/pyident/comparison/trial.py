@@ -19,8 +19,8 @@ from pyident.logs.log import Log
 from pyident.regression.equations import Problem
 from pyident.simulation.along import AlongMotion, along_each, mean_noise
 from pyident.simulation.denoised import denoised
+from pyident.simulation.noise.sensor_noise import sensor_noise
 from pyident.simulation.replica import Repeat, repeats, side_by_side
-from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Simulator
 
 TIP = ("tip.x", "tip.y", "tip.z")

@@ -19,9 +19,9 @@ from pyident.logs.log import Log
 from pyident.refinement.instruments.residual_spectrum import beyond_noise, smoothed_power, spectral
 from pyident.regression.reduced import Reduced
 from pyident.rules.confidence import CONFIDENCE
+from pyident.simulation.noise.sensor_noise import sensor_noise
 from pyident.simulation.replay import Replay
 from pyident.simulation.replica import Repeat
-from pyident.simulation.sensor_noise import sensor_noise
 from pyident.simulation.simulator import Pool, Simulator, runs_at_once
 
 _REPLICAS = 32  # of each log

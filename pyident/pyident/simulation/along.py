@@ -32,15 +32,15 @@ from pyident.regression.regressor import generalised_forces, regressor_blocks
 from pyident.rules.periodic import PeriodicRules
 from pyident.rules.rules import RULES
 from pyident.simulation.denoised import denoises
-from pyident.simulation.noise_spectrum import (
+from pyident.simulation.noise.noise_spectrum import (
     NoiseSpectrum,
     between_reversals,
     bridged,
     repeated_spectrum,
     share_told,
 )
-from pyident.simulation.repetition import Repetition, repetition_of
-from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.noise.repetition import Repetition, repetition_of
+from pyident.simulation.noise.sensor_noise import sensor_noise
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ def along(
 ) -> AlongMotion:
     """`robot` is fitted and rigid; p (P,) its linear parameters as found, covariance (P, P): none: exact.
 
-    known   signal -> standard deviation of its noise, rounding among it, which is white; none: it is measured in
-            the channels
+    known   signal -> standard deviation of its noise, which is white and holds rounding; none: it is measured
+            in the channels
     periodic   by which waves over a joint's angle are told from noise
     """
     measured = log.signals(robot.coordinates)

@@ -25,10 +25,10 @@ from pyident.regression.reduced import Reduced
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.along import AlongMotion, along_each, mean_noise
 from pyident.simulation.denoised import denoised, denoises
+from pyident.simulation.noise.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.processes.tools import inline
 from pyident.simulation.recorded import loop_of
 from pyident.simulation.replica import Repeat, repeats
-from pyident.simulation.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 
 _FITTED = "_identified"  # behind the name of a robot

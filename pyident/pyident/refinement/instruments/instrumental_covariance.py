@@ -24,7 +24,7 @@ from pyident.refinement.instruments.simulated_rows import Repeated, every, in_me
 from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.natural_frequencies import natural_frequencies
 from pyident.regression.regressor import predicted
-from pyident.simulation.sensor_noise import sensor_noise
+from pyident.simulation.noise.sensor_noise import sensor_noise
 
 _FASTEST = 0.8  # of the Nyquist frequency: what vibrates faster is seen by its aliases only
 

@@ -28,7 +28,7 @@ from scipy.optimize import nnls
 from scipy.special import digamma, polygamma
 from scipy.stats import chi2
 
-from pyident.simulation.repetition import unrepeated
+from pyident.simulation.noise.repetition import unrepeated
 
 _WINDOWS = (256, 128, 64, 32)  # samples of a stretch without reversals, the longest first
 _LONG, _QUICK = (1024, 512), 1.1  # the same of quick logs, where they last no longer [s]
