@@ -40,7 +40,10 @@ from pyident.simulation.noise.noise_spectrum import (
     share_told,
 )
 from pyident.simulation.noise.repetition import Repetition, repetition_of
+from pyident.simulation.noise.rounding import Rounding
 from pyident.simulation.noise.sensor_noise import sensor_noise
+
+_ALONE = 0.5  # of the power of an encoder's noise: rounding that no other noise blurs
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,8 @@ def _torque_noise(
     signs = signs_known(robot, motion.dq, speed_products(motion.dq, joints)) > 0
     out, ends = {}, ends_of(len(left), [blurred(corner) for corner in corners])
     above = 2 * max(corners) * 0.5 / log.period
+    rounding = _rounding(log.signals(robot.coordinates), motion.q, above, log.period) if repeats else None
+    shaken = _shaken(robot, motion, p, rounding) if rounding else []
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         known = away_from_rest(speed, float(np.mean(speed**2))) & signs[:, k]
@@ -175,9 +180,25 @@ def _torque_noise(
         if repeats:
             again = repeated_spectrum(rest[repeats.rows], repeats.period, log.period)
             again = replace(again, density=again.density / share_told(moving[repeats.rows]))
+            if rounding:
+                again = again.raised(rounding.answer(bridged(plain, moving)), 0.0).raised(shaken[k], 0.0)
             found = again.raised(found, above) if found else again
         out[name] = found or _of_highest(plain, moving, log.period)
     return out
+
+
+def _rounding(measured: np.ndarray, q: np.ndarray, above: float, period: float) -> Rounding | None:
+    """Of encoders (N, n) whose noise is little else, beside a smooth motion (N, n) that ends `above` [Hz]."""
+    step = np.array([resolution(x) for x in measured.T])
+    alone = step**2 / 12 > _ALONE * np.square([channel_noise(x) for x in measured.T])
+    return Rounding.of((measured - q) * alone, above, period)
+
+
+def _shaken(robot: Robot, motion: Motion, p: np.ndarray, rounding: Rounding) -> list[NoiseSpectrum]:
+    """Torque of every joint, by parameters p (P,), of the shaking that encoders' noise has hidden."""
+    moved = replace(motion, ddq=motion.ddq + rounding.shaken)
+    torque = generalised_forces(robot, moved, p) - generalised_forces(robot, motion, p)
+    return [rounding.spectrum(x) for x in torque[:, : len(robot.joints)].T]
 
 
 def _of_highest(rest: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum:
