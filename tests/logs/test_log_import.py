@@ -17,7 +17,7 @@ from pyident.cli.main import main
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs import datasets as data_sets
 from pyident.logs.foreign import at_joints, delayed, import_log
-from pyident.logs.log import Log, LogError, write_log
+from pyident.logs.log import Log, LogError, read_log, write_log
 from pyident.logs.mapping import read_mapping
 
 
@@ -218,3 +218,26 @@ def test_the_import_command(data, tmp_path):
     assert "joint 3: link encoder 3.0" in done.output
     assert "joint 1" in done.output
     assert "cannot tell" in done.output
+
+
+def test_columns_that_speak_for_themselves_need_no_mapping(tmp_path):
+    """Those of a log are in its units; others must leave no question."""
+    time = np.arange(2000) / 250
+    jitter = np.random.default_rng(0).uniform(-2e-4, 2e-4, len(time))
+    own = pd.DataFrame(
+        {"time": time + jitter, "joint1.e": 0.3 * np.sin(time), "joint1.tau": 5.0 * np.cos(time)}
+    )
+    own.to_csv(tmp_path / "own.csv", index=False)
+    words = ["log", "import", str(tmp_path / "own.csv"), "-o", str(tmp_path / "log.parquet")]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
+    made = read_log(tmp_path / "log.parquet")
+    assert made.frame["joint1.e"].to_numpy() == pytest.approx(0.3 * np.sin(made.frame["time"]), abs=1e-4)
+    own.rename(columns={"joint1.e": "ActPos_1", "joint1.tau": "current"}).to_csv(
+        tmp_path / "raw.csv", index=False
+    )
+    words[2] = str(tmp_path / "raw.csv")
+    refused = CliRunner().invoke(main, [*words, "--overwrite"])
+    assert refused.exit_code == 2
+    assert "log inspect" in refused.output
+    assert "?" in refused.output

@@ -27,9 +27,9 @@ def log() -> None:
 @click.argument("files", nargs=-1, required=True)
 @click.option(
     "--mapping",
-    required=True,
     metavar="FILE",
-    help="Names, units and signs of the columns: TOML, or a shipped name.",
+    help="Names, units and signs of the columns: TOML, or a shipped name. Default: what `log inspect` finds, "
+    "where that leaves no question.",
 )
 @click.option("--robot", "model", metavar="MODEL", help="Refer motor-side columns to this robot's joints.")
 @click.option("--skew", is_flag=True, help="Estimate and correct the delay of link encoders (needs --robot).")
@@ -38,7 +38,12 @@ def log() -> None:
 @json_option
 @reported
 def import_command(
-    files: tuple[str, ...], mapping: str, model: str | None, skew: bool, output: str, json_file: str | None
+    files: tuple[str, ...],
+    mapping: str | None,
+    model: str | None,
+    skew: bool,
+    output: str,
+    json_file: str | None,
 ) -> None:
     """Join FILES of one recording and write them as a log.
 
@@ -46,12 +51,14 @@ def import_command(
     """
     if skew and model is None:
         raise click.UsageError("--skew needs --robot")
+    from pyident.inspection.inspect_log import certain_mapping
     from pyident.logs.foreign import import_log
     from pyident.logs.mapping import read_mapping
 
     robot = pi.load_robot(model) if model else None
-    read = import_log(files, read_mapping(mapping), robot)
-    notes = list(read.notes)
+    read = import_log(files, read_mapping(mapping) if mapping else certain_mapping(files, robot), robot)
+    notes = [] if mapping else ["columns are taken for what `pyident log inspect` says they are"]
+    notes += read.notes
     if skew and robot is not None:
         from pyident.checks.encoder_delay import encoder_skews, without_skew
 

@@ -21,6 +21,7 @@ from pyident.inspection.words import meaning
 from pyident.logs.formats.read import read_recording
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError
+from pyident.logs.mapping import Mapping, Source
 from pyident.logs.steps import usual_step
 from pyident.logs.units import FACTORS, KINDS
 
@@ -47,6 +48,21 @@ def inspect_log(
         if whole(each[0], robot):
             return of_one_kind(each)
     return _proposal(read, robot, rate)
+
+
+def certain_mapping(files: Sequence[str | Path], robot: Robot | None = None) -> Mapping:
+    """The mapping of columns that speak for themselves, as those of a log do: their units are its own.
+
+    Raises LogError where a question is left.
+    """
+    found = inspect_log(files, robot)
+    if all(c.column in (c.name, c.signal) for c in found.channels):
+        return Mapping({c.column: Source(c.column) for c in found.channels})
+    if found.questions:
+        source = ", ".join(map(str, files))
+        cure = "give the mapping that `pyident log inspect` writes, answered, by --mapping"
+        raise LogError(f"{source}: {found.questions[0]}; {cure}")
+    return replace(found.mapping, header=found.header)
 
 
 def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: float | None) -> Proposal:
