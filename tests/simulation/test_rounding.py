@@ -28,7 +28,7 @@ def test_the_answer_to_rounding_is_known_where_no_motion_shows_it():
     read = np.fft.rfft(noise)
     torque = -np.fft.irfft((SIZE + 2j * np.pi * f * RATE) * read, COUNT) + 0.5 * rng.standard_normal(COUNT)
     beside = np.fft.irfft(read * (f > 5), COUNT)
-    found = Rounding.of(beside[:, None], 15.0, PERIOD)
+    found = Rounding.of(np.column_stack([beside, np.zeros(COUNT)]), 15.0, PERIOD)
     assert found is not None
     for low, high in ((1, 2), (2, 5), (8, 12)):
         g = np.linspace(low, high, 50)

@@ -59,7 +59,8 @@ class Rounding:
         columns = np.hstack([s**order * self.read for order in range(_ORDERS)])[self.free]
         target = np.fft.rfft(left * np.hanning(len(left)))[self.free]
         A, y = (np.concatenate([x.real, x.imag]) for x in (columns, target))
-        scale = np.maximum(np.linalg.norm(A, axis=0), 1e-300)
+        norm = np.linalg.norm(A, axis=0)
+        scale = np.where(norm > 0, norm, 1.0)  # encoders that do not round have none
         gains = np.linalg.lstsq(A / scale, y, rcond=1e-9)[0] / scale
         response = sum(s**order * own for order, own in enumerate(np.split(gains, _ORDERS)))
         read = np.maximum(self.density, self.white)  # within the motion the low pass has left none of it
