@@ -43,6 +43,15 @@ def test_word(findings, stands_out, word):
     assert verdict_of(findings, stands_out) == word
 
 
+def test_what_held_out_data_hardly_show_is_said_to_be_chance():
+    sure, weak = (replace(ONE, heldout_std_percent=std) for std in (8.0, 40.0))
+    said = [
+        sentence_of("missing_effect", [f], _places("in_order"), ("joint2", "motor")) for f in (sure, weak)
+    ]
+    assert "88 % on held-out data)" in said[0]
+    assert "88 ± 40 % on held-out data, which may be chance)" in said[1]
+
+
 def test_sentences_name_what_they_mean():
     place, calm = ("joint2", "motor"), _places("in_order")
     sentence = sentence_of("missing_effect", [ONE], calm, place)

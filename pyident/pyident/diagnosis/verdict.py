@@ -8,6 +8,7 @@ from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.result import Finding, Named, Place, VerdictName
 from pyident.regression.descriptions import outside_file, place_name
+from pyident.rules.rules import RULES
 
 _UNTOLD = ", these logs cannot tell which"
 _ALIKE = ", which describe the same robot: correct one of them"
@@ -153,9 +154,12 @@ def taken_by(finding: Finding) -> str:
     if finding.share_percent < _HARDLY:
         return "hardly more than the floor, but held-out data show it alike"
     share = f"{said_share(finding.share_percent)} of what exceeds the floor there"
-    if finding.heldout_gain_percent is None:
+    unseen, std = finding.heldout_gain_percent, finding.heldout_std_percent
+    if unseen is None:
         return share
-    return f"{share}, {said_share(finding.heldout_gain_percent)} on held-out data"
+    if std is not None and unseen < RULES.search.again * std:
+        return f"{share}, {said_share(unseen, std)} on held-out data, which may be chance"
+    return f"{share}, {said_share(unseen)} on held-out data"
 
 
 def said_share(percentage: float, std: float | None = None) -> str:
