@@ -82,8 +82,13 @@ def test_what_drives_one_joint_is_no_wrong_sign_and_reversed_rows_are():
         assert signals is not None
         return [defect.channel for defect in signs(balances(signals), "log")]
 
+    spins = np.zeros_like(tau)  # a force between two wrist axes that takes no power, as of a gyroscope
+    spins[:, 4], spins[:, 3] = 3.0 * motion.v[:, 3], -3.0 * motion.v[:, 4]
     driven = tau.copy()
     driven[:, 1] -= 3 * friction[:, 1]
     assert found(tau) == []
     assert found(driven) == []
+    assert found(tau + spins) == []
+    turned = (tau + spins) * np.where(np.arange(6) == 4, -1, 1)
+    assert "joint5.tau" in found(turned)
     assert len(found(tau, -1)) > 2

@@ -6,10 +6,11 @@ be negative beside a hose, too; and a torque whose friction brakes much has the 
 seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it. A
 wrong sign turns inertia round as well as friction. Reversed rows turn friction round alone, but that of every
 joint: where another joint's brakes, what seems to drive here is a law that the model lacks, as a load that
-sloshes.
+sloshes, or a tool that spins. It is one, too, where all torques together leave more once those of the joints
+that seem to be driven are turned: a body shows at several joints.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,37 +26,62 @@ from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
 
 _BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
+_DRIVEN = "friction would feed energy in"
+_ROUNDED = 1e-3  # of what is left: torques that share no body are as well turned as not
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
 def signs(of: Balances, source: str) -> Iterator[Defect]:
     """One defect per joint whose torque acts against its motion."""
-    for k in of.joints:
-        if (reason := against(of, k)) is not None:
-            yield Defect(
-                "gross",
-                "sign",
-                torque_of(k + 1),
-                f"{source}: {torque_of(k + 1)} has the wrong sign against {motor_of(k + 1)}: {reason}; give "
-                f"one of the two columns the sign -1 in the mapping, or check the order of the rows",
-            )
+    for k, reason in against(of).items():
+        yield Defect(
+            "gross",
+            "sign",
+            torque_of(k + 1),
+            f"{source}: {torque_of(k + 1)} has the wrong sign against {motor_of(k + 1)}: {reason}; give "
+            f"one of the two columns the sign -1 in the mapping, or check the order of the rows",
+        )
 
 
-def against(of: Balances, k: int) -> str | None:
-    """Why the torque of joint k (from 0) must have the other sign, None where it need not."""
-    joint = _Joint(of, k)
+def against(of: Balances) -> dict[int, str]:
+    """Joints (from 0) whose torque must have the other sign, and why."""
+    reasons = {k: reason for k in of.joints if (reason := _reason(_Joint(of, k))) is not None}
+    driven = [k for k, reason in reasons.items() if reason == _DRIVEN]
+    if driven and _any_brakes(of, driven) and _left(of, driven) > (1 + _ROUNDED) * _left(of, []):
+        return {k: reason for k, reason in reasons.items() if k not in driven}
+    return reasons
+
+
+def _reason(joint: "_Joint") -> str | None:
     if joint.negative(joint.rubbing, joint.least_power):
-        return None if _goes_forwards(joint) else "friction would feed energy in"
+        return None if _goes_forwards(joint) else _DRIVEN
     if joint.alone.negative(-joint.rubbing, _BRAKES * joint.power):
         return None
     return "its inertia would be negative" if joint.negative(joint.turning, joint.least_inertia) else None
+
+
+def _left(of: Balances, turned: Sequence[int]) -> float:
+    """Energy that one set of parameters leaves of all torques, each over its own, those `turned` negative."""
+    A, b, whole = np.zeros_like(of.normal[0]), np.zeros(len(of.columns)), 0.0
+    for k in of.joints:
+        right, energy = of.right(k, of.torque[:, [k]])
+        weight = 1 / max(float(energy[0]), 1e-300)
+        A += weight * of.normal[k]
+        b += (-weight if k in turned else weight) * right[:, 0]
+        whole += weight * float(energy[0])
+    return whole - float(b @ solved(A, b[:, None])[0][:, 0])
 
 
 def _goes_forwards(joint: "_Joint") -> bool:
     """Whether inertia has the right sign here, as where rows are reversed, and friction another joint's."""
     if not joint.negative(-joint.turning, joint.least_inertia):
         return False
-    others = (_Joint(joint.of, k) for k in joint.of.joints if k != joint.k)
+    return _any_brakes(joint.of, [joint.k])
+
+
+def _any_brakes(of: Balances, but: Sequence[int]) -> bool:
+    """Whether the friction of a joint does, but for some (from 0)."""
+    others = (_Joint(of, k) for k in of.joints if k not in but)
     return any(other.negative(-other.rubbing, other.least_power) for other in others)
 
 

@@ -166,7 +166,7 @@ def _unit_of(factor: float) -> str | None:
 
 def _signs(channels: list[Channel], of: Balances) -> tuple[list[Channel], list[str]]:
     """Torques against their motion are turned; the question stays where the position may be what is wrong."""
-    wrong = {k + 1: reason for k in of.joints if (reason := against(of, k)) is not None}
+    wrong = {k + 1: reason for k, reason in against(of).items()}
     if not wrong:
         return channels, []
     out = []

@@ -6,12 +6,15 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from flexmodels.coordinate import is_motor
 from pyident.logs.gaps import in_short_gaps, widest_gap
 from pyident.logs.log import LogError
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
 _SAME = 0.02  # of the resolution of stamps: what counts as the same step
+_SMOOTHER = 0.7  # times as rough: less is no chance, and more is noise that stamps add little to
+_SHORT = 100  # samples, too few to tell
 _JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
 
 
@@ -86,9 +89,34 @@ def evened(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
     if (gap := widest_gap(steps, period)) is not None:
         row = int(frame.index[gap + 1]) + 1
         raise LogError(f"{source}: a gap of {steps[gap]:.3g} s at row {row}; cut the log there")
+    if (sampled := _sampled_evenly(frame, time, period)) is not None:
+        late = float(np.abs(time - sampled).max())
+        frame, said = evened(frame.assign(time=sampled), source)
+        return frame, [f"stamps jitter (up to {1e3 * late:.3g} ms), the samples do not: taken as even", *said]
     even = np.arange(time[0], time[-1] + 1e-9 * period, period)
     out = {name: _at_times(str(name), time, frame[name].to_numpy(float), even) for name in frame}
     return pd.DataFrame(out), [_resampled(steps, period)]
+
+
+def _sampled_evenly(frame: pd.DataFrame, time: np.ndarray, period: float) -> np.ndarray | None:
+    """Even times (N,) of samples whose stamps alone jitter, by which positions are smoother; else None.
+
+    time    (N,) the stamps;  period: the usual one of these. Samples that are lost stay so
+    """
+    number = np.concatenate([[0.0], np.cumsum(np.round(np.diff(time) / period))])
+    positions = [frame[n].to_numpy(float) for n in frame if is_motor(str(n))]
+    moving = [x for x in positions if np.ptp(x) > 0]
+    if not moving or (np.diff(number) < 1).any() or len(time) < _SHORT:
+        return None
+    even = np.polyval(np.polyfit(number, time - time[0], 1), number) + time[0]
+    ratios = [_roughness(even, x) / max(_roughness(time, x), 1e-300) for x in moving]
+    return even if np.median(ratios) < _SMOOTHER else None
+
+
+def _roughness(time: np.ndarray, x: np.ndarray) -> float:
+    """Usual fourth difference of what was sampled (N,) at some times (N,), put to even ones."""
+    even = np.linspace(time[0], time[-1], len(time))
+    return float(np.median(np.abs(np.diff(CubicSpline(time, x)(even), 4))))
 
 
 def _stands_still(frame: pd.DataFrame, steps: np.ndarray) -> str:
