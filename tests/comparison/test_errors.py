@@ -12,7 +12,7 @@ from servo_pendulum import by_hand, pendulum
 
 import pyident as pi
 from flexmodels.experiment import Experiment
-from pyident.comparison.compare import _simulated
+from pyident.comparison.fails import in_simulation
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.export_cost import cost_of_export
 from pyident.logs.log import Log, LogError
@@ -44,7 +44,7 @@ def test_an_error_at_its_floor_is_said_to_be_there(missed, words):
         "a.csv", {}, {"joint1.e": POOR, "joint1.tau": replace(FAIR, rmse=missed)}, np.zeros(1), {}
     )
     trial: Any = SimpleNamespace(tracks=True, judged=[SimpleNamespace(note="it has no [controller]")])
-    said = _simulated(trial, [errors])
+    said = in_simulation(trial, [errors])
     assert said.startswith(f"In simulation joint 1's torque misses by {missed:g} {words}")
     assert said.endswith("that stands in for a controller, so judge by the torques.")
 

@@ -1,6 +1,6 @@
 """Whether another sign, unit, zero or order of the channels explains a log far better than its own."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +17,23 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
+_WORSE = 1.2  # times what was left: more is no better
 _PARTS, _KNOWN = 8, 0.3  # of a log that nothing explains as a whole; share of them that explain each other
 _EXPLAINED = 0.1  # of a torque, that may be left of it then
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """What one set of parameters leaves of all torques, as a share of their variances, per joint."""
+    """What one set of parameters leaves of all torques, as a share of their variances, per joint.
 
-    share: float
+    each   joint (from 0) -> its own
+    """
+
+    each: Mapping[int, float]
+
+    @property
+    def share(self) -> float:
+        return float(np.mean(list(self.each.values()))) if self.each else 0.0
 
     @property
     def material(self) -> bool:
@@ -38,15 +46,16 @@ def misfit(of: Balances, torque: np.ndarray | None = None, among: Sequence[int] 
     among = of.joints if among is None else among
     joints = [k for k in of.joints if k in among and of.variance(k, tau[:, k]) > 0]
     if not joints:
-        return Misfit(0.0)
-    normal, right, energy = 0.0, 0.0, 0.0
+        return Misfit({})
+    balance = {}
     for k in joints:
         variance = of.variance(k, tau[:, k])
         b, yy = of.right(k, tau[:, k : k + 1])
-        normal, right = normal + of.normal[k] / variance, right + b[:, 0] / variance
-        energy += float(yy[0]) / variance
-    p = solved(np.asarray(normal), np.asarray(right))[0]
-    return Misfit(max(energy - float(np.asarray(right) @ p), 0.0) / len(joints))
+        balance[k] = of.normal[k] / variance, b[:, 0] / variance, float(yy[0]) / variance
+    p = solved(*(np.sum([own[i] for own in balance.values()], axis=0) for i in (0, 1)))[0]
+    return Misfit(
+        {k: max(yy - 2 * float(b @ p) + float(p @ A @ p), 0.0) for k, (A, b, yy) in balance.items()}
+    )
 
 
 @dataclass(frozen=True)
@@ -81,6 +90,7 @@ def best_change(of: Balances, placed: bool = True) -> Better | None:
     left, now_so, _, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
     guessed = change.kind == "order" and not placed
     far = _far(left, now_so) and (guessed or _far(*_beside(of, change, hoses=True)))
+    far = far and not _suits_one(of, change)
     return Better(change, left, now_so) if far else None
 
 
@@ -176,8 +186,27 @@ def _lost(of: Balances, k: int, left: float) -> bool:
     return left > max(LOG_CHECKS.unexplained * of.variance(k), LOG_CHECKS.material**2 * whole)
 
 
+def _suits_one(of: Balances, change: Transformation) -> bool:
+    """Whether a change only suits one joint, of which one that hardly moves tells too little: the joints that
+    it is about are explained less with it, or all others than that one.
+    """
+    after, before = _misfits(of, change)
+    gains = {k: before.each[k] - left for k, left in after.each.items()}
+    most = max(gains, key=lambda k: gains[k])
+    parts = ([k for k in gains if k in change.joints], [k for k in gains if k != most])
+    return any(
+        sum(after.each[k] for k in part) > _WORSE * sum(before.each[k] for k in part) for part in parts
+    )
+
+
 def _beside(of: Balances, change: Transformation, hoses: bool = False) -> tuple[float, float]:
-    """Shares left with the change and without it, both over the joints that move either way.
+    """Shares left with the change and without it, as of `_misfits`."""
+    after, before = _misfits(of, change, hoses)
+    return (after.share, before.share) if after.each else (float("inf"), 0.0)
+
+
+def _misfits(of: Balances, change: Transformation, hoses: bool = False) -> tuple[Misfit, Misfit]:
+    """With the change and without it, both over the joints that move either way; none where it cannot be.
 
     Otherwise a change that brings a joint to rest would be better by leaving out what is hard to explain.
 
@@ -188,11 +217,9 @@ def _beside(of: Balances, change: Transformation, hoses: bool = False) -> tuple[
     try:
         other = balances(moved) if change.moves else of
     except StructureError:  # a loop that does not close there
-        return float("inf"), 0.0
+        return Misfit({}), Misfit({})
     if hoses:
         other, of = other.beside_hoses, of.beside_hoses
     tau = of.torque @ change.torque.T
     both = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
-    if not both:
-        return float("inf"), 0.0
-    return misfit(other, change.torque, both).share, misfit(of, None, both).share
+    return misfit(other, change.torque, both), misfit(of, None, both)

@@ -37,6 +37,13 @@ class Transformation:
         """Whether the motion is changed, not only the torques."""
         return bool(self.offset.any() or (self.motion != np.eye(len(self.motion))).any())
 
+    @property
+    def joints(self) -> list[int]:
+        """Those (from 0) that it is about."""
+        n = len(self.torque)
+        motion = np.column_stack([self.motion[:n, :n] - np.eye(n), self.offset[:n]])
+        return [k for k in range(n) if motion[k].any() or (self.torque[k] != np.eye(n)[k]).any()]
+
     def exchanges(self, joint: int) -> bool:
         """Whether it takes this joint's (from 0) position or torque from another joint."""
         row = [matrix[joint] for matrix in (self.motion, self.torque)]

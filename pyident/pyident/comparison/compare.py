@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from flexmodels.coordinate import deformation_of, is_deformation, is_motor, is_torque, joint_number, motor_of
+from flexmodels.coordinate import deformation_of, is_deformation, joint_number, motor_of
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
+from pyident.comparison.fails import Fails, in_simulation
 from pyident.comparison.model_against_replicas import Part, Progress, run_trial
 from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
 from pyident.comparison.trial import TIP, Trial, on_trial
@@ -22,9 +23,6 @@ from pyident.regression.spectrum import Floor
 from pyident.rules.comparison import ComparisonRules
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
-
-_AT_FLOOR = 1.05  # times the floor: what is less reads as one
-_STAND_IN = "; how closely is the doing of the loop that stands in for a controller, so judge by the torques"
 
 
 @dataclass(frozen=True)
@@ -114,13 +112,13 @@ def compared(
         _worst(bins, errors, _chance(trial.robot, replicas, short, r), rules)
         for bins, r in ((own, False), (refitted, True))
     )
-    where = structure or values
-    sentence = f"{_first(where, structure is not None, trial.tracks)} {_simulated(trial, errors)}"
+    fails = Fails(values, structure)
+    sentence = f"{fails.sentence(trial.tracks)} {in_simulation(trial, errors)}"
     return Comparison(
         trial.robot.name,
         sentence,
-        where,
-        structure is not None,
+        fails.where,
+        fails.structural,
         errors,
         tuple(own),
         tuple(refitted),
@@ -222,37 +220,6 @@ def _excess(coordinate: str, errors: Sequence[LogErrors]) -> float:
     """rms beyond the floor, of the signal's, on the worst log."""
     found = [log.equations[coordinate] for log in errors]
     return max(np.sqrt(max(e.rmse**2 - e.floor**2, 0.0)) / max(e.signal, 1e-300) for e in found)
-
-
-def _first(where: Bin | None, structural: bool, tracks: bool) -> str:
-    if where is None:
-        return "Nothing stands out: the equations leave what the method itself leaves."
-    place = f"joint {joint_number(where.coordinate)}, {where.balance} side"
-    place += f", {where.label}" if where.label else ""
-    if structural:
-        return f"It fails most at {place}: {where.ratio:.2g} times the floor."
-    return (
-        f"The values of its parameters are off, most at {place}: {where.ratio:.2g} times the floor, and "
-        f"other values take that away; identify it {'on these logs' if tracks else 'with --refine'}."
-    )
-
-
-def _simulated(trial: Trial, errors: Sequence[LogErrors]) -> str:
-    kinds = (is_torque,) if trial.tracks else ("tip".__eq__, is_motor)
-    missed = [(e.simulation[n], n) for told in kinds for e in errors for n in e.simulation if told(n)]
-    name = missed[0][1] if missed[0][1] == "tip" else max(missed, key=lambda pair: pair[0].ratio)[1]
-    error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
-    what = "the tip" if name == "tip" else f"joint {joint_number(name)}"
-    what += "'s torque" if trial.tracks else ""
-    by = f"{error.rmse:.3g} {error.unit} rms, {_over(error.ratio)}"
-    note = next((r.note for r in trial.judged if r.note), None)
-    why = f" The simulation follows the measured motion ({note}){_STAND_IN}." if note else ""
-    return f"In simulation {what} misses by {by}.{why}"
-
-
-def _over(ratio: float) -> str:
-    """An error beside its floor."""
-    return "no more than the floor" if ratio < _AT_FLOOR else f"{ratio:.2g} times the floor"
 
 
 def _force_unit(robot: Robot, name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.coordinate import joint_name
+from pyident.diagnosis.another_state import other_states, sentence
 from pyident.diagnosis.base.candidates import Candidate, law_of, units_of
 from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES, Region
@@ -59,13 +60,15 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
     seen = [f.candidate for f in selection.first.ranked if search.p_value(f) <= search.rules.level]
     shown |= {(c.effect, joint_name(c.joint)) for c in seen}
+    states = other_states(beside, held, heldout)
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
         sentence=in_time(ex.setting.alignment)
-        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken),
+        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken)
+        + sentence(states),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
         limits=tuple(
@@ -82,6 +85,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         ),
         notes=(
             *of_time(ex.setting),
+            *(state.note for state in states),
             *(orders_of(search.robot, step) for step in steps if step.orders),
             *of_one_order(search, selection, held),
             *of_speeds(search, selection),

@@ -7,11 +7,10 @@ al. 1993). At the fixed point log and simulation agree in every sum that the ins
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
@@ -26,30 +25,22 @@ from pyident.estimation.identify import (
     near,
     without_intervals,
 )
-from pyident.estimation.instrumental_variables import MomentEquations, Rows, moment_equations, unknown
-from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.instruments.fixed_point import FixedPoint
-from pyident.refinement.instruments.following import Followed, Followers, NotFollowedError
+from pyident.refinement.instruments.following import Followers, NotFollowedError
 from pyident.refinement.instruments.instrumental_covariance import (
     ringing,
     with_covariance,
     without_intervals_of,
 )
-from pyident.refinement.instruments.noise_weights import counted_alike, counted_by_noise
+from pyident.refinement.instruments.one_round import Round, next_round
 from pyident.refinement.instruments.positions_late import Late, positions_late
-from pyident.refinement.instruments.residual_spectrum import of_fit
-from pyident.refinement.instruments.simulated_columns import SimulatedColumns, simulated_columns
 from pyident.refinement.instruments.simulated_rows import (
-    Data,
     Repeated,
-    every,
     in_memory,
-    rows_of,
 )
 from pyident.refinement.instruments.stand_in import driven, smoothed
 from pyident.refinement.instruments.starts import Begun, begun, nearest
-from pyident.refinement.remove_bias import seen
 from pyident.regression.loads.bodies import reads_load
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.replica import Repeat, repeats
@@ -60,7 +51,7 @@ START = "instrumental variables with filtered signals"
 _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
-_TINY = np.finfo(float).tiny
+_WORSE, _LOST = 1.2, 10.0  # times what the round before leaves, and what the start does
 
 Progress = Callable[[float], None]
 
@@ -186,30 +177,6 @@ def _why(error: SimulationError | NotFollowedError) -> str:
     return f"the model found cannot be simulated ({error})"
 
 
-@dataclass(frozen=True)
-class _Round:
-    """What one round finds: its solution, its equations, and the simulation that it rests on.
-
-    gap      (P,) from the parameters asked for to those found, along what the data determine
-    std      (P,) of the first round's solution, the measure of changes
-    columns  that the simulation adds, where they were measured
-    """
-
-    logs: Repeated
-    frames: list[pd.DataFrame]
-    rows: list[Rows]
-    equations: MomentEquations
-    solution: Solution
-    gap: np.ndarray
-    std: np.ndarray
-    columns: SimulatedColumns | None
-
-    def largest(self, change: np.ndarray) -> float:
-        """Of changes (P,) of what the data determine the largest, in standard deviations."""
-        told = ~self.solution.open
-        return float(np.max(np.abs(change[told]) / np.maximum(self.std[told], _TINY), initial=0.0))
-
-
 def _rounds(
     start: Begun,
     again: Sequence[Repeat],
@@ -217,12 +184,12 @@ def _rounds(
     workers: Workers,
     progress: Progress | None = None,
     prior: Robot | None = None,
-) -> _Round:
+) -> Round:
     """The round from the best start with the smallest gap. Raises SimulationError, NotFollowedError."""
     robot, data, wanted = start.robot, start.data, best.robot
     steps: FixedPoint | None = None
-    last: _Round | None = None
-    settled: _Round | None = None
+    last: Round | None = None
+    settled: Round | None = None
     before: Robot | None = None
     followers = Followers(start, again, workers, prior)
     for number in range(_ROUNDS):
@@ -242,7 +209,9 @@ def _rounds(
             data = gathered(partial(in_memory, robot), [d.part for d in data])
         near = number >= _NEAR or (last is not None and last.largest(last.gap) <= _SETTLED)
         logs = Repeated(robot, data, again, start.plain.reduced)
-        last = _round(logs, made, last, workers if near else None)
+        last = next_round(logs, made, last, workers if near else None)
+        if not driven(robot) and settled is not None and last.over(settled.solution.p) > _WORSE:
+            break  # a worse model has worse instruments
         if last.columns is not None and steps is None:
             steps = FixedPoint(np.eye(len(last.gap)), last.std)
         if (
@@ -259,40 +228,10 @@ def _rounds(
         if not measured or (last.columns is not None and last.largest(step) <= _SETTLED):
             break
     assert settled is not None
+    if (times := settled.over(best.solution.p)) > _LOST:
+        raise NotFollowedError(f"its instruments tell too little: with it {times:.2g} times as much is left")
     return settled
 
 
 def _changed(values: Mapping[str, float], step: np.ndarray) -> dict[str, float]:
     return {name: v + s for (name, v), s in zip(values.items(), step.tolist(), strict=True)}
-
-
-def _round(logs: Repeated, made: Followed, before: _Round | None, workers: Workers | None) -> _Round:
-    """What the logs say with the simulation as instrument; workers: to measure its columns.
-
-    Raises SimulationError.
-    """
-    put_in, frames = made.put_in, made.frames
-    values = np.array(list(made.wanted.linear_parameters.values()))
-    quiet = np.array([put_in[name] for name in logs.reduced.columns])
-    rows = gathered(partial(_rows_of, logs.robot, quiet), list(zip(logs.data, frames, strict=True)))
-    if driven(logs.robot) or not logs.robot.settings.processing.filters:
-        rows, weights = counted_by_noise(logs.data, rows, values)
-    else:
-        weights = counted_alike(rows, values)
-    columns = None if before is None else before.columns
-    if columns is None and workers is not None:
-        columns = simulated_columns(logs, rows, workers, put_in)
-    if columns is not None:
-        rows = [columns.added(number, own, quiet) for number, own in enumerate(rows)]
-    equations = moment_equations(every(rows), logs.reduced, weights)
-    if before is None:
-        solution = equations.solve(of_fit(equations))
-        std = solution.std
-    else:
-        solution, std = equations.solve(unknown, before.solution.rank), before.std
-    gap = seen(solution, solution.p - values)
-    return _Round(logs, frames, rows, equations, solution, gap, std, columns)
-
-
-def _rows_of(robot: Robot, p: np.ndarray, log: tuple[Data, pd.DataFrame]) -> Rows:
-    return rows_of(robot, *log, p)

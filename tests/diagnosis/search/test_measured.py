@@ -174,6 +174,7 @@ def test_a_law_alone_needs_its_share(monkeypatch):
     """What an error of the robot file counts by is not enough for a law."""
     monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
     monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
+    monkeypatch.setattr(gate, "_over_floor", lambda *_: 1.1)
     monkeypatch.setattr(gate, "share_in", lambda *_: 0.01)
     held: Any = SimpleNamespace(share=lambda *_: SEEN_AGAIN, holds=lambda *_: True)
     view = search(0.3)
@@ -189,6 +190,7 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
 ):
     monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
     monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
+    monkeypatch.setattr(gate, "_over_floor", lambda *_: 1.1)
     monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
     monkeypatch.setattr(gate, "same_order", lambda *_: False)
     unseen = Unseen(taken, taken / 20, 0.0, 0.9)
@@ -203,14 +205,22 @@ def test_where_nothing_exceeds_the_floor_held_out_logs_show_a_hundredth_of_the_e
 
 
 @pytest.mark.parametrize(("over", "named"), [(0.6, False), (0.8, True)])
-def test_a_residual_far_below_its_floor_shows_no_law(over, named, monkeypatch):
-    monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,)))
+@pytest.mark.parametrize("quiet", [0.1, 5.0])
+def test_a_residual_far_below_its_floor_shows_no_law(over, named, quiet, monkeypatch):
+    """Where the law takes, in the first of two bands; what is left in the other is
+    no matter.
+    """
+    monkeypatch.setattr(gate, "region_of", lambda *_: Region((1,), (0, 1)))
     monkeypatch.setattr(gate, "beyond_motion", lambda *_: False)
     monkeypatch.setattr(gate, "share_in", lambda *_: 1.0)
+    monkeypatch.setattr(gate, "_fall", lambda *_: np.array([[0.0, 0.0], [3.0, 0.0]]))
     held: Any = SimpleNamespace(share=lambda *_: None, holds=lambda *_: True)
     view = search(0.3)
     view.p_value, view.rows, view.drives = lambda _: 0.01, lambda _: [1], lambda _: 0.0
-    view.floor_energy_on, view.over_floor = lambda _: 1.0, np.array([4.0, over**2])
+    view.floor_energy_on = lambda _: 1.0
+    left = np.array([[[4.0, 4.0], [over**2 * 7.0, quiet * 7.0]]])
+    view.examination.by_band = lambda _: left
+    view.examination.replica_energy, view.examination.count = np.ones((3, 2, 2)), np.full(2, 7.0)
     reason = gate.admission(view, _found(SPRING, 100.0), [SPRING], held).reason
     assert (reason == "") == named
     assert named or reason.startswith("the residual lies below its floor there (0.6 times)")

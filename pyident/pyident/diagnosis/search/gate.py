@@ -76,7 +76,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
         pass
     elif p_value > rules.level:
         reason = f"replicas without it show as much (p = {p_value:.2g})"
-    elif (over := _over_floor(search, lead.candidate)) < rules.below_floor:
+    elif (over := _over_floor(search, lead.candidate, region)) < rules.below_floor:
         reason = f"the residual lies below its floor there ({over:.2g} times), which hides what is smaller"
     elif not counts(search, lead):
         reason = "what it takes is too small beside the floor to matter"
@@ -151,9 +151,23 @@ def _constant(search: Search, candidate: Candidate) -> bool:
     return bool(forces) and all(force.free_symbols.isdisjoint(signals.ALL) for force in forces)
 
 
-def _over_floor(search: Search, candidate: Candidate) -> float:
-    """rms of what is left on the equations on which a candidate acts itself, over that of replicas."""
-    return float(np.sqrt(np.mean(search.over_floor[list(search.rows(candidate))])))
+def _over_floor(search: Search, candidate: Candidate, region: Region) -> float:
+    """rms of what is left over that of replicas in a region, band by band as a candidate takes of them.
+
+    Replicas that are too noisy in a band say nothing about another.
+    """
+    ex, rows = search.examination, list(region.rows)
+    fall = np.maximum(_fall(search, candidate)[rows].sum(axis=0), 0.0)
+    left = ex.by_band(search.base.residual).sum(axis=0)[rows].sum(axis=0)
+    floor = (ex.replica_energy.mean(axis=0) * ex.count)[rows].sum(axis=0)
+    known = floor > 0
+    return float(np.sqrt(np.average(left[known] / floor[known], weights=fall[known] + 1e-300)))
+
+
+def _fall(search: Search, candidate: Candidate) -> np.ndarray:
+    """(n, bands) energy that a candidate takes of what is left."""
+    pairs = zip(falls(search.base, search.columns(candidate)), search.examination.bands, strict=True)
+    return np.sum([log @ inside for log, inside in pairs], axis=0)
 
 
 def region_of(search: Search, candidate: Candidate) -> Region:
@@ -161,9 +175,7 @@ def region_of(search: Search, candidate: Candidate) -> Region:
     from the lowest to the highest, in which it does. What shakes an arm at ten hertz says nothing about
     friction that changes once a second.
     """
-    ex, part = search.examination, search.rules.part
-    pairs = zip(falls(search.base, search.columns(candidate)), ex.bands, strict=True)
-    fall = np.sum([log @ inside for log, inside in pairs], axis=0)
+    part, fall = search.rules.part, _fall(search, candidate)
     of_row = fall.sum(axis=1)
     matters = (of_row >= part * max(float(of_row.max()), 1e-300)) & (of_row >= part * search.lacking)
     matters[int(np.argmax(of_row))] = True

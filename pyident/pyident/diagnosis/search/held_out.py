@@ -121,9 +121,16 @@ class HeldOut:
         """Energy beyond the floor that the search leaves on some equations of these logs; 0 without any."""
         if not self.equations:
             return 0.0
-        fitted, bands = _Fitted(search.chosen, *search.fitted(search.chosen)), bands_of(self.equations)
-        each = (self._residuals(search, fitted, anew) for anew in (False, True))
+        bands = bands_of(self.equations)
+        each = (self.residuals(search, anew) for anew in (False, True))
         return min(search.examination.excess(left, bands, rows)[0] for left in each)
+
+    def residuals(self, search: Search, anew: bool) -> list[np.ndarray]:
+        """Per log (n, E) what is left beside all that the search rests on.
+
+        anew   with parameters of the model that each log has for itself, not those of the fitted logs
+        """
+        return self._residuals(search, _Fitted(search.chosen, *search.fitted(search.chosen)), anew)
 
     def _share(
         self, search: Search, before: _Fitted, after: _Fitted, region: Region, carried: bool

@@ -1,0 +1,76 @@
+"""Where a model fails most, in words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flexmodels.coordinate import is_motor, is_torque, joint_number
+from pyident.comparison.bins import Bin
+from pyident.comparison.errors import LogErrors
+from pyident.comparison.trial import Trial
+
+_AT_FLOOR = 1.05  # times the floor: what is less reads as one
+_STAND_IN = "; how closely is the doing of the loop that stands in for a controller, so judge by the torques"
+
+
+@dataclass(frozen=True)
+class Fails:
+    """The parts that stand out most under the model's own parameters (values) and under refitted ones
+    (structure); None: nothing does.
+    """
+
+    values: Bin | None
+    structure: Bin | None
+
+    @property
+    def structural(self) -> bool:
+        """Whether what no other values mend stands out most."""
+        return self.structure is not None and not self._elsewhere
+
+    @property
+    def where(self) -> Bin | None:
+        return self.structure if self.structural else self.values
+
+    @property
+    def _elsewhere(self) -> bool:
+        """Whether values fail more, of another equation."""
+        values, structure = self.values, self.structure
+        if values is None or structure is None or values.coordinate == structure.coordinate:
+            return False
+        return values.ratio > structure.ratio
+
+    def sentence(self, tracks: bool) -> str:
+        """tracks: whether the simulations track the measured motion."""
+        if self.where is None:
+            return "Nothing stands out: the equations leave what the method itself leaves."
+        most = f"most at {_place(self.where)}: {self.where.ratio:.2g} times the floor"
+        if self.structural:
+            return f"It fails {most}."
+        left = self.structure
+        rest = "" if left is None else f" What these leave is most at {_place(left)}: {left.ratio:.2g} times."
+        how = "on these logs" if tracks else "with --refine"
+        mend = f"and other values take that away; identify it {how}."
+        return f"The values of its parameters are off, {most}, {mend}{rest}"
+
+
+def _place(where: Bin) -> str:
+    place = f"joint {joint_number(where.coordinate)}, {where.balance} side"
+    return f"{place}, {where.label}" if where.label else place
+
+
+def in_simulation(trial: Trial, errors: Sequence[LogErrors]) -> str:
+    """By how much simulations miss, in words."""
+    kinds = (is_torque,) if trial.tracks else ("tip".__eq__, is_motor)
+    missed = [(e.simulation[n], n) for told in kinds for e in errors for n in e.simulation if told(n)]
+    name = missed[0][1] if missed[0][1] == "tip" else max(missed, key=lambda pair: pair[0].ratio)[1]
+    error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
+    what = "the tip" if name == "tip" else f"joint {joint_number(name)}"
+    what += "'s torque" if trial.tracks else ""
+    by = f"{error.rmse:.3g} {error.unit} rms, {_over(error.ratio)}"
+    note = next((r.note for r in trial.judged if r.note), None)
+    why = f" The simulation follows the measured motion ({note}){_STAND_IN}." if note else ""
+    return f"In simulation {what} misses by {by}.{why}"
+
+
+def _over(ratio: float) -> str:
+    """An error beside its floor."""
+    return "no more than the floor" if ratio < _AT_FLOOR else f"{ratio:.2g} times the floor"
