@@ -12,9 +12,9 @@ from servo_pendulum import by_hand, pendulum
 
 import pyident as pi
 from flexmodels.experiment import Experiment
-from pyident.comparison.fails import in_simulation
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.export_cost import cost_of_export
+from pyident.comparison.fails import in_simulation
 from pyident.logs.log import Log, LogError
 from pyident.simulation.fmu_runs import FmuRuns
 
