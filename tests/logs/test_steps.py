@@ -171,3 +171,18 @@ def test_a_log_of_our_own_names_is_sent_to_the_import_where_that_fills_it():
     frame.loc[7:20, "joint1.tau"] = np.nan
     with pytest.raises(LogError, match=r"row 8 .*; cut the log there or fill the gap"):
         Log.from_frame(frame)
+
+
+@pytest.mark.parametrize(("honest", "said"), [(True, "time was uneven"), (False, "stamps jitter")])
+def test_stamps_that_jitter_beside_even_samples_are_no_clock(honest, said):
+    """A driver samples every 5 ms and a busy computer stamps; or it samples when it says."""
+    even = 0.005 * np.arange(2000)
+    stamps = even + 2e-4 * np.random.default_rng(1).standard_normal(len(even))
+    sampled = stamps if honest else even
+    frame = pd.DataFrame({"time": stamps, "q": np.sin(3 * sampled), "tau": np.cos(3 * sampled)})
+    frame = frame.drop(index=[700, 701])  # two were lost
+    log = map_frame(frame, MAPPING, "raw")
+    assert said in log.notes[0]
+    assert any("2 samples are missing" in note for note in log.notes) == (not honest)
+    time = log.frame["time"].to_numpy()
+    assert log.frame["joint1.e"].to_numpy() == pytest.approx(np.sin(3 * time), abs=1e-4)
