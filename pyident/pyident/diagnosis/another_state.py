@@ -32,7 +32,7 @@ class AnotherState:
     """A held-out log, one joint's equation of it, and the rms there over the floor's.
 
     carried   with the fitted logs' parameters;  own: with its own
-    differs   what of the joint makes most of the difference, in words, and by how much; empty: nothing alone
+    differs   what of the joint makes most of the difference, in words, and by how much; None: nothing alone
     """
 
     log: str
@@ -82,9 +82,8 @@ def _state(
     bands = bands_of([equations])
     floor = max(ex.excess([carried[number]], bands, [row])[1], 1e-300)
     far, near = (float(np.square(left[number][row]).sum()) for left in (carried, own))
-    by_chance = float(np.square(equations.A[row] @ ex.base.directions).sum()) * max(
-        beside.over_floor[row], 1.0
-    )
+    told_by = np.square(equations.A[row] @ ex.base.directions).sum()  # parameters of white noise
+    by_chance = float(told_by) * max(float(beside.over_floor[row]), 1.0)
     if far - near < _FAR**2 * (floor + _SURE * by_chance):
         return None
     differs = _differs(beside, equations, joint, carried[number][row])
