@@ -55,6 +55,18 @@ def test_units_stand_in_a_row_or_in_the_names(tmp_path):
     assert layout_of(tmp_path / "raw.csv").decimal == ","
 
 
+def test_points_between_thousands_are_no_decimal_signs(tmp_path):
+    """A column without commas may have decimal points of its own."""
+    rows = "".join(
+        f"{0.004 * i:.3f};1.{i:03d},50;{-2 * i},25;1.{i:03d}\n".replace("0.", "0,", 1) for i in range(9)
+    )
+    (tmp_path / "raw.csv").write_text(f"Zeit [s];M1 [Nm];M2 [Nm];x\n{rows}")
+    found = read_delimited(tmp_path / "raw.csv").columns
+    assert found["M1"].tolist() == [1000.5 + i for i in range(9)]
+    assert found["M2"][1] == -2.25
+    assert found["x"][1] == 1.001
+
+
 def test_a_text_without_numbers_is_explained(tmp_path):
     (tmp_path / "raw.csv").write_text("some,words\nand,others\n")
     with pytest.raises(LogError, match="no rows of numbers"):

@@ -8,7 +8,8 @@ import pandas as pd
 from pyident.logs.units import known_unit
 
 NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*|\s*(nan|inf|-inf)\s*", re.IGNORECASE)
-COMMA = re.compile(r"\s*[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?\s*")
+COMMA = re.compile(r"\s*[-+]?(\d{1,3}(\.\d{3})+,\d*|\d+,?\d*|,\d+)([eE][-+]?\d+)?\s*")
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(\.\d{3})+(,\d*)?")  # 1.234,56
 _DAY = r"\d{4}[-/.]\d\d[-/.]\d\d|\d{1,2}[./]\d{1,2}[./]\d{4}"
 _DATE = re.compile(rf"\s*({_DAY}),?[T ]\s*\d\d?:\d\d.*")
 _OF_THE_DAY = re.compile(r"\s*\d{1,2}:\d\d:\d\d([.,]\d+)?\s*")
@@ -49,12 +50,23 @@ def numbers_of(name: str, column: pd.Series, joints: list[str], decimal: str) ->
     text = column.astype(str).str.strip()
     if sum(map(is_list, text)) > 0.9 * len(text):
         return _lists(name, text, joints)
-    plain = text.str.replace(decimal, ".", regex=False)
+    plain = with_points(text, decimal)
     numbers = np.asarray(pd.to_numeric(plain, errors="coerce"), float)
     if np.isfinite(numbers).mean() > 0.5:
         return {name: numbers}
     seconds = _seconds(text) if len(text) and is_stamp(text.iloc[0]) else None
     return {} if seconds is None else {name: seconds}
+
+
+def with_points(text: pd.Series, decimal: str) -> pd.Series:
+    """Numbers with the decimal sign of a table as others write them, without points between thousands where
+    the column has numbers with both signs.
+    """
+    if decimal == ",":
+        grouped = text.str.fullmatch(_THOUSANDS)
+        if (grouped & text.str.contains(",", regex=False)).any():
+            text = text.where(~grouped, text.str.replace(".", "", regex=False))
+    return text.str.replace(decimal, ".", regex=False)
 
 
 def _lists(name: str, text: pd.Series, joints: list[str]) -> dict[str, np.ndarray]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pyident.logs.formats.cells import NUMBER, is_list, list_parts, numbers_of
+from pyident.logs.formats.cells import NUMBER, is_list, list_parts, numbers_of, with_points
 from pyident.logs.formats.interleaved import with_own_clocks
 from pyident.logs.formats.joint_rows import by_joint
 from pyident.logs.formats.joint_states import message_names, with_joint_names
@@ -114,7 +114,7 @@ def _words_at_the_end(frame: pd.DataFrame, decimal: str) -> int:
     for at in frame.columns:
         if pd.api.types.is_numeric_dtype(frame[at]):
             continue
-        text = frame[at].astype(str).str.strip().str.replace(decimal, ".", regex=False)
+        text = with_points(frame[at].astype(str).str.strip(), decimal)
         numbers = np.asarray(pd.to_numeric(text, errors="coerce"), float)
         wrong = np.isnan(numbers) & np.asarray(frame[at].notna())
         if wrong.mean() < _WORDS:
