@@ -38,6 +38,7 @@ from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.unexplained.bursts import in_bursts
+from pyident.diagnosis.unexplained.other_torques import follow_other_torques
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.loads.swinging_drive import from_values
@@ -48,7 +49,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     ex, robot = search.examination, search.robot
     beside = search.resting_on(selection.candidates)
     findings = tuple(_finding(search, selection, i, held) for i in range(len(selection.steps)))
-    places = tuple(_places(search, beside, selection))
+    places = tuple(_places(search, beside, selection, held))
     rows = rows_over_floor(ex)
     worst = rows[int(np.argmax(search.over_floor))]
     steps = selection.steps
@@ -200,7 +201,7 @@ def percent(energy: float, search: Search) -> float:
     return 100 * energy / max(search.excess, energy, 1e-300)
 
 
-def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Place]:
+def _places(search: Search, beside: Search, selection: Selection, held: HeldOut) -> Iterator[Place]:
     robot = search.robot
     before, after = search.over_floor, beside.over_floor
     floor = (100 * floor_shares(search.examination)).tolist()
@@ -208,10 +209,12 @@ def _places(search: Search, beside: Search, selection: Selection) -> Iterator[Pl
     used = search.examination.used
     out, above = beside.standing_out, bands_standing_out(search.examination, beside.base)
     doubted = bands_in_doubt(search.examination, beside.base)
+    rows = [row for row in range(len(robot.joints)) if doubted[row].any() and not above[row].any()]
+    following = follow_other_torques(beside, held, rows)
     for row, coordinate in enumerate(robot.q):
         refusal = next((r for r in selection.refusals if row in r.region.rows), None)
         bands = above[row]
-        if refusal is not None and refusal.certain:
+        if row in following or (refusal is not None and refusal.certain):
             bands = bands | doubted[row]
         left = bool(out[row] or bands.any())
         calm = "in_order" if used[row] else "unobserved"
