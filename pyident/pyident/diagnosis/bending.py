@@ -222,7 +222,10 @@ def _sought(search: Search, fit: _Fit) -> _Fit:
         odd = sum(np.log(max(told[k] / s.compliance, 1e-3)) ** 2 for k, s in tried.swings.items())
         return -found.energy * (1 - search.rules.part * odd)
 
-    start = np.log([astuple(spring) for spring in fit.swings.values()]).ravel()
+    sizes = np.array([astuple(spring) for spring in fit.swings.values()])
+    if (sizes <= 0).any():
+        return fit  # a spring that pushes is none
+    start = np.log(sizes).ravel()
     simplex = start + np.vstack([np.zeros(len(start)), np.diag(np.tile([0.2, 0.7], len(fit.swings)))])
     options = {"initial_simplex": simplex, "maxfev": _LOOKS * len(fit.swings), "fatol": 1.0, "xatol": 0.01}
     return at(minimize(left, start, method="Nelder-Mead", options=options).x)

@@ -129,3 +129,9 @@ def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypa
     )
     search: Any = None
     assert list(bending._further(search, fit, [1, 2, 3]).drives) == [2]
+
+
+def test_a_spring_that_pushes_is_not_looked_about():
+    nothing: Any = None
+    fit = bending._Fit(arm(), {2: Spring(-1e-6, 0.1)}, 0.0)
+    assert bending._sought(nothing, fit) is fit
