@@ -62,7 +62,8 @@ def _columns(
     logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int, joint: int
 ) -> list[dict[int, np.ndarray]]:
     """Per log: row -> (E, 1)."""
-    raw = [log.part.motion.tau[:, [joint]] for log in logs]
+    motions = [log.part.motion for log in logs]
+    raw = [np.zeros((len(m.q), 1)) if m.tau is None else m.tau[:, [joint]] for m in motions]
     return [dict(log) for log in whitened_columns(raw, logs, levels, row)]
 
 
