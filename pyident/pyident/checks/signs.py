@@ -6,8 +6,8 @@ be negative beside a hose, too; and a torque whose friction brakes much has the 
 seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it. A
 wrong sign turns inertia round as well as friction. Reversed rows turn friction round alone, but that of every
 joint: where another joint's brakes, what seems to drive here is a law that the model lacks, as a load that
-sloshes, or a tool that spins. It is one, too, where all torques together leave more once those of the joints
-that seem to be driven are turned: a body shows at several joints.
+sloshes, or a tool that spins. It is one, too, where all torques together leave much more once those of the
+joints that seem to be driven are turned: a body shows at several joints.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,7 +27,9 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 _BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
 _DRIVEN = "friction would feed energy in"
-_ROUNDED = 1e-3  # of what is left: torques that share no body are as well turned as not
+_WORSE = (
+    2.0  # times what is left: turned torques that fit so badly; less is nothing where joints share little
+)
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
@@ -47,7 +49,7 @@ def against(of: Balances) -> dict[int, str]:
     """Joints (from 0) whose torque must have the other sign, and why."""
     reasons = {k: reason for k in of.joints if (reason := _reason(_Joint(of, k))) is not None}
     driven = [k for k, reason in reasons.items() if reason == _DRIVEN]
-    if driven and _any_brakes(of, driven) and _left(of, driven) > (1 + _ROUNDED) * _left(of, []):
+    if driven and _any_brakes(of, driven) and _left(of, driven) > _WORSE * _left(of, []):
         return {k: reason for k, reason in reasons.items() if k not in driven}
     return reasons
 
