@@ -87,7 +87,9 @@ def _state(
     if far - near < _FAR**2 * (floor + _SURE * by_chance):
         return None
     differs = _differs(beside, equations, joint, carried[number][row])
-    return AnotherState(log.source, joint, float(np.sqrt(far / floor)), float(np.sqrt(near / floor)), differs)
+    fitted = {part.source for part in ex.setting.logs}
+    name = f"the held-out part of {log.source}" if log.source in fitted else log.source
+    return AnotherState(name, joint, float(np.sqrt(far / floor)), float(np.sqrt(near / floor)), differs)
 
 
 def _differs(beside: Search, log: Equations, joint: int, left: np.ndarray) -> tuple[str, str] | None:

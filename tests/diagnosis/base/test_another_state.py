@@ -1,5 +1,7 @@
 """Held-out logs of an arm in another state than in the fitted log: what is said of them."""
 
+from dataclasses import replace
+
 import pytest
 from six_axis_logs import arm, made, plain
 
@@ -51,6 +53,11 @@ def test_what_differs_in_a_held_out_log_is_told(search, change, friction, joint,
     assert f"times its floor at {joint}, where {told} differs" in found.sentence
     (note,) = [n for n in found.notes if "times with its own" in n]
     assert size in note
+
+
+def test_a_part_of_the_fitted_log_is_called_one(search):
+    held = replace(made(arm(), 7, colder, 20.0), source="log 0")
+    assert "But the held-out part of log 0 leaves" in concluded(search, never, [held]).sentence
 
 
 def test_a_log_in_the_same_state_is_not_spoken_of(search):
