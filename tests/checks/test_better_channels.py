@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from pyident.checks import better_channels
-from pyident.checks.better_channels import Misfit
+from pyident.checks.better_channels import Misfit, _suits_one
 
 
 @pytest.mark.parametrize(
@@ -18,8 +17,6 @@ from pyident.checks.better_channels import Misfit
         ({3: 0.3}, {3: 0.01}, False),
     ],
 )
-def test_what_suits_another_joint_alone_is_no_change_of_this_one(before, after, alone, monkeypatch):
-    monkeypatch.setattr(better_channels, "_misfits", lambda *_: (Misfit(after), Misfit(before)))
+def test_what_suits_another_joint_alone_is_no_change_of_this_one(before, after, alone):
     change: Any = SimpleNamespace(joints=[3])
-    nothing: Any = None
-    assert better_channels._suits_one(nothing, change) == alone
+    assert _suits_one(Misfit(after), Misfit(before), change) == alone

@@ -84,13 +84,14 @@ def best_change(of: Balances, placed: bool = True) -> Better | None:
         if not (looped and change.moves) and not any(map(change.exchanges, resting))
     ]
     start = balances(few)
-    tried = [(*_beside(start, change), i, change) for i, change in enumerate(changes)]
+    tried = [(*_shares(_misfits(start, change)), i, change) for i, change in enumerate(changes)]
     tried.sort(key=lambda shares: (shares[0] - shares[1], shares[2]))
-    best = [(*_beside(of, change), i, change) for _, _, i, change in tried[:_JUDGED]]
-    left, now_so, _, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
+    judged = [(_misfits(of, change), i, change) for _, _, i, change in tried[:_JUDGED]]
+    best = [(*_shares(misfits), i, misfits, change) for misfits, i, change in judged]
+    left, now_so, _, misfits, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
     guessed = change.kind == "order" and not placed
-    far = _far(left, now_so) and (guessed or _far(*_beside(of, change, hoses=True)))
-    far = far and not _suits_one(of, change)
+    far = _far(left, now_so) and (guessed or _far(*_shares(_misfits(of, change, hoses=True))))
+    far = far and not _suits_one(*misfits, change)
     return Better(change, left, now_so) if far else None
 
 
@@ -186,11 +187,10 @@ def _lost(of: Balances, k: int, left: float) -> bool:
     return left > max(LOG_CHECKS.unexplained * of.variance(k), LOG_CHECKS.material**2 * whole)
 
 
-def _suits_one(of: Balances, change: Transformation) -> bool:
+def _suits_one(after: Misfit, before: Misfit, change: Transformation) -> bool:
     """Whether a change only suits one joint, of which one that hardly moves tells too little: the joints that
     it is about are explained less with it, or all others than that one.
     """
-    after, before = _misfits(of, change)
     gains = {k: before.each[k] - left for k, left in after.each.items()}
     most = max(gains, key=lambda k: gains[k])
     parts = ([k for k in gains if k in change.joints], [k for k in gains if k != most])
@@ -199,9 +199,9 @@ def _suits_one(of: Balances, change: Transformation) -> bool:
     )
 
 
-def _beside(of: Balances, change: Transformation, hoses: bool = False) -> tuple[float, float]:
-    """Shares left with the change and without it, as of `_misfits`."""
-    after, before = _misfits(of, change, hoses)
+def _shares(misfits: tuple[Misfit, Misfit]) -> tuple[float, float]:
+    """Left with a change and without it, as of `_misfits`."""
+    after, before = misfits
     return (after.share, before.share) if after.each else (float("inf"), 0.0)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from flexmodels.coordinate import motor_of, torque_of
 from flexmodels.joint import parameter_name
 from pyident.checks.balances import Balances, solved
+from pyident.checks.better_channels import misfit
 from pyident.checks.defect import Defect
 from pyident.conditioning.motion import Motion
 from pyident.regression.regressor import regressor
@@ -27,9 +28,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 _BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
 _DRIVEN = "friction would feed energy in"
-_WORSE = (
-    2.0  # times what is left: turned torques that fit so badly; less is nothing where joints share little
-)
+_WORSE = 2.0  # times what is left: turned torques that fit so badly; where joints share little it is less
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
@@ -63,15 +62,10 @@ def _reason(joint: "_Joint") -> str | None:
 
 
 def _left(of: Balances, turned: Sequence[int]) -> float:
-    """Energy that one set of parameters leaves of all torques, each over its own, those `turned` negative."""
-    A, b, whole = np.zeros_like(of.normal[0]), np.zeros(len(of.columns)), 0.0
-    for k in of.joints:
-        right, energy = of.right(k, of.torque[:, [k]])
-        weight = 1 / max(float(energy[0]), 1e-300)
-        A += weight * of.normal[k]
-        b += (-weight if k in turned else weight) * right[:, 0]
-        whole += weight * float(energy[0])
-    return whole - float(b @ solved(A, b[:, None])[0][:, 0])
+    """Share of all torques that one set of parameters leaves, those `turned` negative."""
+    signs = np.ones(of.torque.shape[1])
+    signs[list(turned)] = -1.0
+    return misfit(of, np.diag(signs)).share
 
 
 def _goes_forwards(joint: "_Joint") -> bool:

@@ -62,7 +62,7 @@ def certain_mapping(files: Sequence[str | Path], robot: Robot | None = None) -> 
         source = ", ".join(map(str, files))
         cure = "give the mapping that `pyident log inspect` writes, answered, by --mapping"
         raise LogError(f"{source}: {found.questions[0]}; {cure}")
-    return replace(found.mapping, header=found.header)
+    return found.mapping
 
 
 def _proposal(read: list[tuple[Path, Recording]], robot: Robot | None, rate: float | None) -> Proposal:

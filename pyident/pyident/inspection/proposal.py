@@ -1,7 +1,7 @@
 """The proposed mapping of a recording: what is known, what is asked, and the file that says so."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pyident.inspection.channel import Channel
@@ -32,7 +32,7 @@ class Proposal:
     @property
     def mapping(self) -> Mapping:
         """What the guesses come to."""
-        return mapping_of(list(self.channels), self.rate)
+        return replace(mapping_of(list(self.channels), self.rate), header=self.header)
 
     def json(self) -> dict[str, Any]:
         return {

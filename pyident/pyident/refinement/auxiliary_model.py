@@ -35,10 +35,7 @@ from pyident.refinement.instruments.instrumental_covariance import (
 )
 from pyident.refinement.instruments.one_round import Round, next_round
 from pyident.refinement.instruments.positions_late import Late, positions_late
-from pyident.refinement.instruments.simulated_rows import (
-    Repeated,
-    in_memory,
-)
+from pyident.refinement.instruments.simulated_rows import Repeated, in_memory
 from pyident.refinement.instruments.stand_in import driven, smoothed
 from pyident.refinement.instruments.starts import Begun, begun, nearest
 from pyident.regression.loads.bodies import reads_load

@@ -116,7 +116,9 @@ def along(
     if known is None:
         white = [NoiseSpectrum.white(sigma, log.period) for sigma in noise]
         spectra = dict(zip(robot.coordinates, white, strict=True))
-        spectra |= _torque_noise(robot, log, motion, p, repetition_of(measured, noise), corners, periodic)
+        step = np.array([steps[name] for name in robot.coordinates])
+        alone, repeats = step**2 / 12 > _ALONE * noise**2, repetition_of(measured, noise)
+        spectra |= _torque_noise(robot, log, motion, p, repeats, corners, alone, periodic)
     else:
         spectra = {name: NoiseSpectrum.white(known[name], log.period) for name in names}
     apart = {name: spectrum.without_rounding(steps[name]) for name, spectrum in spectra.items()}
@@ -152,20 +154,24 @@ def _torque_noise(
     p: np.ndarray,
     repeats: Repetition | None,
     corners: Sequence[float],
+    alone: np.ndarray,
     periodic: PeriodicRules,
 ) -> dict[str, NoiseSpectrum]:
     """Torque -> its noise.
 
     repeats   where the motion does;  corners: of the coordinates, as of `reached`
+    alone     (n,) whether rounding is most of a coordinate's noise
     """
     joints = len(robot.joints)
     tau = log.signals(robot.torques)
-    left = tau - generalised_forces(robot, motion, p)[:, :joints]
+    forces = generalised_forces(robot, motion, p)[:, :joints]
+    left = tau - forces
     signs = signs_known(robot, motion.dq, speed_products(motion.dq, joints)) > 0
     out, ends = {}, ends_of(len(left), [blurred(corner) for corner in corners])
     above = 2 * max(corners) * 0.5 / log.period
-    rounding = _rounding(log.signals(robot.coordinates), motion.q, above, log.period) if repeats else None
-    shaken = _shaken(robot, motion, p, rounding) if rounding else []
+    beside = (log.signals(robot.coordinates) - motion.q) * alone
+    rounding = Rounding.of(beside, above, log.period) if repeats else None
+    shaken = _shaken(robot, motion, p, rounding, forces) if rounding else []
     for k, name in enumerate(robot.torques):
         speed = motion.dq[:, k]
         known = away_from_rest(speed, float(np.mean(speed**2))) & signs[:, k]
@@ -187,18 +193,16 @@ def _torque_noise(
     return out
 
 
-def _rounding(measured: np.ndarray, q: np.ndarray, above: float, period: float) -> Rounding | None:
-    """Of encoders (N, n) whose noise is little else, beside a smooth motion (N, n) that ends `above` [Hz]."""
-    step = np.array([resolution(x) for x in measured.T])
-    alone = step**2 / 12 > _ALONE * np.square([channel_noise(x) for x in measured.T])
-    return Rounding.of((measured - q) * alone, above, period)
+def _shaken(
+    robot: Robot, motion: Motion, p: np.ndarray, rounding: Rounding, forces: np.ndarray
+) -> list[NoiseSpectrum]:
+    """Torque of every joint, by parameters p (P,), of the shaking that encoders' noise has hidden.
 
-
-def _shaken(robot: Robot, motion: Motion, p: np.ndarray, rounding: Rounding) -> list[NoiseSpectrum]:
-    """Torque of every joint, by parameters p (P,), of the shaking that encoders' noise has hidden."""
+    forces   (N, joints) of the motion without it
+    """
     moved = replace(motion, ddq=motion.ddq + rounding.shaken)
-    torque = generalised_forces(robot, moved, p) - generalised_forces(robot, motion, p)
-    return [rounding.spectrum(x) for x in torque[:, : len(robot.joints)].T]
+    torque = generalised_forces(robot, moved, p)[:, : forces.shape[1]] - forces
+    return [rounding.spectrum(x) for x in torque.T]
 
 
 def _of_highest(rest: np.ndarray, moving: np.ndarray, period: float) -> NoiseSpectrum:

@@ -89,11 +89,17 @@ def can_be(error: Candidate, value: np.ndarray) -> bool:
 def _deviations(search: Search, candidate: Candidate, moving: Sequence[np.ndarray]) -> float:
     """Standard deviations of a coefficient from zero, where the motion is not noise alone."""
     beside = search.with_further([candidate]).base.residual
+    clear = [[r[at] for r, at in zip(left, moving, strict=True)] for left in (search.base.residual, beside)]
+    return deviations(*clear)
+
+
+def deviations(before: Sequence[np.ndarray], after: Sequence[np.ndarray]) -> float:
+    """Standard deviations from zero of a coefficient, coloured noise, by what is left without and with it."""
     fall, variance = 0.0, 0.0
-    for before, after, clear in zip(search.base.residual, beside, moving, strict=True):
-        fall += float((np.square(before) - np.square(after))[clear].sum())
-        variance += float((np.square(before - after) * np.square(after))[clear].sum())
-    return fall / max(np.sqrt(variance), 1e-300)
+    for without, beside in zip(before, after, strict=True):
+        fall += float((np.square(without) - np.square(beside)).sum())
+        variance += float((np.square(without - beside) * np.square(beside)).sum())
+    return fall / max(float(np.sqrt(variance)), 1e-300)
 
 
 def _in_replicas(search: Search, candidate: Candidate) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from pyident.diagnosis.base.projection import Base, extended, gain
 from pyident.diagnosis.search.held_out import HeldOut
+from pyident.diagnosis.search.measured import deviations
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.unexplained.smooth import whitened_columns
 from pyident.regression.spectrum import Equations
@@ -45,17 +46,16 @@ def _follows(beside: Search, held: HeldOut, row: int, joint: int) -> bool:
     fitted = _size(beside.base, X)
     if abs(fitted.value) < rules.chance * fitted.std:
         return False
-    found = []
-    for log, base in held.beside(beside):
-        own = _columns([log], [ex.floor.at(log.band)], row, joint)
-        found.append(_size(base, own))
-    return all(_alike(fitted, size, rules.again) for size in found)
+    own = (
+        _size(base, _columns([log], [ex.floor.at(log.band)], row, joint)) for log, base in held.beside(beside)
+    )
+    return all(_alike(fitted, unseen, rules.again) for unseen in own)
 
 
-def _alike(fitted: _Size, unseen: _Size, deviations: float) -> bool:
-    """Whether held-out logs show a coefficient, and the same one."""
-    apart = deviations * float(np.hypot(fitted.std, unseen.std))
-    return abs(unseen.value) >= deviations * unseen.std and abs(unseen.value - fitted.value) <= apart
+def _alike(fitted: _Size, unseen: _Size, again: float) -> bool:
+    """Whether held-out logs show a coefficient, and the same one, within so many standard deviations."""
+    apart = again * float(np.hypot(fitted.std, unseen.std))
+    return abs(unseen.value) >= again * unseen.std and abs(unseen.value - fitted.value) <= apart
 
 
 def _columns(
@@ -68,11 +68,5 @@ def _columns(
 
 
 def _size(base: Base, X: Sequence[dict[int, np.ndarray]]) -> _Size:
-    taken = gain(base, X)
-    after = extended(base, X).residual
-    pairs = list(zip(base.residual, after, strict=True))
-    fall = sum(float((np.square(r) - np.square(a)).sum()) for r, a in pairs)
-    variance = sum(float((np.square(r - a) * np.square(a)).sum()) for r, a in pairs)
-    deviations = fall / max(float(np.sqrt(variance)), 1e-300)
-    value = float(taken.coefficients[0])
-    return _Size(value, abs(value) / max(deviations, 1e-300))
+    value = float(gain(base, X).coefficients[0])
+    return _Size(value, abs(value) / max(deviations(base.residual, extended(base, X).residual), 1e-300))
