@@ -94,7 +94,10 @@ def _deviations(search: Search, candidate: Candidate, moving: Sequence[np.ndarra
 
 
 def deviations(before: Sequence[np.ndarray], after: Sequence[np.ndarray]) -> float:
-    """Standard deviations from zero of a coefficient, coloured noise, by what is left without and with it."""
+    """Standard deviations from zero of a coefficient under coloured noise.
+
+    before, after   what is left without and with it, per log (n, E) or any (E,) of these
+    """
     fall, variance = 0.0, 0.0
     for without, beside in zip(before, after, strict=True):
         fall += float((np.square(without) - np.square(beside)).sum())
