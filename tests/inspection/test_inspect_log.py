@@ -2,6 +2,7 @@
 
 import json
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -144,6 +145,18 @@ def test_the_rate_is_in_the_unit_of_the_time(tmp_path):
     )
     found = inspect_log([tmp_path / "a.csv"])
     assert [channel.rate for channel in found.channels] == pytest.approx([500.0, 500.0])
+
+
+def test_the_rate_of_a_column_is_that_of_its_own_clock(tmp_path):
+    fast, slow = np.arange(0, 2, 0.001), np.arange(0, 2, 0.0025)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.update({"fast/time": fast, "fast/q1": np.sin(fast), "odd/current1": np.cos(slow[::7])})
+        file.update({"slow/time": slow, "slow/torque1": np.cos(slow)})
+    found = inspect_log([tmp_path / "a.h5"])
+    rates = {channel.column: channel.rate for channel in found.channels}
+    assert np.isnan(rates["odd/current1"])  # no clock is as long
+    for name, at in (("fast/time", 1000), ("fast/q1", 1000), ("slow/time", 400), ("slow/torque1", 400)):
+        assert rates[name] == pytest.approx(at)
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def inspect_command(
     for c in found.channels:
         what = "?" if c.signal == "unknown" else c.name or c.signal
         mark = "" if c.name is None else "" if c.sure else "  ?"
-        at = "" if c.rate != c.rate else f"{c.rate:.4g} Hz  "
+        at = f"{'' if c.rate != c.rate else f'{c.rate:.4g} Hz':9}"
         turned = "sign -1 " if c.sign < 0 else ""
         show(
             f"{c.column:<{width}}  {at}{c.low:>11.4g} … {c.high:<11.4g}  {what} {c.unit or ''} {turned}{mark}"

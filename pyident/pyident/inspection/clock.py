@@ -121,9 +121,9 @@ def _longest(recording: Recording) -> int:
 
 
 def rate(recording: Recording, name: str, clock: str | None) -> float:
-    """Samples of a column per unit of its own clock, or of the recording's; NaN without one."""
-    own = recording.clocks.get(name, clock)
-    if own is None:
+    """Samples of a column per unit of its own clock, or of the recording's; NaN without one of its length."""
+    own = name if name in recording.clocks.values() else recording.clocks.get(name, clock)
+    if own is None or len(recording.columns[own]) != len(recording.columns[name]):
         return float("nan")
     step = usual_step(np.asarray(recording.columns[own], float))
     return 1 / step if step > 0 else float("nan")

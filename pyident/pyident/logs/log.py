@@ -110,7 +110,9 @@ def read_log(path: str | Path, columns: Mapping[str, Column] | None = None) -> L
         raise LogError(no_log(path))
     readers = {".csv": _read_csv, ".parquet": pd.read_parquet, ".mat": _read_mat}
     if path.suffix not in readers:
-        raise LogError(f"{path}: a log must end in .csv, .parquet or .mat")
+        raise LogError(
+            f"{path}: a log must end in .csv, .parquet or .mat; pyident log import makes one of other files"
+        )
     with reading(path):
         frame = renamed(readers[path.suffix](path), columns or {}, str(path))
     return Log.from_frame(frame, str(path))

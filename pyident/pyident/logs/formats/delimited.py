@@ -1,19 +1,16 @@
 """CSV of any kind: its layout is found, rows that are none are left out, columns become numbers."""
 
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from pyident.logs.formats.cells import NUMBER, is_list, list_parts, numbers_of, with_points
-from pyident.logs.formats.interleaved import with_own_clocks
-from pyident.logs.formats.joint_rows import by_joint
-from pyident.logs.formats.joint_states import message_names, with_joint_names
+from pyident.logs.formats.joint_states import message_names
 from pyident.logs.formats.layout import Layout, layout_of, split
-from pyident.logs.formats.recording import Recording, with_whole_stamps
-from pyident.logs.log import LogError
+from pyident.logs.formats.recording import Recording
+from pyident.logs.formats.table import recording_of
 
 _WORDS = 0.1  # of a column of numbers
 _TAIL = 1 << 16  # bytes of the end of a file, which hold its last line
@@ -40,20 +37,7 @@ def read_delimited(path: Path, header: bool = True) -> Recording:
             texts[name] = column
         if layout.units and int(at) < len(layout.units) and layout.units[at]:
             units |= dict.fromkeys(leaves, str(layout.units[at]))
-    columns, left = with_joint_names(with_whole_stamps(columns), texts)
-    if not columns:
-        raise LogError(f"{path} holds no column of numbers")
-    split = by_joint(columns, {name: texts[name] for name in left}, str(path))
-    if split is not None:
-        return _of_joints(split, units, found is not None, notes)
-    columns, clocks = with_own_clocks(columns)
-    return Recording(columns, units, clocks, found is not None, tuple(notes), tuple(left))
-
-
-def _of_joints(split: Recording, units: dict[str, str], header: bool, notes: list[str]) -> Recording:
-    """A table that was split by its joints, with the units and the notes of the table."""
-    own = {n: unit for n in split.columns for name, unit in units.items() if f".{n}".endswith(f".{name}")}
-    return replace(split, units=own, header=header, notes=(*notes, *split.notes))
+    return recording_of(columns, texts, str(path), units, found is not None, notes)
 
 
 def _told_apart(names: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:

@@ -1,5 +1,6 @@
-"""MAT and HDF5 files: variables, structs, groups; MAT 7.3 is HDF5 and needs the extra `hdf5`."""
+"""MAT, NumPy and HDF5 files: variables, structs, groups; MAT 7.3 is HDF5 and needs the extra `hdf5`."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,13 @@ def read_mat(path: Path) -> Recording:
     return _long(path, columns, {})
 
 
+def read_npz(path: Path) -> Recording:
+    """Arrays of a NumPy archive by name, field and row of a matrix. Raises LogError."""
+    with np.load(path, allow_pickle=False) as file:
+        columns = {name: x for key in file.files for name, x in _fields(key, _squeezed(file[key]))}
+    return _long(path, columns, {})
+
+
 def read_hdf5(path: Path, separator: str = "/") -> Recording:
     """Vectors of the data sets; an attribute `unit` or `units` is kept. Raises LogError."""
     try:
@@ -42,12 +50,7 @@ def read_hdf5(path: Path, separator: str = "/") -> Recording:
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
         place = name.replace("/", separator)
-        if item.dtype.names:
-            found = [
-                leaf for part in item.dtype.names for leaf in leaves(f"{place}{separator}{part}", item[part])
-            ]
-        else:
-            found = list(leaves(place, _squeezed(item[()])))
+        found = list(_fields(place, _squeezed(item[()]), separator))
         columns.update(found)
         for key in ("unit", "units"):
             if key in item.attrs and (unit := known_unit(_text(item.attrs[key]))):
@@ -74,6 +77,14 @@ def _long(path: Path, columns: dict[str, np.ndarray], units: dict[str, str]) -> 
             if name not in times and near:
                 clocks[name] = near[0]
     return Recording(kept, units, clocks)
+
+
+def _fields(name: str, table: np.ndarray, separator: str = ".") -> Iterator[tuple[str, np.ndarray]]:
+    """Vectors of an array, or of the fields of a table of records."""
+    if not table.dtype.names:
+        yield from leaves(name, table)
+    for part in table.dtype.names or ():
+        yield from leaves(f"{name}{separator}{part}", table[part])
 
 
 def _last(name: str) -> str:

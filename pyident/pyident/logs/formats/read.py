@@ -1,13 +1,20 @@
 """Any file of a recording -> its columns, by its ending."""
 
+import bz2
+import gzip
+import lzma
+import shutil
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from pyident.logs.formats.recording import Recording
 from pyident.logs.log import LogError, no_log
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 BAGS = (".mcap", ".bag", ".db3")
-ENDINGS = (*TEXTS, ".parquet", ".mat", ".h5", ".hdf5", *BAGS)
+OBJECTS = (".json", ".jsonl", ".ndjson")
+PACKED = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
+ENDINGS = (*TEXTS, ".parquet", ".mat", ".npz", ".h5", ".hdf5", *OBJECTS, *BAGS)
 
 
 def read_recording(path: Path, header: bool = True, episode: int | None = None) -> Recording:
@@ -20,6 +27,8 @@ def read_recording(path: Path, header: bool = True, episode: int | None = None) 
     if not path.exists():
         raise LogError(no_log(path))
     try:
+        if path.suffix.lower() in PACKED:
+            return _unpacked(path, header, episode)
         return _read(path, header, episode)
     except LogError:
         raise
@@ -27,6 +36,18 @@ def read_recording(path: Path, header: bool = True, episode: int | None = None) 
         what = path.suffix[1:] or "a folder"
         said = (str(error) or type(error).__name__).splitlines()[0]
         raise LogError(f"{path} cannot be read as {what} ({said})") from None
+
+
+def _unpacked(path: Path, header: bool, episode: int | None) -> Recording:
+    """The file within a packed one (`log.csv.gz`), unpacked beside nothing of the user's."""
+    with TemporaryDirectory() as folder:
+        inside = Path(folder) / path.stem
+        with PACKED[path.suffix.lower()](path) as packed, inside.open("wb") as file:
+            shutil.copyfileobj(packed, file)
+        try:
+            return _read(inside, header, episode)
+        except LogError as error:
+            raise LogError(str(error).replace(str(inside), str(path))) from None
 
 
 def _read(path: Path, header: bool, episode: int | None) -> Recording:
@@ -49,8 +70,16 @@ def _read(path: Path, header: bool, episode: int | None) -> Recording:
         from pyident.logs.formats.delimited import read_delimited
 
         return read_delimited(path, header)
-    if ending in (".mat", ".h5", ".hdf5"):
-        from pyident.logs.formats.hierarchical import read_hdf5, read_mat
+    if ending in OBJECTS:
+        from pyident.logs.formats.objects import read_json
 
-        return read_mat(path) if ending == ".mat" else read_hdf5(path)
-    raise LogError(f"{path}: a log must end in {', '.join(ENDINGS)}, or be the folder of a bag or data set")
+        return read_json(path)
+    if ending in (".mat", ".npz", ".h5", ".hdf5"):
+        from pyident.logs.formats import hierarchical
+
+        readers = {".mat": hierarchical.read_mat, ".npz": hierarchical.read_npz}
+        return readers.get(ending, hierarchical.read_hdf5)(path)
+    raise LogError(
+        f"{path}: a log must end in {', '.join(ENDINGS)}, be one of these packed ({', '.join(PACKED)}), or "
+        "the folder of a bag or data set"
+    )
