@@ -1,5 +1,6 @@
 """Hidden torques of known form, and what is said about them."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -90,6 +91,22 @@ def test_a_hum_is_found_at_its_frequency(fmu):
     assert first.amplitude == pytest.approx(0.8, rel=0.05)
     assert first.share_percent > 90
     assert "motor side of joint 1: depends on a frequency of 6.37" in found.sentences[0]
+
+
+def test_a_brake_is_said_to_drag_from_an_instant_on(fmu):
+    found = said(recorded(fmu, lambda e, de, t: 0.8 * (t > 7.13) * np.tanh(20 * de)))[1]
+    first = found.dependences[0]
+    assert (first.on, first.form) == ("time", "friction")
+    assert first.amplitude == pytest.approx(0.8, rel=0.05)
+    instant = re.search(r"depends on time, from about ([\d.]+) s on, as friction", found.sentences[0])
+    assert instant is not None
+    assert float(instant[1]) == pytest.approx(7.13, abs=0.15)
+
+
+def test_a_force_that_grows_with_time_has_no_instant(fmu):
+    found = said(recorded(fmu, lambda e, de, t: 0.1 * t * np.tanh(20 * de)))[1]
+    assert found.dependences[0].on == "time"
+    assert "time, as friction" in found.sentences[0]
 
 
 def test_a_force_over_the_position_is_drawn(bumpy):

@@ -27,6 +27,7 @@ from pyident.diagnosis.unexplained.smooth import (
     spline_columns,
     variables,
 )
+from pyident.diagnosis.unexplained.sudden import sudden_change
 from pyident.regression.spectrum import Equations
 
 
@@ -41,7 +42,8 @@ class Dependence:
     share_percent   of all that exceeds the floor
     pretended       gain of the same term in replicas, in energy;  gain: in the data
     x, force        the curve [SI; N m], or the spectrum: frequencies or orders and amplitudes
-    at, amplitude   of a peak [Hz or per turn; N m, or rad where an angle is misread], else None
+    at, amplitude   of a peak [Hz or per turn; N m, or rad where an angle is misread], else None; of a step in
+                    time its size
     rivals          signals that explain nearly as much, in words;  rival_signals: their names
     """
 
@@ -84,6 +86,7 @@ class RowSearch:
         self.rules = examination.setting.rules.unexplained
         self.periods = examination.setting.rules.periodic
         self.logs, self.levels = examination.logs, examination.levels
+        self.sources = [log.source for log in examination.setting.logs]
         self.base, self.row, self.total = base, row, total
         self.variables = variables(self.robot, self.logs, row)
         of_noise = np.array([[float(len(v.knots)) for v in self.variables]])
@@ -146,22 +149,37 @@ class RowSearch:
             return None
         x, force = curve(variable, gain(self.base, columns).coefficients)
         share = 100 * (gains[best] - mean[best]) / self.total
-        return (
-            Dependence(
-                self.robot.coordinates[self.row],
-                variable.name,
-                variable.words,
-                variable.form,
-                float(share),
-                float(gains[best]),
-                float(mean[best]),
-                x,
-                force,
-                rivals=tuple(_said(self.variables[i]) for i in near if i != best),
-                rival_signals=tuple(self.variables[i].name for i in near if i != best),
-            ),
-            columns,
+        smooth = Dependence(
+            self.robot.coordinates[self.row],
+            variable.name,
+            variable.words,
+            variable.form,
+            float(share),
+            float(gains[best]),
+            float(mean[best]),
+            x,
+            force,
+            rivals=tuple(_said(self.variables[i]) for i in near if i != best),
+            rival_signals=tuple(self.variables[i].name for i in near if i != best),
         )
+        return (self._sudden(smooth) if variable.name == "time" else None) or (smooth, columns)
+
+    def _sudden(self, smooth: Dependence) -> tuple[Dependence, Columns] | None:
+        """The same, where a step explains as much as a smooth function of time."""
+        form: Form = "friction" if smooth.form == "friction" else "force"
+        change = sudden_change(self.base, form, self.logs, self.levels, self.row)
+        if change is None or change.energy < self.rules.tie * smooth.gain:
+            return None
+        source = "" if change.log is None else f" of {self.sources[change.log]}"
+        share = 100 * (change.energy - smooth.pretended) / self.total
+        told = replace(
+            smooth,
+            words=f"time, from about {change.start:.3g} s{source} on",
+            share_percent=share,
+            gain=change.energy,
+            amplitude=change.size,
+        )
+        return told, change.columns
 
     def _is_own(self, variable: int) -> bool:
         """Whether a signal is of the equation's own joint."""
