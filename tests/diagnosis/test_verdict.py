@@ -43,6 +43,19 @@ def test_word(findings, stands_out, word):
     assert verdict_of(findings, stands_out) == word
 
 
+@pytest.mark.parametrize(
+    ("drowned", "said"),
+    [
+        ((), "Nothing is missing that these logs could show."),
+        (("joint2",), "logs could show; at joint2 noise is more than the torque, and hides all."),
+        (("joint1", "joint2"), "These logs could show nothing: what counts as noise is more than the torque"),
+    ],
+)
+def test_where_noise_is_above_the_torque_nothing_is_said_to_be_in_order(drowned, said):
+    places = _motors("in_order", "in_order", "unobserved")
+    assert said in sentence_of("nothing_detectable", (), places, ("joint1", "motor"), drowned=drowned)
+
+
 def test_what_held_out_data_hardly_show_is_said_to_be_chance():
     sure, weak = (replace(ONE, heldout_std_percent=std) for std in (8.0, 40.0))
     said = [

@@ -47,17 +47,23 @@ def sentence_of(
     place: tuple[str, str],
     doubted: Sequence[str] = (),
     shaken: Sequence[str] = (),
+    drowned: Sequence[str] = (),
 ) -> str:
     """What a diagnosis says.
 
     places    every side of every joint, in the robot's order;  place: where it fails most
     doubted   joints at which slow noise may be all that exceeds the floor, or not
-    shaken    joints whose noise comes in bursts
+    shaken    joints whose noise comes in bursts;  drowned: joints whose floor is above their torque
     """
     if verdict == "nothing_detectable":
+        if drowned and len(drowned) == len({p.joint for p in places if p.state != "unobserved"}):
+            return (
+                "These logs could show nothing: what counts as noise is more than the torque, at every joint."
+            )
         unless = f"; at {', '.join(doubted)} they do not tell it from slow noise" if doubted else ""
         bursts = f"; what is left at {', '.join(shaken)} comes in bursts" if shaken else ""
-        return f"Nothing is missing that these logs could show{unless}{bursts}."
+        noise = f"; at {', '.join(drowned)} noise is more than the torque, and hides all" if drowned else ""
+        return f"Nothing is missing that these logs could show{unless}{bursts}{noise}."
     open_places = [p for p in places if p.state == "unexplained"]
     if verdict == "unexplained":
         listed = [f"{p.joint}, {p.balance} side" for p in open_places] or [f"{place[0]}, {place[1]} side"]
