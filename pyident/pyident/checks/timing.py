@@ -6,7 +6,7 @@ number: how sure a delay is, is seen from what a log tells without one or anothe
 1956; Künsch 1989).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmodels.coordinate import torque_of
 from pyident.checks.balances import Balances
-from pyident.checks.defect import Defect
+from pyident.checks.defect import Defect, Severity
 from pyident.regression.law_memory import filtered
 from pyident.rules.equation_checks import EQUATIONS
 from pyident.rules.log_checks import LOG_CHECKS
@@ -29,9 +29,17 @@ _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may ga
 
 
 def timing(of: Balances, source: str) -> Iterator[Defect]:
-    """A defect per joint whose torque fits its motion far better earlier or later; or one for a drift."""
-    late = [defect for k in of.joints if (defect := _late(of, k, source)) is not None]
-    yield from late or _drift(of, source)
+    """A defect per joint whose torque fits its motion far better earlier or later, one for all where they are
+    late alike; or one for a drift.
+    """
+    late = {k: found for k in of.joints if (found := delay(of, k)) is not None}
+    shift = _shared(of, late)
+    if shift is not None:
+        gross = any(_severity(of, found) == "gross" for found in late.values())
+        std = _scatter(of.in_motion, lambda part: _best_for_all(part, shift))
+        yield _of_all(CommonDelay(shift, std), source, "gross" if gross else "doubtful")
+    else:
+        yield from [_late(of, k, found, source) for k, found in late.items()] or _drift(of, source)
 
 
 def energies(of: Balances, k: int, shifts: np.ndarray) -> np.ndarray:
@@ -121,16 +129,44 @@ def _alike(one: float, other: float, std: float) -> bool:
     return abs(one - other) <= LOG_CHECKS.delays_apart + _SURE * std
 
 
-def _late(of: Balances, k: int, source: str) -> Defect | None:
-    found = delay(of, k)
-    if found is None:
+def _shared(of: Balances, late: Mapping[int, Delay]) -> float | None:
+    """Samples by which all torques are late alike, where some are late by themselves and no other fits worse
+    so; None where one alone tells.
+    """
+    if not late or len(of.in_motion.joints) < 2:
         return None
+    shift = _best_for_all(of.in_motion, float(np.median([found.shift for found in late.values()])))
+    if shift is None:
+        return None
+    gained = [energies(of, k, np.array([0.0, shift])) for k in of.joints]
+    better = sum(moved < LOG_CHECKS.better * now for now, moved in gained)
+    return shift if better > 1 and all(moved <= now for now, moved in gained) else None
+
+
+def _best_for_all(of: Balances, near: float) -> float | None:
+    """The shift [samples] that suits all joints together, within two of a first guess; None: none there."""
+    shifts = near + np.arange(-8, 9) / 4
+    each = np.array([energies(of, k, shifts) for k in of.joints])
+    told = (each / each.min(axis=1, keepdims=True)).sum(axis=0)
+    i = int(np.argmin(told))
+    if not 0 < i < len(shifts) - 1:
+        return None
+    bend, slope, _ = np.polyfit(shifts[i - 1 : i + 2], told[i - 1 : i + 2], 2)
+    return float(-slope / (2 * bend))
+
+
+def _severity(of: Balances, found: Delay) -> Severity:
+    far = abs(found.shift) * of.samples.period >= LOG_CHECKS.delay_gross
+    return "gross" if far and found.left < LOG_CHECKS.far_better * found.now else "doubtful"
+
+
+def _late(of: Balances, k: int, found: Delay, source: str) -> Defect:
     time, share = abs(found.shift) * of.samples.period, found.left / found.now
     way, cause = "late", "a filter that only this torque passes"
     if found.shift < 0:
         way, cause = "early", "a slow current loop (effect torque_delay)"
     return Defect(
-        "gross" if time >= LOG_CHECKS.delay_gross and share < LOG_CHECKS.far_better else "doubtful",
+        _severity(of, found),
         "delay",
         torque_of(k + 1),
         f"{source}: {torque_of(k + 1)} is {abs(found.shift):.2g} samples ({1e3 * time:.2g} ms) {way}: moved "
@@ -197,14 +233,18 @@ def all_late(of: Balances, source: str) -> Iterator[Defect]:
     std = max(delay.std, _scatter(of.in_motion, lambda part: _shift(_together(_told(part)))))
     if abs(delay.shift) - _SURE * std < LOG_CHECKS.common_delay:
         return
+    yield _of_all(CommonDelay(delay.shift, std), source, "doubtful")
+
+
+def _of_all(delay: CommonDelay, source: str, severity: Severity) -> Defect:
     way, cause, move = "late", "a recorder that reads before it steps writes them one sample late", "torques"
     if delay.shift < 0:
         way, cause, move = "early", "positions behind a filter or a bus make it look so", "positions"
-    yield Defect(
-        "doubtful",
+    return Defect(
+        severity,
         "delay",
         "",
-        f"{source}: all torques are {abs(delay.shift):.2f} ± {std:.2f} samples {way}; {cause}: move "
+        f"{source}: all torques are {abs(delay.shift):.2f} ± {delay.std:.2f} samples {way}; {cause}: move "
         f"the columns of the {move}, or give them a delay in the mapping",
     )
 
