@@ -3,11 +3,14 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import least_squares
+from scipy.stats import t
 from servo_pendulum import by_hand, pendulum
 
 import pyident as pi
 from flexmodels.inputs import Experiment
 from pyident.logs.log import Log
+from pyident.refinement.closed_loop import _ROUGH, _jackknife
 
 
 def _log(number: int) -> Log:
@@ -34,6 +37,30 @@ def test_armature_and_torque_constant_without_any_torque(logs):
     assert found.fit.values["joint1.servo.kt"] == pytest.approx(0.28, rel=0.01)
     assert found.fit.std is not None
     assert max(found.fit.error) < 1.2e-3  # the noise's own mean is 0.8e-3
+
+
+@pytest.mark.parametrize("spread", [0.003, 0.03, 0.3])
+def test_intervals_are_those_of_leaving_out_each_log(spread):
+    """A line through logs whose errors count by their square, in part, or by their size."""
+    rng = np.random.default_rng(3)
+    x = rng.standard_normal((8, 60, 2))
+    y = (
+        x @ np.array([1.0, -2.0])
+        + spread * rng.standard_normal((8, 60))
+        + spread * rng.standard_normal((8, 1))
+    )
+
+    def fit(logs):
+        A, b = x[logs].reshape(-1, 2), y[logs].ravel()
+        return least_squares(lambda p: A @ p - b, [0, 0], jac=lambda p: A, loss="soft_l1", f_scale=_ROUGH)
+
+    best, free = fit(np.arange(8)), np.ones(2, bool)
+    told = _jackknife(best.jac, best.fun, [60] * 8, np.array([1.0, 2.0]), free)
+    left_out = np.array([fit(np.delete(np.arange(8), k)).x for k in range(8)])
+    exact = np.sqrt(7 / 8 * np.square(left_out - left_out.mean(axis=0)).sum(axis=0))
+    np.testing.assert_allclose(told, exact * t.ppf(0.975, 7) / 1.96, rtol=0.1)
+    on_bound = _jackknife(best.jac, best.fun, [60] * 8, np.ones(2), np.array([True, False]))
+    assert np.isfinite(on_bound).tolist() == [True, False]
 
 
 def test_the_robot_itself_is_the_start_and_stays_as_it_was(logs):
