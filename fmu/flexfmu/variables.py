@@ -20,6 +20,7 @@ from flexmodels.mechanics.plant import Equations
 from flexmodels.settings.servo import PER_JOINT, SHARED
 
 STEP = 0.5e-3  # default solver step [s]
+SHORTEST = 1e-9  # of a step or a period that must be above zero [s]
 UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
@@ -39,7 +40,7 @@ def variables(equations: Equations) -> list[Variable]:
     else:
         begin = [*_start_positions(eq), *_holding(eq), *_start_speeds(eq)]
     gains = _servo(eq) if eq.servo else _gains(eq)
-    step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, 0.0)
+    step = Variable("solver.step", "parameter", "fixed", "s", "Largest step of the solver", STEP, SHORTEST)
     torques = _held_torques(eq) if eq.drives else _torques(eq)
     received = law_inputs(eq) if eq.drives else []
     return [*begin, *_states(eq), *torques, *_results(eq), *_parameters(eq), *gains, step, *received]
@@ -276,4 +277,4 @@ def _gains(eq: Equations) -> Iterator[Variable]:
         name = of_joint(k + 1, "tau_max")
         yield Variable(name, "parameter", "tunable", _force_unit(eq, k), text, UNLIMITED, 0.0)
     text = "Time between two samples of the controller"
-    yield Variable("controller.period", "parameter", "fixed", "s", text, eq.controller.period, 0.0)
+    yield Variable("controller.period", "parameter", "fixed", "s", text, eq.controller.period, SHORTEST)

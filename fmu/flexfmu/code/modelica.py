@@ -20,7 +20,7 @@ from flexmodels.mechanics.plant import equations
 from flexmodels.robot import Robot
 
 _ROUNDS = 50  # of Newton's method for the static equilibrium
-_STILL = 1e-9  # [N m]
+_STILL = 1e-9  # of the largest moment
 # Words that name nothing of one's own in Modelica 3.6, section 2.3.3, and the types that every class knows.
 _RESERVED = """
 algorithm and annotation assert block break class connect connector constant constrainedby der discrete each
@@ -83,10 +83,14 @@ def _equilibrium(robot: Robot) -> tuple[dict[str, float], list[float]]:
     slope = eq.balance.jacobian()
     for _ in range(_ROUNDS):
         force = np.array(eq.balance(x, p)).ravel()
-        if n == joints or np.abs(force[joints:]).max() < _STILL:
+        if n == joints or np.abs(force[joints:]).max() < _STILL * max(np.abs(force).max(), 1.0):
             break
         J = np.array(slope(x, p, force)[0])[joints:, joints:n]
         x[joints:n] -= np.linalg.solve(J, force[joints:])
+    else:
+        raise BuildError(
+            f"robot {robot.name}: no rest was found at zero angles; check its stiffness and masses"
+        )
     bent = dict(zip(eq.coordinates[joints:], x[joints:n].tolist(), strict=True))
     return bent, np.array(eq.balance(x, p)).ravel()[:joints].tolist()
 

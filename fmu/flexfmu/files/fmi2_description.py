@@ -29,6 +29,7 @@ def model_description(interface: Interface, token: str, sources: list[str], deri
         "modelIdentifier": interface.identifier,
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
+        "canNotUseMemoryManagementFunctions": "true",
         "providesDirectionalDerivative": str(derivatives).lower(),
     }
     elements = []

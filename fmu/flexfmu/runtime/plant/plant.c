@@ -208,7 +208,8 @@ int plant_sound(const Plant *s) {
 #ifdef MODEL_CONTROLLER
     if (!(s->value[AT_GAIN + PID_PERIOD] > 0) || !pid_sound(&s->pid)) return 0;
 #elif defined MODEL_SERVO
-    if (s->servo.ticks < 0) return 0;
+    if (s->servo.ticks < 0 || !all_finite(s->servo.integral, N_JOINTS)) return 0;
+    if (!all_finite(s->servo.command[0], SERVO_HISTORY * N_JOINTS)) return 0;
 #elif defined MODEL_DRIVE
     if (!all_finite(s->drive.law, N_COMMAND) || !all_finite(s->drive.torque, N_JOINTS)) return 0;
 #endif
