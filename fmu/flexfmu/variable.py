@@ -24,11 +24,6 @@ class Variable:
     def initial(self) -> str | None:
         return {"parameter": "exact", "input": None}.get(self.causality, "calculated")
 
-    @property
-    def is_known(self) -> bool:
-        """Whether it is given, not computed."""
-        return self.causality in ("input", "parameter")
-
 
 @dataclass(frozen=True)
 class Array:

@@ -2,7 +2,7 @@
 
     import pyident as pi
     fit = pi.identify("four_link", pi.read_log("log.parquet"))
-    fit.summary()
+    print(fit.summary())
 
 `model` is a Robot, the name of a shipped one or the path of a robot file; `logs` a Log, a DataFrame, the path
 of a log, or a list of these. What a function needs is loaded when it is first used.
@@ -12,14 +12,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from flexmodels.compiling.compiler import BuildError as BuildError
     from flexmodels.files.robot_file import load_robot as load_robot
     from flexmodels.files.robot_file import save_robot as save_robot
     from flexmodels.inputs import Experiment as Experiment
+    from flexmodels.inputs import SimulationError as SimulationError
     from flexmodels.robot import Robot as Robot
     from flexmodels.robot import RobotError as RobotError
     from pyident.logs.log import Log as Log
     from pyident.logs.log import LogError as LogError
     from pyident.logs.log import write_log as write_log
+    from pyident.simulation.references import ExperimentError as ExperimentError
+    from pyident.sweep.store import StudyError as StudyError
     from pyident.verbs.excite import check_plan as check_plan
     from pyident.verbs.excite import excite as excite
     from pyident.verbs.excite import export_plan as export_plan
@@ -54,10 +58,12 @@ if TYPE_CHECKING:
 
 _HOME = {
     "Added": "pyident.verbs.judged",
+    "BuildError": "flexmodels.compiling.compiler",
     "Checked": "pyident.verbs.planned",
     "Compared": "pyident.verbs.judged",
     "Diagnosed": "pyident.verbs.judged",
     "Experiment": "flexmodels.inputs",
+    "ExperimentError": "pyident.simulation.references",
     "Explained": "pyident.verbs.explain",
     "Fit": "pyident.verbs.fitted",
     "FmuCompared": "pyident.verbs.fmu.results",
@@ -69,6 +75,8 @@ _HOME = {
     "Payload": "pyident.verbs.payload",
     "Planned": "pyident.verbs.planned",
     "RobotError": "flexmodels.robot",
+    "SimulationError": "flexmodels.inputs",
+    "StudyError": "pyident.sweep.store",
     "add_effect": "pyident.verbs.judge",
     "check_log": "pyident.verbs.inputs",
     "check_plan": "pyident.verbs.excite",

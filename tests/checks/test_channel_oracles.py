@@ -59,6 +59,18 @@ def test_a_coarse_encoder_is_said_and_one_with_noise_is_not():
     assert not list(coarse(one_joint(), logged(), "joint1.e", ANGLE))
 
 
+def test_what_follows_a_kink_of_its_reference_is_neither_a_jump_nor_a_spike():
+    kinked = ANGLE + 2.0 * np.maximum(TIME - TIME[1200], 0)
+    torque = np.cos(2 * TIME) + np.where(np.arange(2000) == 1200, 5.0, 0.0)
+    alone, followed = logged(), logged(**{"joint1.r": kinked})
+    assert list(jumps(one_joint(), alone, "joint1.e", kinked))
+    assert list(spikes(alone, "joint1.tau", torque))
+    assert not list(jumps(one_joint(), followed, "joint1.e", kinked))
+    assert not list(spikes(followed, "joint1.tau", torque))
+    lost = ANGLE + 0.02 * (TIME[600] <= TIME)
+    assert list(jumps(one_joint(), followed, "joint1.e", lost))
+
+
 @pytest.mark.parametrize(("size", "severity"), [(0.02, "doubtful"), (1.0, "gross")])
 def test_a_jump_is_told_with_its_size_and_time(size, severity):
     jumped = ANGLE + size * (TIME[1200] <= TIME)

@@ -1,5 +1,6 @@
 """Every defect is put into a sound log and must be named; sound logs must pass."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -148,6 +149,17 @@ def test_what_delays_all_torques_alike_is_measured(four_link, sound, late):
     assert delay.std < 0.1
     assert abs(delay.shift - late) < 3 * delay.std
     assert {d.kind for d in check_log(four_link, moved)} == ({"delay"} if late else set())
+
+
+def test_torques_that_are_far_late_alike_are_one_defect(four_link, sound):
+    """Each by itself would be told as late, too, and by another amount."""
+    moved = changed(sound, **{f"joint{k}_tau": lambda x: np.roll(x, 5) for k in (1, 2, 3, 4)})
+    (found,) = [d for d in check_log(four_link, moved) if d.kind == "delay"]
+    size = re.search(r"all torques are ([\d.]+) ± ([\d.]+) samples late", found.sentence)
+    assert size is not None
+    assert abs(float(size[1]) - 5) < 3 * float(size[2]) < 1
+    one = changed(sound, joint1_tau=lambda x: np.roll(x, 5))
+    assert [d.channel for d in check_log(four_link, one) if d.kind == "delay"] == ["joint1.tau"]
 
 
 @pytest.mark.parametrize(("late", "told"), [(1, False), (2, True)])

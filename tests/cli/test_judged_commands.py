@@ -147,8 +147,7 @@ def test_a_comparison_of_nothing_is_refused(run, words, sentence):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--robust", "--refine"), "--robust weighs the equations of the regression"),
-        (("--prior", "four_link", "--refine"), "--prior settles what a regression leaves open"),
+        (("--robust", "--refine"), "--robust is the estimator irls and --refine the estimator oe"),
         (("--set", "servo.kp=1"), "--set belongs to an FMU as the model, or to a robot with a [servo]"),
         (("--parameters", "k"), "--parameters and --interface belong to an FMU as the model"),
     ],

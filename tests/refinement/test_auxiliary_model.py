@@ -169,6 +169,13 @@ def test_noise_that_ruins_least_squares_leaves_the_instruments_alone(found, logs
     assert found.estimator == NAME
 
 
+def test_rounds_that_end_unsettled_give_no_intervals_and_say_so(logs, monkeypatch):
+    monkeypatch.setattr("pyident.refinement.auxiliary_model._ROUNDS", 1)
+    result = identify_by_instruments(two_link(), [logs[1]], in_process)
+    assert "had not settled after 1 rounds" in " ".join(result.notes)
+    assert all(b.std != b.std for b in result.base)
+
+
 def test_what_cannot_be_simulated_gets_no_intervals_and_says_so(logs):
     @contextmanager
     def broken(robot: Robot):

@@ -117,25 +117,27 @@ class _Unpacked:
         signals["time"] = time
         for name, column in zip(self.inputs, inputs.T, strict=True):
             signals[name] = column
-        stop = float(time[-1])
+        start, stop = float(time[0]), float(time[-1])
         fmu = self._instance(FMU2Model if self._old else FMU3Model)
         feed_at_every_instant(fmu, self._feed(fmu, time, inputs))
-        result = simulate_fmu(
-            str(self.folder),
-            validate=False,
-            fmi_type="ModelExchange",
-            fmu_instance=fmu,
-            start_time=float(time[0]),
-            stop_time=stop,
-            output_interval=float(time[1] - time[0]),
-            relative_tolerance=_TOLERANCE,
-            start_values={name: self._typed(name, value) for name, value in values.items()},
-            input=signals if self.inputs else None,  # pyright: ignore[reportArgumentType]
-            output=list(self.outputs),
-            model_description=self.description,
-            step_finished=lambda now, _: share(now / stop) or True,
-        )
-        fmu.freeInstance()
+        try:
+            result = simulate_fmu(
+                str(self.folder),
+                validate=False,
+                fmi_type="ModelExchange",
+                fmu_instance=fmu,
+                start_time=start,
+                stop_time=stop,
+                output_interval=float(time[1] - time[0]),
+                relative_tolerance=_TOLERANCE,
+                start_values={name: self._typed(name, value) for name, value in values.items()},
+                input=signals if self.inputs else None,  # pyright: ignore[reportArgumentType]
+                output=list(self.outputs),
+                model_description=self.description,
+                step_finished=lambda now, _: share((now - start) / (stop - start)) or True,
+            )
+        finally:
+            fmu.freeInstance()
         last = np.searchsorted(result["time"], time + _SAME) - 1
         return np.column_stack([np.asarray(result[name][last], dtype=float) for name in self.outputs])
 

@@ -16,12 +16,26 @@ from pyident.rules.log_checks import LOG_CHECKS
 def whole_log(robot: Robot, log: Log) -> Iterator[Defect]:
     """Defects that no single channel shows."""
     logged = [n for n in [*robot.coordinates, *(torque_of(k) for k, _ in robot.numbered)] if n in log.names]
+    yield from _surplus(robot, log)
     yield from _period(robot, log)
     yield from _clock(log)
     yield from _repeated_rows(log, logged)
     yield from _shuffled(robot, log)
     yield from _same(robot, log, logged)
     yield from _speeds(robot, log)
+
+
+def _surplus(robot: Robot, log: Log) -> Iterator[Defect]:
+    """Joints beyond the robot's."""
+    here, further = len(robot.joints), 0
+    while motor_of(here + further + 1) in log.names:
+        further += 1
+    if further:
+        joints = f"{here} joint" if here == 1 else f"{here} joints"
+        yield Defect("doubtful", "joints", motor_of(here + 1),
+                     f"{log.source}: robot {robot.name} has {joints}, and the log {here + further}; what "
+                     "moves beyond is left out, with what it does to the others: is it this robot's "
+                     "log?")  # fmt: skip
 
 
 def _period(robot: Robot, log: Log) -> Iterator[Defect]:

@@ -1,5 +1,8 @@
 """`pyident identify`: logs -> parameters."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import click
 
 import pyident as pi
@@ -26,6 +29,8 @@ from pyident.cli.common.shared import (
 )
 from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 
+_DEFAULT = "iv"  # as of `pi.identify`
+
 
 @click.command(name="identify", cls=SeveralNames)
 @click.argument("model")
@@ -36,8 +41,7 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 @click.option(
     "--estimator",
     type=click.Choice(["iv", "oe", "wls", "irls", "ols", "pe", "tls"]),
-    default="iv",
-    show_default=True,
+    show_default=_DEFAULT,
     help="Instrumental variables from a simulated model, output error, or regressions, which give no "
     "intervals, for comparison.",
 )
@@ -49,7 +53,7 @@ from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 )
 @click.option("--page", type=Output(PAGE), help="Page (.html) of what was found, and of what is left.")
 @click.option(
-    "--refine", is_flag=True, help="Continue until the simulated FMU follows the logs (about a minute)."
+    "--refine", is_flag=True, help="Continue until the simulated FMU follows the logs (about a minute): oe."
 )
 @parameters_option
 @interface_option
@@ -64,7 +68,7 @@ def identify_command(
     logs: tuple[str, ...],
     output: str | None,
     robust: bool,
-    estimator: str,
+    estimator: str | None,
     prior: str | None,
     holdout: tuple[str, ...],
     page: str | None,
@@ -88,77 +92,77 @@ def identify_command(
     Example: pyident identify four_link log.parquet -o identified.toml
              pyident identify other.fmu log.csv --parameters k d=0:5
     """
+    options = {"robust": robust, "refine": refine, "estimator": estimator is not None, "prior": prior}
+    options |= {"holdout": holdout, "page": page}
     if is_fmu(model):
-        refuse_robot_options(
-            output=output,
-            mapping=mapping,
-            robust=robust,
-            refine=refine,
-            estimator=estimator != "iv",
-            prior=prior,
-            holdout=holdout,
-            page=page,
-        )
-        if not names:
-            raise click.UsageError(f"name the parameters of {model} to identify, such as --parameters k")
-        with progress_bar("identifying") as progress:
-            fit = pi.identify_fmu(
-                model, logs, names, values=parameters, interface=interface, progress=progress
-            )
-        show_notes(fit.notes)
-        show(fit.summary())
-        write_json(json_file, fit.to_dict())
-        return
-    if names or interface:
+        refuse_robot_options(**options, output=output, mapping=mapping, force=force)
+        fit = _fmu(model, logs, names, parameters, interface)
+    elif names or interface:
         raise click.UsageError("--parameters and --interface belong to an FMU as the model")
-    if pi.load_robot(model).servo is not None:
-        if page or holdout:
-            raise click.UsageError(
-                "--page and --holdout judge torques, and a robot with a [servo] is fitted to positions"
-            )
+    elif pi.load_robot(model).servo is not None:
+        _refuse_for_servo(options)
         with progress_bar("fitting in closed loop") as progress:
-            servo = pi.identify_servo(model, logs, mapping=mapping, parameters=parameters, progress=progress)
-        show_notes(servo.notes)
-        show(servo.summary())
-        if output:
-            servo.save(output)
-            show(f"wrote {output}")
-        write_json(json_file, servo.to_dict())
-        return
-    if parameters:
-        raise click.UsageError("--set belongs to an FMU as the model, or to a robot with a [servo]")
-    if estimator != "iv" and (robust or refine):
-        option = "--robust is the estimator irls" if robust else "--refine is the estimator oe"
-        raise click.UsageError(f"{option}; leave --estimator out, or give it alone")
-    if robust and refine:
-        raise click.UsageError("--robust weighs the equations of the regression; --refine does without them")
-    if holdout and refine:
-        raise click.UsageError(
-            "--holdout judges the regression's torques; compare what --refine writes instead"
-        )
-    if prior and refine:
-        raise click.UsageError("--prior settles what a regression leaves open; --refine does not use it")
-    with progress_bar("refining" if refine else "identifying") as progress:
-        if refine:
-            found = pi.refine(model, logs, mapping=mapping, force=force, progress=progress)
-        else:
-            found = pi.identify(
-                model,
-                logs,
-                mapping=mapping,
-                force=force,
-                robust=robust,
-                estimator=estimator,
-                prior=prior,
-                heldout=holdout,
-                progress=progress,
+            fit = pi.identify_servo(
+                model, logs, mapping=mapping, parameters=parameters, force=force, progress=progress
             )
-    show_notes(found.notes)
-    show(found.summary())
-    if output:
-        found.save(output)
+    elif parameters:
+        raise click.UsageError("--set belongs to an FMU as the model, or to a robot with a [servo]")
+    else:
+        given = {"mapping": mapping, "force": force, "prior": prior, "heldout": holdout}
+        fit = _robot(model, logs, _estimator(estimator, robust, refine), given)
+    show_notes(fit.notes)
+    show(fit.summary())
+    if output and not isinstance(fit, pi.FmuFit):
+        fit.save(output)
         show(f"wrote {output}")
-    if page:
-        found.save_page(page)
+    if page and isinstance(fit, pi.Fit):
+        fit.save_page(page)
         show(f"wrote {page}")
-    write_json(json_file, found.to_dict())
+    write_json(json_file, fit.to_dict())
+
+
+def _fmu(
+    model: str,
+    logs: tuple[str, ...],
+    names: Parameters,
+    values: dict[str, float],
+    interface: Interface | None,
+) -> "pi.FmuFit":
+    if not names:
+        raise click.UsageError(f"name the parameters of {model} to identify, such as --parameters k")
+    with progress_bar("identifying") as progress:
+        return pi.identify_fmu(model, logs, names, values=values, interface=interface, progress=progress)
+
+
+def _refuse_for_servo(options: Mapping[str, object]) -> None:
+    """Raises UsageError for options of a fit to torques."""
+    for name, value in options.items():
+        if value:
+            raise click.UsageError(
+                f"--{name} belongs to a fit to torques, and a robot with a [servo] is fitted to positions"
+            )
+
+
+def _estimator(name: str | None, robust: bool, refine: bool) -> str:
+    """Raises UsageError where two are asked for."""
+    short = {"--robust": "irls"} if robust else {}
+    short |= {"--refine": "oe"} if refine else {}
+    if len(short) > 1:
+        raise click.UsageError(
+            "--robust is the estimator irls and --refine the estimator oe; give one of them"
+        )
+    for option, own in short.items():
+        if name not in (None, own):
+            raise click.UsageError(
+                f"{option} is the estimator {own}; leave --estimator out, or give it alone"
+            )
+        return own
+    return name or _DEFAULT
+
+
+def _robot(model: str, logs: tuple[str, ...], estimator: str, given: Mapping[str, Any]) -> "pi.Fit":
+    if estimator == "oe":
+        with progress_bar("refining") as progress:
+            return pi.refine(model, logs, **given, progress=progress)
+    with progress_bar("identifying") as progress:
+        return pi.identify(model, logs, **given, estimator=estimator, progress=progress)

@@ -214,7 +214,7 @@ def add_command(
 
     \b
     Example: pyident add arm.toml stribeck --joint 2 a.csv b.csv -o better.toml
-             pyident add arm.toml geometry joint3.origin[z] a.csv -o better.toml
+             pyident add arm.toml geometry 'joint3.origin[z]' a.csv -o better.toml
     """
     effect, number, logs = _what(model, effect, joint, logs)
     with progress_bar(f"{effect} at joint {number}") as progress:

@@ -83,6 +83,11 @@ class Log:
         """Time at which its recording began [s]: a controller's clock may run since it was switched on."""
         return float(self.frame["time"].iloc[0]) - self.after
 
+    def __repr__(self) -> str:
+        return (
+            f"<Log {self.source}: {len(self)} samples at {1 / self.period:.4g} Hz, {len(self.names)} columns>"
+        )
+
     def __len__(self) -> int:
         return len(self.frame)
 

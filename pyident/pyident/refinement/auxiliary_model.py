@@ -48,6 +48,7 @@ START = "instrumental variables with filtered signals"
 _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
+_UNSETTLED = 1.0  # of one that the last round still changes: intervals then do not hold
 _WORSE, _LOST = 1.2, 10.0  # times what the round before leaves, and what the start does
 
 Progress = Callable[[float], None]
@@ -81,6 +82,13 @@ def identify_by_instruments(
 def by_instruments(found: Identified) -> bool:
     """Whether its values are those of `identify_by_instruments`, whose equations are `logged`."""
     return found.estimator in (NAME, START)
+
+
+def _unsettled(away: float) -> str:
+    return (
+        f"the estimate had not settled after {_ROUNDS} rounds: the last one still changed a value by "
+        f"{away:.2g} standard deviations, so no intervals are given; longer logs or less noise help"
+    )
 
 
 def _moved(late: Late) -> str:
@@ -120,6 +128,9 @@ def _identified(
         found = replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
         return found, None
     late = None
+    away = last.largest(last.gap) if driven(robot) else 0.0
+    if away > _UNSETTLED:
+        notes = (*notes, _unsettled(away))
     if before is not None:
         solution = replace(solution, covariance=solution.covariance + before[1].variance)
     elif not driven(robot):
@@ -139,6 +150,7 @@ def _identified(
         found = replace(found, solution=told, base=base_parameters(reduced, told))
         why = "their hinges vibrate faster than the samples can follow"
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
+    found = without_intervals(found) if away > _UNSETTLED else found
     return replace(found, estimator=NAME, notes=notes), late
 
 

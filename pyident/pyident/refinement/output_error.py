@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.estimation.identify import Identified, identified
+from pyident.estimation.identify import Identified, identified, relative_error
 from pyident.estimation.least_squares import Solution, solve
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
@@ -44,9 +44,10 @@ def output_error(
     start = replace(start, solution=solve(start.reduced, start.solution.weights))
     best, outputs, settled = _approach(robot, replays, start, pool, progress)
     covariance = output_covariance(best.robot, outputs, best.reduced, best.solution, pool)
+    found = identified(robot, best.reduced, replace(best.solution, covariance=covariance))
     return replace(
-        identified(robot, best.reduced, replace(best.solution, covariance=covariance)),
-        relative_error=start.relative_error,
+        found,
+        relative_error=relative_error(start.reduced, found.solution.p, len(robot.joints)),
         estimator=NAME,
         notes=start.notes if settled else (*start.notes, _UNSETTLED),
     )

@@ -1,9 +1,9 @@
 """What a plan will take, before it is begun."""
 
-import os
 import time
 from pathlib import Path
 
+from flexmodels.cores import cores
 from pyident.sweep.plan import load_study_plan
 from pyident.sweep.run import one_run
 
@@ -16,7 +16,7 @@ def seconds_of(path: str | Path, runs: int, workers: int | None = None) -> float
     begin = time.perf_counter()
     once = one_run(plan)
     overhead = time.perf_counter() - begin - once
-    return overhead + runs * once / (workers or os.cpu_count() or 1)
+    return overhead + runs * once / (workers or cores())
 
 
 def in_words(seconds: float) -> str:

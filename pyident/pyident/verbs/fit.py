@@ -13,7 +13,7 @@ from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import by_instruments
 from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
-from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS, refined
+from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
 from pyident.refinement.instruments.logged import logged
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.simulation.fmu_runs import runs_here, runs_in_threads
@@ -23,15 +23,14 @@ from pyident.verbs.inputs import (
     Logs,
     Model,
     Opened,
-    given,
-    mapping_of,
+    checked_logs,
     opened,
-    read_logs,
     robot_of,
     simulable,
 )
 
 Progress = Callable[[float], None]
+_ROBUST = "irls"
 
 
 @one_thread()
@@ -53,7 +52,7 @@ def identify(
     model     a Robot, a shipped robot's name, or the path of a robot file
     logs      a Log, the path of one, a DataFrame with the columns of a log (SI units), or a list of these
     mapping   names, units and signs of the logs' columns (a Mapping or its file)
-    robust    give single equations that stick out less weight (Huber): the estimator `irls`
+    robust    give single equations that stick out less weight (Huber): short for the estimator "irls"
     estimator "iv" (instruments from the simulated model), "oe" (output error); regressions: "wls", "ols",
               "irls", "tls", "pe" (prediction error)
     prior     a model of the same arm, from CAD or URDF: near its bodies stays what the data leave open
@@ -64,10 +63,14 @@ def identify(
     progress  called with the fraction done
     Hinges that the logs say nothing of are locked, which `notes` says. Raises RobotError, LogError.
     """
+    if robust and estimator not in (DEFAULT, _ROBUST):
+        raise RobotError(
+            f"robust is the estimator {_ROBUST}, and {estimator} was asked for; leave one of them out"
+        )
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
     read = opened(robot, logs, mapping, heldout, force)
-    found = _identified(read, "irls" if robust else estimator, progress, cad)
+    found = _identified(read, _ROBUST if robust else estimator, progress, cad)
     taken = logged if by_instruments(found) else None
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
@@ -75,26 +78,27 @@ def identify(
     return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)
 
 
-@one_thread()
 def refine(
     model: Model,
     logs: Logs,
     *,
     mapping: Columns | None = None,
+    prior: Model | None = None,
+    heldout: Logs = (),
     allow_effects: bool = False,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
-    """Like `identify`, and on until the simulated robot follows its logs (output error; a minute or so).
+    """`identify` with the estimator "oe": on until the simulated robot follows its logs (a minute or so).
 
     The robot needs its controller and the logs their references. The others as in `identify`.
     Raises RobotError, LogError, SimulationError.
     """
-    read = given(simulable(robot_of(model, allow_effects=allow_effects)), logs, mapping, force=force)
-    found = refined(read.robot, list(read.logs), runs_in_threads, progress)
-    if progress:
-        progress(1.0)
-    return Fit(found, (*read.notes, *found.notes), read.logs)
+    robot = simulable(robot_of(model, allow_effects=allow_effects))
+    return identify(
+        robot, logs, mapping=mapping, estimator="oe", prior=prior, heldout=heldout,
+        allow_effects=allow_effects, force=force, progress=progress,
+    )  # fmt: skip
 
 
 def identify_servo(
@@ -106,7 +110,8 @@ def identify_servo(
     parameters: Mapping[str, float] | None = None,
     settings: Sequence[Mapping[str, float]] = (),
     allow_effects: bool = False,
-    progress: Callable[[float], None] | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
 ) -> ServoFit:
     """Friction, inertia and drive of servo-driven joints from commands and positions (output error).
 
@@ -120,7 +125,7 @@ def identify_servo(
     robot = robot_of(model, parameters, allow_effects)
     if robot.servo is None:
         raise RobotError(f"robot {robot.name} has no [servo]; describe its drives, or identify from torques")
-    read = read_logs(robot, logs, mapping_of(mapping))
+    read, doubts = checked_logs(robot, logs, mapping, force)
     recordings = _with_settings(robot, read, settings)
     names = list(free) or [
         *robot.servo.free,
@@ -134,7 +139,7 @@ def identify_servo(
     if progress:
         progress(1.0)
     notes = tuple(note for log in read for note in log.notes)
-    return ServoFit(found, tuple(log.source for log in read), notes)
+    return ServoFit(found, tuple(log.source for log in read), (*notes, *doubts))
 
 
 def _with_settings(
@@ -154,7 +159,7 @@ def _identified(read: Opened, name: str, progress: Progress | None, prior: Robot
     logs = [log for log in read.logs if isinstance(log, Log)]
     if len(logs) == len(read.logs):
         return IDENTIFICATIONS[name](read.robot, logs, runs_in_threads, progress, prior)
-    found = regress(read.robot, read.logs, reweighted if name == "irls" else weighted)
+    found = regress(read.robot, read.logs, reweighted if name == _ROBUST else weighted)
     found = without_intervals(found if prior is None else near(found, prior))
     note = "a log this long is gone through on disk, by weighted least squares and without intervals"
     return replace(found, notes=(note, *found.notes))

@@ -1,7 +1,7 @@
 """What a caller gives: a model and logs in any of their forms; every verb reads both here."""
 
+from collections.abc import Iterable, Sequence
 from collections.abc import Mapping as Named
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -95,6 +95,10 @@ def robot_of(model: Model, parameters: Named[str, float] | None = None, allow_ef
         raise RobotError(
             f"{model} is an FMU, no robot file; call identify_fmu, compare_fmu or diagnose_fmu with it"
         )
+    if not isinstance(model, Model):
+        raise RobotError(
+            f"{model!r} is no robot; give a Robot, a shipped robot's name or a robot file's path"
+        )
     robot = model if isinstance(model, Robot) else load_robot(model, allow_effects)
     return with_settings(robot, parameters) if parameters else robot
 
@@ -122,6 +126,7 @@ def given(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not fitted:
         raise LogError("there is no log; give one or more")
+    _differ(fitted, unseen)
     robot, notes, defects = _reduced(robot, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
     if denoises(robot) and not robot.settings.processing.filters:
@@ -140,6 +145,7 @@ def opened(
     unseen = [_in_memory(log, robot, columns) for log in _listed(heldout)]
     if not read:
         raise LogError("there is no log; give one or more")
+    _differ([log for log in read if isinstance(log, Log)], unseen)
     robot, notes, _ = _reduced(robot, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     whole, modelled = with_loop_torque(robot, in_memory)
@@ -151,6 +157,14 @@ def opened(
 def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:
     """Logs in memory, under our names, without any check. Raises LogError."""
     return [_in_memory(log, robot, mapping) for log in _listed(logs)]
+
+
+def checked_logs(
+    robot: Robot, logs: Logs, mapping: Columns | None, force: bool
+) -> tuple[list[Log], tuple[str, ...]]:
+    """Logs in memory, and what is doubtful of them. Raises LogError, for what is gross unless `force`."""
+    read = read_logs(robot, logs, mapping_of(mapping))
+    return read, checked(robot, read, force).warnings
 
 
 def _reduced(
@@ -170,7 +184,13 @@ def mapping_of(mapping: Columns | None) -> Mapping | None:
 
 
 def _listed(logs: Logs) -> list[Data]:
-    return [logs] if isinstance(logs, Log | LogFile | pd.DataFrame | str | Path) else list(logs)
+    listed = [logs] if isinstance(logs, Data) or not isinstance(logs, Iterable) else list(logs)
+    for log in listed:
+        if not isinstance(log, Data):
+            raise LogError(
+                f"{log!r} is no log; give a Log, a DataFrame, the path of a file, or a list of these"
+            )
+    return listed
 
 
 def _apart(logs: Logs, heldout: Logs) -> None:
@@ -180,6 +200,17 @@ def _apart(logs: Logs, heldout: Logs) -> None:
     )
     if twice := sorted(fitted & unseen):
         raise LogError(f"{twice[0].name} is fitted and held out; hold out a log that is not fitted")
+
+
+def _differ(fitted: Sequence[Log], unseen: Sequence[Log]) -> None:
+    """Raises LogError for a log that is held out and, by another name, fitted as well."""
+    for log in unseen:
+        same = next((f for f in fitted if f.frame.equals(log.frame)), None)
+        if same is not None:
+            raise LogError(
+                f"{log.source} is held out and holds the same as {same.source}, which is fitted; hold out a "
+                "log that is not fitted"
+            )
 
 
 def _in_memory(log: Data, robot: Robot, mapping: Mapping | None) -> Log:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Progress = Callable[[float], None]
+_EXPORTS = (".fmu", ".ssp", ".mo")
 
 
 def simulate(
@@ -93,6 +94,8 @@ def export_fmu(
     from flexfmu.ssp import export_ssp
 
     robot = robot_of(model, parameters, allow_effects)
+    if Path(path).suffix not in _EXPORTS:
+        raise BuildError(f"{path}: an exported model must end in {', '.join(_EXPORTS)}")
     if Path(path).suffix == ".mo":
         if part == "plant":
             raise BuildError(f"{path}: Modelica text holds the arm with its controller, not the plant alone")

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from flexmodels.coordinate import is_motor, joint_number, motor_of
+from flexmodels.coordinate import is_motor, joint_number, motor_of, reference_of
 from flexmodels.robot import Robot
 from pyident.checks.channels.quantisation import noise_of, step_of
 from pyident.checks.defect import Defect
@@ -18,7 +18,8 @@ _REACH = 4  # samples of a fourth difference
 def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     """Fourth differences of x (N,) that stick out: a jump stands in four, in a ratio of 1, -3, 3, -1.
 
-    Where a motor sticks, or breaks away, its acceleration jumps, and hinges jump and ring with it.
+    Where a motor sticks, or breaks away, its acceleration jumps, and hinges jump and ring with it. Where a
+    reference has a kink, its joint follows.
     """
     joint = robot.joints[joint_number(name) - 1]
     turns = np.diff(x) / (2 * np.pi)
@@ -30,6 +31,7 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     if len(high) and not is_motor(name):
         motors = [c for c in robot.coordinates if is_motor(c) and c in log.frame]
         high = high[~_near([_odd_places(log.frame[c].to_numpy(float)) for c in motors], high)]
+    high = high[~_near([_kinks(log, name)], high)]
     if not len(high):
         return
     increment = np.diff(x)
@@ -58,6 +60,14 @@ def _odd_places(x: np.ndarray) -> np.ndarray:
     )
     bent = CHANNELS.bent_ends
     return bent + np.flatnonzero((fourth > bound)[bent:-bent])
+
+
+def _kinks(log: Log, name: str) -> np.ndarray:
+    """Where the reference of the joint of a channel jumps or bends, which its controller answers."""
+    reference = reference_of(joint_number(name))
+    if reference not in log.frame:
+        return np.zeros(0, int)
+    return _odd_places(log.frame[reference].to_numpy(float))
 
 
 def _usual(fourth: np.ndarray, speed: np.ndarray) -> np.ndarray:
@@ -113,6 +123,7 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     beside, step = median_filter(x, 3, mode="nearest"), np.zeros(len(x))
     step[2:-2] = np.abs(beside[4:] - beside[:-4])
     alone = np.flatnonzero(odd > np.maximum(max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)), step))
+    alone = alone[~_near([_kinks(log, name)], alone)]
     if not len(alone) or len(alone) > 0.02 * len(x):
         return
     largest = CHANNELS.wide_spike * np.ptp(np.delete(x, alone))

@@ -25,6 +25,7 @@ class Kind:
     what: str
     endings: tuple[str, ...]
     holds: Callable[[Path], bool]
+    article: str = "a"
 
 
 class Output(click.ParamType):
@@ -81,7 +82,7 @@ def check_output(name: str, kind: Kind, inputs: list[Path], overwrite: bool) -> 
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: there is no such folder; make it first")
     if path.suffix not in kind.endings:
-        raise OutputError(f"{path}: a {kind.what} must end in {', '.join(kind.endings)}")
+        raise OutputError(f"{path}: {kind.article} {kind.what} must end in {', '.join(kind.endings)}")
     for other in inputs:
         if path.exists() and (path.samefile(other) or path.resolve().is_relative_to(other.resolve())):
             raise OutputError(f"{path} is an input ({other}), which would be lost; write to another file")
@@ -168,7 +169,7 @@ def _is_trajectory(path: Path) -> bool:
 ROBOT = Kind("robot file", (".toml",), _is_robot)
 MAPPING = Kind("mapping", (".toml",), _is_mapping)
 LOG = Kind("log", (".csv", ".parquet", ".mat"), _is_log)
-FMU = Kind("FMU, SSP or Modelica package", (".fmu", ".ssp", ".mo"), _starts(b"PK", b"package "))
+FMU = Kind("FMU, SSP or Modelica package", (".fmu", ".ssp", ".mo"), _starts(b"PK", b"package "), "an")
 MODEL = Kind("model for other simulators", (".urdf", ".xml", ".json"), _is_model)
 PAGE = Kind("page", (".html",), lambda path: b'content="flexident"' in _head(path))
 DRAFT = Kind("file of effects", (".py",), lambda path: False)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from logging import CRITICAL
 from multiprocessing import active_children
-from os import cpu_count
 from pathlib import Path
 from typing import Any, TypeVar
 
+from flexmodels.cores import cores
 from flexmodels.scratch import scratch_folder
 from pyident.simulation.processes.process_ends import interrupts_blocked
 from pyident.simulation.processes.this_machine import ignore_interrupts
@@ -85,7 +85,7 @@ def dask_cluster(
     if scheduler is None:
         with scratch_folder() as folder, _local_cluster(module, folder) as local, Client(local) as client:
             client.register_plugin(_deaf_plugin(), name="deaf")
-            count = count or cpu_count() or 1
+            count = count or cores()
             _start(local, count)
             yield Cluster(client, count)
         return

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
 from multiprocessing import get_context
-from os import cpu_count
 from typing import Any, TypeVar
 from weakref import WeakSet
 
+from flexmodels.cores import cores
 from flexmodels.scratch import scratch_folder
 from pyident.simulation.processes.process_ends import end_with_parent, interrupts_blocked, not_run_again
 from pyident.simulation.processes.tools import Make, Processes, remove_all
@@ -119,7 +119,7 @@ def local_processes(make: Make[T]) -> Iterator[Processes[T]]:
 
 @contextmanager
 def _new_pool() -> Iterator[_Pool]:
-    pool = _Pool(cpu_count() or 1)
+    pool = _Pool(cores())
     try:
         yield pool
     finally:
