@@ -206,6 +206,8 @@ def _with_load_friction(robot: Robot) -> Robot:
 def _interval(fit: ClosedLoopFit, name: str, scale: float) -> str:
     assert fit.std is not None
     half = CONFIDENCE * scale * fit.std[name]
+    if not np.isfinite(half):
+        return f"{scale * fit.values[name]:.3g}, on its bound"
     return f"{scale * fit.values[name]:.3g} ± {half:.2g} (95 %, jackknife over logs)"
 
 

@@ -151,6 +151,13 @@ def test_what_delays_all_torques_alike_is_measured(four_link, sound, late):
     assert {d.kind for d in check_log(four_link, moved)} == ({"delay"} if late else set())
 
 
+def test_degrees_are_told_as_such_and_not_as_wrong_signs(four_link, sound):
+    moved = changed(sound, **{f"joint{k}_e": np.degrees for k in (1, 2, 3, 4)})
+    found = check_log(four_link, moved)
+    assert {d.kind for d in found if d.severity == "gross"} == {"unit"}
+    assert "sign" not in {d.kind for d in found}
+
+
 def test_torques_that_are_far_late_alike_are_one_defect(four_link, sound):
     """Each by itself would be told as late, too, and by another amount."""
     moved = changed(sound, **{f"joint{k}_tau": lambda x: np.roll(x, 5) for k in (1, 2, 3, 4)})

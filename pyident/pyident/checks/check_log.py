@@ -1,13 +1,13 @@
 """Everything that is checked of a log before it is believed, by every command alike."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from flexmodels.coordinate import motor_of, reference_of
+from flexmodels.coordinate import is_motor, joint_number, motor_of, reference_of
 from flexmodels.robot import Robot, RobotError
 from pyident.checks.another_machine import another_machine
 from pyident.checks.balances import Balances, balances, samples
@@ -137,8 +137,18 @@ def _looked_at(robot: Robot, log: Log) -> _Looked:
         except StructureError as error:
             raise RobotError(f"robot {robot.name}: {error}") from None
     if of is not None:
-        defects += _of_the_fit(robot, log, of)
+        defects = _of_one_cause([*defects, *_of_the_fit(robot, log, of)])
     return _Looked(log, tuple(sorted(defects, key=lambda d: d.severity != "gross")), robot, of)
+
+
+def _of_one_cause(defects: Sequence[Defect]) -> list[Defect]:
+    """Without wrong signs of a joint whose angle seems to have another unit: that is gross in their place."""
+    of = {d.channel: joint_number(d.channel) for d in defects if d.kind in ("unit", "sign") and d.channel}
+    units = {of[d.channel] for d in defects if d.kind == "unit" and is_motor(d.channel)}
+    signs = {of[d.channel] for d in defects if d.kind == "sign" and d.channel} & units
+    kept = [d for d in defects if d.kind != "sign" or of.get(d.channel) not in units]
+    cause = [d.kind == "unit" and of.get(d.channel) in signs for d in kept]
+    return [replace(d, severity="gross") if gross else d for d, gross in zip(kept, cause, strict=True)]
 
 
 def _of_the_fit(robot: Robot, log: Log, of: Balances) -> list[Defect]:

@@ -244,8 +244,8 @@ def _of_all(delay: CommonDelay, source: str, severity: Severity) -> Defect:
         severity,
         "delay",
         "",
-        f"{source}: all torques are {abs(delay.shift):.2f} ± {max(delay.std, 0.01):.2f} samples {way}; {cause}: move "
-        f"the columns of the {move}, or give them a delay in the mapping",
+        f"{source}: all torques are {abs(delay.shift):.2f} ± {max(delay.std, 0.01):.2f} samples {way}; "
+        f"{cause}: move the columns of the {move}, or give them a delay in the mapping",
     )
 
 
