@@ -18,6 +18,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
 _WORSE = 1.2  # times what was left: more is no better
+_STRETCHES = 8  # of a log, of which every other one explains those between
 _PARTS, _KNOWN = 8, 0.3  # of a log that nothing explains as a whole; share of them that explain each other
 _EXPLAINED = 0.1  # of a torque, that may be left of it then
 
@@ -47,15 +48,31 @@ def misfit(of: Balances, torque: np.ndarray | None = None, among: Sequence[int] 
     joints = [k for k in of.joints if k in among and of.variance(k, tau[:, k]) > 0]
     if not joints:
         return Misfit({})
-    balance = {}
+    systems = _systems(of, tau, joints)
+    return Misfit(_left(systems, _best(systems)))
+
+
+_System = tuple[np.ndarray, np.ndarray, float]  # AᵀA (P, P), Aᵀy (P,), yᵀy of a joint, over its variance
+
+
+def _systems(of: Balances, tau: np.ndarray, joints: Sequence[int]) -> dict[int, _System]:
+    """Of joints (from 0) under torques (M, joints)."""
+    found = {}
     for k in joints:
-        variance = of.variance(k, tau[:, k])
+        variance = max(of.variance(k, tau[:, k]), 1e-300)
         b, yy = of.right(k, tau[:, k : k + 1])
-        balance[k] = of.normal[k] / variance, b[:, 0] / variance, float(yy[0]) / variance
-    p = solved(*(np.sum([own[i] for own in balance.values()], axis=0) for i in (0, 1)))[0]
-    return Misfit(
-        {k: max(yy - 2 * float(b @ p) + float(p @ A @ p), 0.0) for k, (A, b, yy) in balance.items()}
-    )
+        found[k] = of.normal[k] / variance, b[:, 0] / variance, float(yy[0]) / variance
+    return found
+
+
+def _best(systems: Mapping[int, _System]) -> np.ndarray:
+    """(P,) parameters that leave least of all."""
+    return solved(*(np.sum([own[i] for own in systems.values()], axis=0) for i in (0, 1)))[0]
+
+
+def _left(systems: Mapping[int, _System], p: np.ndarray) -> dict[int, float]:
+    """What parameters p (P,) leave of each."""
+    return {k: max(yy - 2 * float(b @ p) + float(p @ A @ p), 0.0) for k, (A, b, yy) in systems.items()}
 
 
 @dataclass(frozen=True)
@@ -91,8 +108,21 @@ def best_change(of: Balances, placed: bool = True) -> Better | None:
     left, now_so, _, misfits, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
     guessed = change.kind == "order" and not placed
     far = _far(left, now_so) and (guessed or _far(*_shares(_misfits(of, change, hoses=True))))
-    far = far and not _suits_one(*misfits, change)
+    far = far and not _suits_one(*misfits, change) and _far(_across(of, change), now_so)
     return Better(change, left, now_so) if far else None
+
+
+def _across(of: Balances, change: Transformation) -> float:
+    """Share of the torques that is left where parameters of every other stretch of a log, after a change,
+    explain those between: another scale lets parameters fit that the log as it is does not tell.
+    """
+    moved = of.samples.moved(change.motion, change.offset) if change.moves else of.samples
+    other, tau = balances(moved) if change.moves else of, of.torque @ change.torque.T
+    joints = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
+    even = np.arange(len(of.samples.at)) * _STRETCHES // len(of.samples.at) % 2 == 0
+    fitted, judged = (_systems(other.within(part), tau, joints) for part in (even, ~even))
+    there, back = (_left(b, _best(a)) for a, b in ((fitted, judged), (judged, fitted)))
+    return float(np.mean([*there.values(), *back.values()]))
 
 
 def _far(left: float, now: float) -> bool:
