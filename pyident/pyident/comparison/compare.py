@@ -14,6 +14,7 @@ from pyident.comparison.bins import Bin, breakdown, replica_floor
 from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.fails import Fails, in_simulation
 from pyident.comparison.model_against_replicas import Part, Progress, run_trial
+from pyident.comparison.slow_noise import with_slow_noise
 from pyident.comparison.traces import Bump, Trace, bumps, in_band, traces
 from pyident.comparison.trial import TIP, Trial, on_trial
 from pyident.comparison.without_simulation import parts_without_simulation, sentence_without_simulation
@@ -108,11 +109,11 @@ def compared(
     errors = tuple(log_errors(trial, i, data[i], [parts[i] for parts in replicas]) for i in range(len(names)))
     short = [Path(n).name for n in names]
     own, refitted = (breakdown(trial.robot, data, replicas, short, r) for r in (False, True))
-    values, structure = (
-        _worst(bins, errors, _chance(trial.robot, replicas, short, r), rules)
-        for bins, r in ((own, False), (refitted, True))
-    )
-    fails = Fails(values, structure)
+    fails = _fails(trial.robot, (own, refitted), replicas, short, errors, rules)
+    if fails.where is not None and trial.paths:
+        slow = with_slow_noise(trial, replicas)
+        beside = tuple(breakdown(trial.robot, data, slow, short, r) for r in (False, True))
+        fails = fails.beside(_fails(trial.robot, beside, slow, short, errors, rules))
     sentence = f"{fails.sentence(trial.tracks)} {in_simulation(trial, errors)}"
     return Comparison(
         trial.robot.name,
@@ -205,6 +206,19 @@ def _worst(
         and _excess(b.coordinate, errors) > rules.of_signal
     ]
     return max(telling, key=lambda b: b.ratio, default=None)
+
+
+def _fails(
+    robot: Robot,
+    bins: Sequence[Sequence[Bin]],
+    replicas: Sequence[Sequence[Part]],
+    names: Sequence[str],
+    errors: Sequence[LogErrors],
+    rules: ComparisonRules,
+) -> Fails:
+    """Where a model fails most. bins: under its own parameters, and under refitted ones."""
+    chances = (_chance(robot, replicas, names, refitted) for refitted in (False, True))
+    return Fails(*(_worst(b, errors, chance, rules) for b, chance in zip(bins, chances, strict=True)))
 
 
 def _chance(robot: Robot, replicas: Sequence[Sequence[Part]], names: Sequence[str], refitted: bool) -> float:

@@ -15,11 +15,12 @@ _STAND_IN = "; how closely is the doing of the loop that stands in for a control
 @dataclass(frozen=True)
 class Fails:
     """The parts that stand out most under the model's own parameters (values) and under refitted ones
-    (structure); None: nothing does.
+    (structure); None: nothing does. doubted: what would, but for slow noise, which may do as much.
     """
 
     values: Bin | None
     structure: Bin | None
+    doubted: Bin | None = None
 
     @property
     def structural(self) -> bool:
@@ -38,8 +39,17 @@ class Fails:
             return False
         return values.ratio > structure.ratio
 
+    def beside(self, slow: "Fails") -> "Fails":
+        """What is certain of it. slow: the same beside replicas with as much slow noise as there may be."""
+        if slow.where is None:
+            return Fails(None, None, self.where)
+        return Fails(self.values or slow.values, None) if slow.structure is None else self
+
     def sentence(self, tracks: bool) -> str:
         """tracks: whether the simulations track the measured motion."""
+        if self.where is None and self.doubted is not None:
+            most = f"{_place(self.doubted)}: {self.doubted.ratio:.2g} times the floor"
+            return f"Nothing stands out for certain; most is left at {most}, which slow noise may do as well."
         if self.where is None:
             return "Nothing stands out: the equations leave what the method itself leaves."
         most = f"most at {_place(self.where)}: {self.where.ratio:.2g} times the floor"

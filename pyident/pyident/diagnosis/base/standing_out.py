@@ -1,8 +1,7 @@
 """What a base leaves beyond what any replica leaves: in all equations of a row, or in one band of them.
 
-Below the frequencies in which a log shows its torques' noise, this may rise besides: as 1/f², as behind a low
-pass, for two octaves, and as 1/f below them, as that of amplifiers does. A log whose motion repeats shows it
-to the bottom, so that a band is judged by the logs that know it best.
+Below the frequencies in which a log shows its torques' noise, this may rise besides (see `rise`). A log whose
+motion repeats shows it to the bottom, so that a band is judged by the logs that know it best.
 """
 
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination
+from pyident.simulation.noise.rise import rise
 
 
 @dataclass(frozen=True)
@@ -88,5 +88,4 @@ def _rises(ex: Examination) -> np.ndarray:
     top = max(EDGES[-1], float(ex.floor.frequencies[-1]))
     edges = np.array([*EDGES, top])
     middle = (edges[:-1] + edges[1:]) / 2
-    below = np.maximum(ex.setting.continued[..., None] / np.maximum(middle, 1e-300), 1.0)
-    return np.minimum(below**2, 4 * below)
+    return rise(middle, ex.setting.continued[..., None])
