@@ -52,6 +52,7 @@ _STEP = 0.5  # samples
 _JOINTS = 2  # that must tell the same
 _EXACT = 0.02  # of a sample, and of the logarithm of a corner
 _SMALL = 0.005  # s, or a sample: a drive's filter and a loop's hold, which may hide in the noise
+_APART = 2.0  # times that the delay which leaves least may be of the one that is measured near none
 _SAMPLES = 5.0  # more than these and `LATEST` is no matter of a clock
 _SLOWEST = 0.1  # s that a low pass may delay
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
@@ -80,7 +81,7 @@ def alignment_of(ex: Examination) -> Alignment:
     base = solve_base(data)
     told = [k for k in joints if _tells(ex, base, data, k, moving)]
     small = best == best.delay and abs(best.late) <= max(period, _SMALL)
-    if len(told) < _JOINTS and not (small and _measured_alike(ex, delayed)):
+    if len(told) < _JOINTS and not (small and _measured_alike(ex, delayed, best.late)):
         return NOTHING
     return NOTHING if _belied(ex, best, moving) else best
 
@@ -138,10 +139,11 @@ def _beside(ex: Examination, named: Sequence[Candidate]) -> Base:
     return base
 
 
-def _measured_alike(ex: Examination, delayed: Columns) -> bool:
-    """Whether two joints where nothing stands out measure about the same delay, in their noise or above it.
+def _measured_alike(ex: Examination, delayed: Columns, late: float) -> bool:
+    """Whether two joints where nothing stands out measure about the same delay, in their noise or above it,
+    and together what leaves least.
 
-    delayed   as of `_change`, by a delay
+    delayed   as of `_change`, by a delay of a step;  late: what leaves least [s]
     """
     rules, out = ex.setting.rules.search, standing_out(ex, ex.base)
     quiet = [k for k in range(len(ex.setting.robot.joints)) if not out[k]]
@@ -149,6 +151,9 @@ def _measured_alike(ex: Examination, delayed: Columns) -> bool:
         return False
     of_quiet = [{k: X for k, X in log.items() if k in quiet} for log in delayed]
     together, alike = float(gain(ex.base, of_quiet).coefficients[0]), 0
+    measured = -together * _STEP * ex.setting.period
+    if not 1 / _APART <= late / (measured or np.inf) <= _APART:
+        return False
     for k in quiet:
         found = _shown(ex, [{k: log[k]} for log in delayed], rules.chance**2)
         alike += found is not None and abs(found.coefficients[0] / together - 1) <= 1 - rules.unseen

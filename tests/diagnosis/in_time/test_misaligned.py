@@ -105,10 +105,11 @@ def test_one_torque_that_comes_late_is_named_with_its_time(samples):
     logs, k = [one_late(made(arm(), seed, plain, 20.0, 2.0), 3, samples) for seed in range(3)], 3
     found = concluded(searched(arm(), logs[:2], never), never, logs[2:])
     (finding,) = found.findings
-    names = {n.effect: n.values for n in finding.tie}
-    assert {n.joint for n in finding.tie} == {f"joint{k}"}
-    assert names["torque_lag"]["correction"] == pytest.approx(samples * logs[0].period, rel=0.15)
-    assert set(names) - {"torque_lag"} == ({"torque_delay"} if samples < 0 else set())
+    there = {n.effect: n.values for n in finding.tie if n.joint == f"joint{k}"}
+    assert there["torque_lag"]["correction"] == pytest.approx(samples * logs[0].period, rel=0.15)
+    assert set(there) - {"torque_lag"} == ({"torque_delay"} if samples < 0 else set())
+    # with some builds of the libraries a coupling with the motor before it explains just as much
+    assert {n.effect for n in finding.tie if n.joint != f"joint{k}"} <= {"joint_coupling"}
     assert any(note.startswith("torque_lag at joint3: give joint3.tau a delay of") for note in found.notes)
 
 
