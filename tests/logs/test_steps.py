@@ -11,7 +11,7 @@ from pyident.logs.clocks import on_one_clock
 from pyident.logs.foreign import map_frame
 from pyident.logs.log import Log, LogError
 from pyident.logs.mapping import Mapping, Source
-from pyident.logs.steps import unrounded, usual_step
+from pyident.logs.steps import evened, unrounded, usual_step
 
 COUNT = np.arange(500)
 MAPPING = Mapping({"time": Source("time"), "joint1.e": Source("q"), "joint1.tau": Source("tau")})
@@ -186,3 +186,18 @@ def test_stamps_that_jitter_beside_even_samples_are_no_clock(honest, said):
     assert any("2 samples are missing" in note for note in log.notes) == (not honest)
     time = log.frame["time"].to_numpy()
     assert log.frame["joint1.e"].to_numpy() == pytest.approx(np.sin(3 * time), abs=1e-4)
+
+
+@pytest.mark.parametrize("lost", [(), (400, 401, 1300)])
+def test_a_stamp_that_is_late_by_itself_is_no_lost_sample(lost):
+    even = np.delete(np.arange(2000) * 0.004, lost)
+    late = np.zeros(len(even))
+    late[[300, 700, 1500]] = 0.0022  # its step rounds to two periods
+    stamps = even + late + 3e-4 * np.random.default_rng(1).standard_normal(len(even))
+    q = np.sin(3 * even)
+    frame, notes = evened(pd.DataFrame({"time": stamps, "joint1.e": q, "joint1.tau": np.cos(even)}), "log")
+    assert len(frame) == 2000
+    assert notes[0].startswith("stamps jitter")
+    assert [n for n in notes if "missing" in n] == ([notes[1]] if lost else [])
+    time = frame["time"].to_numpy()
+    np.testing.assert_allclose(frame["joint1.e"], np.sin(3 * (time - time[0])), atol=3e-4)

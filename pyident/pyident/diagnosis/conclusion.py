@@ -12,6 +12,7 @@ from pyident.diagnosis.base.floor_shares import floor_shares
 from pyident.diagnosis.base.residual_over_floor import EDGES, Region
 from pyident.diagnosis.base.standing_out import bands_in_doubt, bands_standing_out, in_bands
 from pyident.diagnosis.coefficients import gain_beside, loosely_told
+from pyident.diagnosis.late_torque import comes_late, time_of
 from pyident.diagnosis.motions.detectable import limits, rows_over_floor
 from pyident.diagnosis.notes import (
     doubted_joints,
@@ -108,6 +109,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         stages=stages,
         places=places,
         band=float(ex.floor.frequencies[-1]),
+        put_in_time=ex.setting.alignment.needed,
     )
 
 
@@ -157,7 +159,10 @@ def _together(search: Search, found: Found, others: Sequence[Candidate], held: H
         if spring is not None and spring.swings:
             told = np.array([spring.compliance])
             return named(search, replace(found, gain=replace(found.gain, coefficients=told)))
-        value = held.together(search.resting_on(others), found.candidate)
+        beside = search.resting_on(others)
+        value = held.together(beside, found.candidate)
+        if comes_late(search.robot, found.candidate):
+            value = np.array([time_of(beside, found.candidate.joint, float(value[0]))])
         return named(search, replace(found, gain=replace(found.gain, coefficients=value)))
     own = gain_beside(search, others, found.candidate)
     loose, K = loosely_told(search, others, found.candidate), len(own.std)

@@ -29,6 +29,7 @@ from pyident.regression.descriptions import DESCRIPTIONS
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _EXACT = 0.05  # of a step of a grid
 _CORNERS = 12
+_LONGER = 2.0  # times what its slope tells, that a delay may be
 _ALIKE = 0.25  # of the time, and a sample: as far as logs differ in what they tell
 _CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
 
@@ -45,6 +46,18 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
     found = (_way(search, k, beside.remaining_on([k - 1])) for k in open_joints)
     ways = {way.joint: way for way in found if way is not None}
     return tuple((_held(beside) | ways).values())
+
+
+def time_of(beside: Search, joint: int, slope: float) -> float:
+    """Time [s] by which the torque of a joint (from 1) is late, by what leaves least of its equation: a slope
+    tells less of a delay the longer it is. The search must rest on all that is named but that torque.
+
+    slope   what the slope tells [s], which stands where the two are not of one kind
+    """
+    period = max(e.band.period for e in beside.examination.logs)
+    late = _best(beside, _kinds(joint, period)[0], range(len(beside.examination.logs)))[0].late
+    ends = sorted((slope, _LONGER * slope))
+    return late if ends[0] < late < ends[1] else slope
 
 
 def _held(beside: Search) -> dict[int, OwnWay]:

@@ -170,6 +170,7 @@ class Diagnosis:
     draft        text of an effect file for an unexplained residual, where one was asked for and found
     places       every side of every joint: in order, explained or not
     band         highest frequency that was looked at [Hz]
+    put_in_time  whether positions and torques were moved against each other before all was judged
     stages       the residual from the model as it is to the model with all findings
     """
 
@@ -192,6 +193,7 @@ class Diagnosis:
     draft: str = ""
     places: tuple[Place, ...] = ()
     band: float = float("nan")
+    put_in_time: bool = False
 
     def json(self) -> dict[str, Any]:
         """The contract of `diagnose --json`."""

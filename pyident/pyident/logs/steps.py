@@ -14,6 +14,7 @@ _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
 _SAME = 0.02  # of the resolution of stamps: what counts as the same step
 _SMOOTHER = 0.7  # times as rough: less is no chance, and more is noise that stamps add little to
+_STAMPS = 9  # on either side of a long step, which tell whether it lasts
 _SHORT = 100  # samples, too few to tell
 _JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
 
@@ -103,14 +104,26 @@ def _sampled_evenly(frame: pd.DataFrame, time: np.ndarray, period: float) -> np.
 
     time    (N,) the stamps;  period: the usual one of these. Samples that are lost stay so
     """
-    number = np.concatenate([[0.0], np.cumsum(np.round(np.diff(time) / period))])
+    number = _numbers(time, period)
     positions = [frame[n].to_numpy(float) for n in frame if is_motor(str(n))]
     moving = [x for x in positions if np.ptp(x) > 0]
-    if not moving or (np.diff(number) < 1).any() or len(time) < _SHORT:
+    if not moving or len(time) < _SHORT:
         return None
     even = np.polyval(np.polyfit(number, time - time[0], 1), number) + time[0]
     ratios = [_roughness(even, x) / max(_roughness(time, x), 1e-300) for x in moving]
     return even if np.median(ratios) < _SMOOTHER else None
+
+
+def _numbers(time: np.ndarray, period: float) -> np.ndarray:
+    """(N,) of samples from 0 on. One is lost where stamps come later by a period from then on; a long step
+    between short ones is a stamp that is late by itself.
+    """
+    count, off = np.arange(len(time)), time - time[0] - period * np.arange(len(time))
+    lost = np.zeros(len(time))
+    for k in (np.flatnonzero(np.round(np.diff(time) / period) > 1) + 1).tolist():
+        before, after = off[max(k - _STAMPS, 0) : k], off[k : k + _STAMPS]
+        lost[k] = max(np.round((np.median(after) - np.median(before)) / period), 0.0)
+    return count + np.cumsum(lost)
 
 
 def _roughness(time: np.ndarray, x: np.ndarray) -> float:

@@ -90,7 +90,11 @@ def diagnose(
     times = instants((*read.logs, *read.heldout), read.defects)
     (fitted, taken_up), (unseen, put_down) = (divided(logs, times) for logs in (parts.fitted, parts.unseen))
     found = diagnosed(read.robot, fitted, FmuRuns, unseen, progress or _silent, draft)
-    notes = (*read.notes, *taken_up, *put_down, *found.notes)
+    timed = {d.sentence for d in read.defects if (d.kind, d.channel) == ("delay", "")}
+    checked = [
+        note for note in read.notes if not (found.put_in_time and note in timed)
+    ]  # it says by how much
+    notes = (*checked, *taken_up, *put_down, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
 
 
