@@ -14,7 +14,6 @@ from pyident.checks.encoder_delay import Skew, encoder_skews, without_skew
 from pyident.conditioning.filters import thin
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.estimator import weighted
-from pyident.estimation.instrumental import STRONG, two_stage
 from pyident.logs.datasets import fetch
 from pyident.logs.foreign import import_log
 from pyident.logs.log import Log, LogError
@@ -24,6 +23,8 @@ from pyident.regression.regressor import regressor
 from pyident.report.page import Section, write_page
 from pyident.rules.confidence import CONFIDENCE
 from pyident.sweep.studies import StudyResult, row
+
+from .instrumental import STRONG, two_stage
 
 AUTHORS = (4.58e6, 7.52e6, 4.10e6)  # [N m/rad], axes 1 to 3
 _LAGS = 25  # of 20 ms: half a second of correlated residuals

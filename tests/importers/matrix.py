@@ -104,7 +104,7 @@ def cell(tool: Tool, version: int, case: Case) -> tuple[str, str]:
     known = [line for line in answer.complaints if tool.expected and re.search(tool.expected, line)]
     new = [line for line in answer.complaints if line not in known]
     mark = " !" if new else " *" if known else ""
-    return f"{error:.0e}, {speed:.2g}×{mark}", (new or [""])[0]
+    return f"{error:.0e}, {speed:{'.0f' if speed >= 100 else '.2g'}}×{mark}", (new or [""])[0]
 
 
 def system_request(ssp: Path, plan: Experiment, parts: int) -> dict:

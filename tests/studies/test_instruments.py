@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from pyident.estimation.instrumental import STRONG, two_stage
+from studies.kuka_kr300.instrumental import STRONG, two_stage
 
 K, OFFSET = 5.0, 2.0
 
