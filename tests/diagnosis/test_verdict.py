@@ -13,6 +13,7 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.notes import of_drifts, of_ends, of_gears, of_what_is_shared, warnings
 from pyident.diagnosis.result import Finding, Named, Place
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, separating, verdict_of
+from pyident.regression.spectrum import Floor
 from pyident.rules.rules import RULES
 
 
@@ -44,16 +45,17 @@ def test_word(findings, stands_out, word):
 
 
 @pytest.mark.parametrize(
-    ("drowned", "said"),
+    ("noisy", "said"),
     [
-        ((), "Nothing is missing that these logs could show."),
-        (("joint2",), "logs could show; at joint2 noise is more than the torque, and hides all."),
-        (("joint1", "joint2"), "These logs could show nothing: what counts as noise is more than the torque"),
+        ({}, "Nothing is missing that these logs could show."),
+        ({"joint1": 23.0, "joint2": 37.4}, "could show; 37 % of the torque of joint2 counts as noise."),
+        ({"joint2": 130.0}, "logs could show; at joint2 noise is more than the torque, and hides all."),
+        ({"joint1": 100.0, "joint2": 480.0}, "These logs could show nothing: what counts as noise is more"),
     ],
 )
-def test_where_noise_is_above_the_torque_nothing_is_said_to_be_in_order(drowned, said):
+def test_how_much_counts_as_noise_is_part_of_the_verdict(noisy, said):
     places = _motors("in_order", "in_order", "unobserved")
-    assert said in sentence_of("nothing_detectable", (), places, ("joint1", "motor"), drowned=drowned)
+    assert said in sentence_of("nothing_detectable", (), places, ("joint1", "motor"), noisy=noisy)
 
 
 def test_what_held_out_data_hardly_show_is_said_to_be_chance():
@@ -168,13 +170,26 @@ def test_place_and_question_of_a_law():
     ],
 )
 def test_what_makes_a_verdict_worth_less_is_said(floor, ratio, verdict, said):
-    search = cast(Any, SimpleNamespace(rules=RULES.search))
+    spectrum = Floor(np.linspace(0.1, 20.0, 200), np.ones((1, 200)))
+    search = cast(Any, SimpleNamespace(rules=RULES.search, examination=SimpleNamespace(floor=spectrum)))
     place = SimpleNamespace(
         joint="joint1", balance="motor", state="in_order", floor_percent=floor, over_floor=(ratio, ratio)
     )
     found = list(warnings(search, verdict, cast(Any, [place])))
     assert len(found) == len(said)
     assert all(warning.startswith(words) for warning, words in zip(found, said, strict=True))
+
+
+def test_what_lowers_a_floor_depends_on_where_it_lies():
+    frequency = np.linspace(0.1, 20.0, 200)
+    place = SimpleNamespace(
+        joint="joint1", balance="motor", state="in_order", floor_percent=37.0, over_floor=(1.0, 1.0)
+    )
+    for rms, said in ((np.ones(200), "finer encoders"), (1 / frequency, "Hz, as of hands, wind")):
+        ex = SimpleNamespace(floor=Floor(frequency, rms[None]))
+        search = cast(Any, SimpleNamespace(rules=RULES.search, examination=ex))
+        (warning,) = warnings(search, "nothing_detectable", cast(Any, [place]))
+        assert said in warning
 
 
 def test_a_share_without_held_out_logs_is_said_alone():

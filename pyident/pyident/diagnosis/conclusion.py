@@ -57,9 +57,11 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
     bursts = in_bursts(beside, places)
     shaken = [joint_name(robot.q[row].joint) for row in bursts]
-    drowned = [
-        p.joint for p in in_motion(search, places) if p.balance == "motor" and p.floor_percent >= 100.0
-    ]
+    noisy = {
+        p.joint: p.floor_percent
+        for p in in_motion(search, places)
+        if p.balance == "motor" and p.floor_percent > 100 * search.rules.worthless
+    }
     verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
     stages = tuple(_stages(search, findings, steps))
     shown = {(n.effect, n.joint) for f in findings for n in f.tie}  # though their limit may not be known
@@ -72,7 +74,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
         sentence=in_time(ex.setting.alignment)
-        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken, drowned)
+        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken, noisy)
         + sentence(states),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,

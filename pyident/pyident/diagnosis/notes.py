@@ -11,6 +11,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.alignment import HELD, Alignment, OwnWay
 from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
+from pyident.diagnosis.base.floor_shares import lowered_by
 from pyident.diagnosis.base.nonlinear_values import BEYOND
 from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.base.residual_over_floor import EDGES
@@ -73,7 +74,7 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
         worst = max(weak, key=lambda p: p.floor_percent)
         yield (
             f"this says little: replicas leave {worst.floor_percent:.0f} % of the torque of {worst.joint} "
-            "unexplained; a slower motion, finer encoders or the controller in the robot file lower that"
+            f"unexplained; {lowered_by(search.examination, joint_number(worst.joint) - 1)}"
         )
     quiet = [p for p in places if p.over_floor[0] < rules.below_floor and p.state != "unobserved"]
     if quiet:

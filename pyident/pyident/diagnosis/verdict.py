@@ -1,7 +1,7 @@
 """A verdict, in a word and in a sentence."""
 
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 
 from flexmodels.coordinate import joint_name, joint_number
 from flexmodels.robot import Robot
@@ -47,22 +47,22 @@ def sentence_of(
     place: tuple[str, str],
     doubted: Sequence[str] = (),
     shaken: Sequence[str] = (),
-    drowned: Sequence[str] = (),
+    noisy: Mapping[str, float] | None = None,
 ) -> str:
     """What a diagnosis says.
 
     places    every side of every joint, in the robot's order;  place: where it fails most
     doubted   joints at which slow noise may be all that exceeds the floor, or not
-    shaken    joints whose noise comes in bursts;  drowned: joints whose floor is above their torque
+    shaken    joints whose noise comes in bursts;  noisy: joint -> high floor, per cent of its torque
     """
     if verdict == "nothing_detectable":
-        if drowned and len(drowned) == len({p.joint for p in places if p.state != "unobserved"}):
+        noise = _of_noise(noisy or {}, {p.joint for p in places if p.state != "unobserved"})
+        if noise is None:
             return (
                 "These logs could show nothing: what counts as noise is more than the torque, at every joint."
             )
         unless = f"; at {', '.join(doubted)} they do not tell it from slow noise" if doubted else ""
         bursts = f"; what is left at {', '.join(shaken)} comes in bursts" if shaken else ""
-        noise = f"; at {', '.join(drowned)} noise is more than the torque, and hides all" if drowned else ""
         return f"Nothing is missing that these logs could show{unless}{bursts}{noise}."
     open_places = [p for p in places if p.state == "unexplained"]
     if verdict == "unexplained":
@@ -78,6 +78,19 @@ def sentence_of(
     wrong = {n.describes for f in findings for n in f.tie}
     begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
     return f"{begin}: {names}.{rest}"
+
+
+def _of_noise(noisy: Mapping[str, float], joints: set[str]) -> str | None:
+    """How much of the torques counts as noise, in words; None: at all joints all of it."""
+    drowned = [joint for joint, percent in noisy.items() if percent >= 100.0]
+    if drowned and set(drowned) == joints:
+        return None
+    if drowned:
+        return f"; at {', '.join(drowned)} noise is more than the torque, and hides all"
+    if not noisy:
+        return ""
+    worst = max(noisy, key=lambda joint: noisy[joint])
+    return f"; {noisy[worst]:.0f} % of the torque of {worst} counts as noise"
 
 
 def _by_law(findings: Sequence[Finding]) -> list[str]:

@@ -4,6 +4,8 @@ import numpy as np
 
 from pyident.diagnosis.base.residual_over_floor import Examination
 
+_SLOW = 2.0  # Hz: noise below is seldom a sensor's
+
 
 def floor_shares(ex: Examination) -> np.ndarray:
     """(n,) rms of the floor, of the torque or the stiffness' moment, per equation; NaN where that is none."""
@@ -34,3 +36,16 @@ def worth_little(ex: Examination) -> bool:
     if not motors:
         return False
     return bool(np.nanmedian(floor_shares(ex)[motors]) > ex.setting.rules.search.worthless)
+
+
+def lowered_by(ex: Examination, row: int) -> str:
+    """What may lower the floor of an equation, by the frequencies [Hz] at which most of it lies."""
+    frequency, power = ex.floor.frequencies, np.square(ex.floor.rms[row])
+    below = np.cumsum(power * np.gradient(frequency))
+    half = float(frequency[int(np.searchsorted(below, below[-1] / 2))])
+    if half < _SLOW:
+        return (
+            f"half of that is slower than {half:.2g} Hz, as of hands, wind, a hose, friction that wanders: "
+            "let nothing touch the robot, or repeat the motion"
+        )
+    return "a slower motion, finer encoders or the controller in the robot file lower that"
