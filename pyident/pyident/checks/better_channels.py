@@ -108,20 +108,25 @@ def best_change(of: Balances, placed: bool = True) -> Better | None:
     left, now_so, _, misfits, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
     guessed = change.kind == "order" and not placed
     far = _far(left, now_so) and (guessed or _far(*_shares(_misfits(of, change, hoses=True))))
-    far = far and not _suits_one(*misfits, change) and _far(_across(of, change), now_so)
+    far = far and not _suits_one(*misfits, change) and _far(*_across(of, change))
     return Better(change, left, now_so) if far else None
 
 
-def _across(of: Balances, change: Transformation) -> float:
-    """Share of the torques that is left where parameters of every other stretch of a log, after a change,
-    explain those between: another scale lets parameters fit that the log as it is does not tell.
+def _across(of: Balances, change: Transformation) -> tuple[float, float]:
+    """Shares of the torques that are left with a change and without it, where parameters of every other
+    stretch of a log explain those between: another scale lets parameters fit that the log does not tell.
     """
     moved = of.samples.moved(change.motion, change.offset) if change.moves else of.samples
     other, tau = balances(moved) if change.moves else of, of.torque @ change.torque.T
     joints = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
+    return _left_between(other, tau, joints), _left_between(of, of.torque, joints)
+
+
+def _left_between(of: Balances, tau: np.ndarray, joints: Sequence[int]) -> float:
+    """Of torques (M, joints), on average over joints (from 0)."""
     even = np.arange(len(of.samples.at)) * _STRETCHES // len(of.samples.at) % 2 == 0
-    fitted, judged = (_systems(other.within(part), tau, joints) for part in (even, ~even))
-    there, back = (_left(b, _best(a)) for a, b in ((fitted, judged), (judged, fitted)))
+    a, b = (_systems(of.within(part), tau, joints) for part in (even, ~even))
+    there, back = _left(b, _best(a)), _left(a, _best(b))
     return float(np.mean([*there.values(), *back.values()]))
 
 

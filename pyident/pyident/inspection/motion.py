@@ -14,6 +14,7 @@ AGREES = 0.9  # correlation of a velocity with the derivative of its position
 CLOSE = 0.15  # relative error of a ratio of units
 PRECISE = 0.03  # the same of units that are hardly ever used together
 _DEGREES = 8.0  # rad: an angle that goes farther is hardly in radians
+_MANY = 5  # turns: a joint seldom makes more
 _TURN = 1.0  # within a turn either way: if all angles of a recording stay in it, they may be in turns
 _PARTS = 100.5  # to which others, LeRobot among them, scale the range of a joint
 _SYMBOL = re.compile(r"(?<![a-z])(q|qpos|phi|theta)(?![a-z])", re.IGNORECASE)  # of mechanics, in radians
@@ -105,12 +106,23 @@ def _reach(c: Channel) -> float:
     return max(abs(c.low), abs(c.high))
 
 
+def _of_many_turns(c: Channel) -> str:
+    """The question of an angle that turns as a motor does before its gear; empty for any other."""
+    turns = (c.high - c.low) * FACTORS[c.unit or "rad"] / (2 * np.pi)
+    return (
+        f"{c.column} turns {turns:.0f} times: is it the motor's, before a gear? (gear)"
+        if turns > _MANY
+        else ""
+    )
+
+
 def _position(
     c: Channel, speed: Channel | None, prismatic: bool, period: float | None, known: bool
 ) -> Channel:
     """Unit of a position: as the file says, by its velocity, or by its range."""
     if c.unit is not None:
-        return replace(c, sure=not c.doubt)
+        doubt = c.doubt or ("" if prismatic or c.side == "motor" else _of_many_turns(c))
+        return replace(c, sure=not doubt, doubt=doubt)
     if speed is not None and period and len(speed.values) == len(c.values) and speed.unit is not None:
         ratio, agreement = slope(c.values, speed.values * FACTORS[speed.unit], period)
         for unit in ("rad", "deg", "rev", "mrad") if not prismatic else ("m", "mm"):

@@ -271,7 +271,8 @@ def check_steps(time: np.ndarray, period: float, source: str, first: int = 0) ->
         )
     if len(uneven):
         i = int(uneven[0]) if len(uneven) else 0
-        short = np.diff(time).max() <= WIDEST_GAP * period
+        steps = np.diff(time)
+        short = steps.max() <= WIDEST_GAP * period and steps.min() > 0
         raise LogError(
             f"{source}: time goes from {time[i]:.13g} s to {time[i + 1]:.13g} s at row {first + i + 2} where "
             f"the period is {period:.6g} s; cut the log there"
