@@ -210,3 +210,13 @@ def test_a_drive_that_the_robot_file_gives_is_not_asked(tmp_path):
     assert not any("(drive, gear)" in question for question in found.questions)
     assert "drive =" not in found.toml()
     assert any("(drive, gear)" in question for question in inspect_log([tmp_path / "log.csv"]).questions)
+
+
+@pytest.mark.parametrize(("turns", "asked"), [(1.5, False), (24.0, True)])
+def test_an_angle_of_many_turns_is_asked_for_its_gear(turns, asked, tmp_path):
+    degrees = 180 * turns * np.sin(TIME)
+    pd.DataFrame({"time_s": TIME, "q1_deg": degrees, "tau1_Nm": ANGLE}).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    found = inspect_log([tmp_path / "a.csv"])
+    assert any("q2_deg turns 24 times: is it the motor's" in q for q in found.questions) == asked

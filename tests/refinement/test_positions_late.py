@@ -1,6 +1,8 @@
 """Positions on another clock than the torques: found, put right, and known to the intervals."""
 
 import re
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -8,7 +10,9 @@ from scipy.interpolate import CubicSpline
 from studies.rigid_arm.arm import arm, moved, recorded
 
 import pyident as pi
-from pyident.refinement.instruments.positions_late import _common
+from pyident.refinement import auxiliary_model
+from pyident.refinement.auxiliary_model import identify_by_instruments
+from pyident.refinement.instruments.positions_late import Late, _common
 
 DELAY = 0.002  # s, of all torques, as behind a low pass of 80 Hz
 PERIOD = 0.004
@@ -86,3 +90,24 @@ def test_a_time_that_is_not_sure_widens_the_intervals():
     assert not chance.sure
     assert alone.std == pytest.approx(1e-3, rel=0.01)
     assert chance.std == pytest.approx(((2e-3 / 2) ** -2 + (PERIOD / 2) ** -2) ** -0.5)
+
+
+@dataclass(frozen=True)
+class Found:
+    relative_error: dict[str, float]
+    notes: tuple[str, ...] = ()
+
+
+def test_what_leaves_more_when_it_is_put_right_is_no_delay(monkeypatch):
+    """As a loop's answer to its encoders' noise looks like one."""
+    times = iter([Late(-0.004, 2e-4, np.zeros(1), True), None] * 2)
+    for after, put_right in ((4.25, False), (4.15, True)):
+        errors = iter([4.2, after])
+
+        def identified(*_, errors=errors):
+            return Found({"all": next(errors)}), next(times)
+
+        monkeypatch.setattr(auxiliary_model, "_identified", identified)
+        found = identify_by_instruments(arm(), [], cast(Any, None))
+        assert found.relative_error["all"] == (after if put_right else 4.2)
+        assert any("all positions come 4" in note for note in found.notes) == put_right
