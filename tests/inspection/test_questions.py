@@ -219,4 +219,4 @@ def test_an_angle_of_many_turns_is_asked_for_its_gear(turns, asked, tmp_path):
         tmp_path / "a.csv", index=False
     )
     found = inspect_log([tmp_path / "a.csv"])
-    assert any("q2_deg turns 24 times: is it the motor's" in q for q in found.questions) == asked
+    assert any("q1_deg turns 21 times: is it the motor's" in q for q in found.questions) == asked

@@ -71,7 +71,7 @@ def test_messages_of_two_topics_have_a_clock_each(tmp_path):
 
 
 def test_arrays_and_records_of_a_numpy_archive(tmp_path):
-    records = np.rec.fromarrays([TIME, Q[:, 0]], names="t,speed")
+    records = np.array(list(zip(TIME, Q[:, 0], strict=True)), dtype=[("t", float), ("speed", float)])
     np.savez(tmp_path / "a.npz", time=TIME, q=Q, log=records, gain=3.0)
     columns = read_recording(tmp_path / "a.npz").columns
     assert set(columns) == STATE | {"log.t", "log.speed"}

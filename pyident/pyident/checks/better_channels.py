@@ -67,7 +67,8 @@ def _systems(of: Balances, tau: np.ndarray, joints: Sequence[int]) -> dict[int, 
 
 def _best(systems: Mapping[int, _System]) -> np.ndarray:
     """(P,) parameters that leave least of all."""
-    return solved(*(np.sum([own[i] for own in systems.values()], axis=0) for i in (0, 1)))[0]
+    normal = np.sum([A for A, _, _ in systems.values()], axis=0)
+    return solved(normal, np.sum([b for _, b, _ in systems.values()], axis=0))[0]
 
 
 def _left(systems: Mapping[int, _System], p: np.ndarray) -> dict[int, float]:
