@@ -33,11 +33,10 @@ def timing(of: Balances, source: str) -> Iterator[Defect]:
     late alike; or one for a drift.
     """
     late = {k: found for k in of.joints if (found := delay(of, k)) is not None}
-    shift = _shared(of, late)
-    if shift is not None:
+    shared = _shared(of, late)
+    if shared is not None:
         gross = any(_severity(of, found) == "gross" for found in late.values())
-        std = _scatter(of.in_motion, lambda part: _best_for_all(part, shift))
-        yield _of_all(CommonDelay(shift, std), source, "gross" if gross else "doubtful")
+        yield _of_all(shared, source, "gross" if gross else "doubtful")
     else:
         yield from [_late(of, k, found, source) for k, found in late.items()] or _drift(of, source)
 
@@ -129,9 +128,9 @@ def _alike(one: float, other: float, std: float) -> bool:
     return abs(one - other) <= LOG_CHECKS.delays_apart + _SURE * std
 
 
-def _shared(of: Balances, late: Mapping[int, Delay]) -> float | None:
-    """Samples by which all torques are late alike, where some are late by themselves and no other fits worse
-    so; None where one alone tells.
+def _shared(of: Balances, late: Mapping[int, Delay]) -> "CommonDelay | None":
+    """What makes all torques late alike, where some are late by themselves and no other fits worse so; None
+    where one alone tells, or not every stretch of the log.
     """
     if not late or len(of.in_motion.joints) < 2:
         return None
@@ -140,14 +139,19 @@ def _shared(of: Balances, late: Mapping[int, Delay]) -> float | None:
         return None
     gained = [energies(of, k, np.array([0.0, shift])) for k in of.joints]
     better = sum(moved < LOG_CHECKS.better * now for now, moved in gained)
-    return shift if better > 1 and all(moved <= now for now, moved in gained) else None
+    if better < 2 or any(moved > now for now, moved in gained):
+        return None
+    std = _scatter(of.in_motion, lambda part: _best_for_all(part, shift))
+    return CommonDelay(shift, std) if np.isfinite(std) else None
 
 
 def _best_for_all(of: Balances, near: float) -> float | None:
     """The shift [samples] that suits all joints together, within two of a first guess; None: none there."""
     shifts = near + np.arange(-8, 9) / 4
+    if not of.joints:
+        return None
     each = np.array([energies(of, k, shifts) for k in of.joints])
-    told = (each / each.min(axis=1, keepdims=True)).sum(axis=0)
+    told = (each / np.maximum(each.min(axis=1, keepdims=True), 1e-300)).sum(axis=0)
     i = int(np.argmin(told))
     if not 0 < i < len(shifts) - 1:
         return None
