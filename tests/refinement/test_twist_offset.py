@@ -29,8 +29,10 @@ def offset(fit: pi.Fit) -> tuple[float, float]:
 
 
 def test_the_law_takes_the_zero_which_the_offset_takes_otherwise(log):
-    without, stiffness = offset(pi.identify(two_link(), log))
-    assert without > 20  # its torque goes into what the motor's offset is said to be
+    plain = pi.identify(two_link(), log)
+    without, stiffness = offset(plain)
+    assert np.isnan(without)  # its torque goes into the motor's offset, and rounds do not settle
+    assert any("had not settled" in note for note in plain.notes)
     fit = pi.identify(two_link().with_effect(1, "twist_offset"), log)
     within, better = offset(fit)
     assert within < 3

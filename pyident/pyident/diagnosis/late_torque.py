@@ -29,6 +29,7 @@ from pyident.regression.descriptions import DESCRIPTIONS
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
 _EXACT = 0.05  # of a step of a grid
 _CORNERS = 12
+_SHORT = 2.0  # samples: of less a slope tells all
 _LONGER = 2.0  # times what its slope tells, that a delay may be
 _ALIKE = 0.25  # of the time, and a sample: as far as logs differ in what they tell
 _CLEARLY = 0.95  # of what the best delay leaves, where a low pass is believed
@@ -52,9 +53,11 @@ def time_of(beside: Search, joint: int, slope: float) -> float:
     """Time [s] by which the torque of a joint (from 1) is late, by what leaves least of its equation: a slope
     tells less of a delay the longer it is. The search must rest on all that is named but that torque.
 
-    slope   what the slope tells [s], which stands where the two are not of one kind
+    slope   what the slope tells [s], which stands where it is short, or the two are not of one kind
     """
     period = max(e.band.period for e in beside.examination.logs)
+    if abs(slope) < _SHORT * period:
+        return slope
     late = _best(beside, _kinds(joint, period)[0], range(len(beside.examination.logs)))[0].late
     ends = sorted((slope, _LONGER * slope))
     return late if ends[0] < late < ends[1] else slope

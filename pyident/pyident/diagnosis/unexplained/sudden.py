@@ -32,7 +32,10 @@ class Change:
 def sudden_change(
     base: Base, form: Form, logs: Sequence[Equations], levels: Sequence[np.ndarray], row: int
 ) -> Change | None:
-    """The step that explains most of what a base leaves on an equation; None where no log is long enough."""
+    """The step [N m] that explains most of what a base leaves on an equation; None where logs are too short.
+
+    levels   (n, E) of the floor, per log;  row: of the equation
+    """
 
     def step(start: float, log: int | None) -> Columns:
         return whitened_columns(
