@@ -18,6 +18,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 _ROWS = 400  # samples on which the many are tried; the best is judged on all
 _JUDGED = 3
 _WORSE = 1.2  # times what was left: more is no better
+_SCALES = ("unit", "ratio")  # kinds of changes under which parameters may fit that are not told otherwise
 _STRETCHES = 8  # of a log, of which every other one explains those between
 _PARTS, _KNOWN = 8, 0.3  # of a log that nothing explains as a whole; share of them that explain each other
 _EXPLAINED = 0.1  # of a torque, that may be left of it then
@@ -109,7 +110,9 @@ def best_change(of: Balances, placed: bool = True) -> Better | None:
     left, now_so, _, misfits, change = min(best, key=lambda shares: (shares[0] - shares[1], shares[2]))
     guessed = change.kind == "order" and not placed
     far = _far(left, now_so) and (guessed or _far(*_shares(_misfits(of, change, hoses=True))))
-    far = far and not _suits_one(*misfits, change) and _far(*_across(of, change))
+    far = far and not _suits_one(*misfits, change)
+    if change.kind in _SCALES:
+        far = far and _far(*_across(of, change))
     return Better(change, left, now_so) if far else None
 
 
