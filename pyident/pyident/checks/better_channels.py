@@ -120,10 +120,20 @@ def _across(of: Balances, change: Transformation) -> tuple[float, float]:
     """Shares of the torques that are left with a change and without it, where parameters of every other
     stretch of a log explain those between: another scale lets parameters fit that the log does not tell.
     """
-    moved = of.samples.moved(change.motion, change.offset) if change.moves else of.samples
-    other, tau = balances(moved) if change.moves else of, of.torque @ change.torque.T
-    joints = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
+    other = _changed(of, change)
+    tau = of.torque @ change.torque.T
+    joints = _in_both(of, other, tau)
     return _left_between(other, tau, joints), _left_between(of, of.torque, joints)
+
+
+def _changed(of: Balances, change: Transformation) -> Balances:
+    """Raises StructureError for a loop that does not close so."""
+    return balances(of.samples.moved(change.motion, change.offset)) if change.moves else of
+
+
+def _in_both(of: Balances, other: Balances, tau: np.ndarray) -> list[int]:
+    """Joints (from 0) that move in both, of the other under torques (M, joints) that tell something."""
+    return [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
 
 
 def _left_between(of: Balances, tau: np.ndarray, joints: Sequence[int]) -> float:
@@ -251,14 +261,12 @@ def _misfits(of: Balances, change: Transformation, hoses: bool = False) -> tuple
 
     hoses   with a hose at every joint: what that explains, too, asks for no other channels
     """
-    samples = of.samples
-    moved = samples.moved(change.motion, change.offset) if change.moves else samples
     try:
-        other = balances(moved) if change.moves else of
-    except StructureError:  # a loop that does not close there
+        other = _changed(of, change)
+    except StructureError:
         return Misfit({}), Misfit({})
     if hoses:
         other, of = other.beside_hoses, of.beside_hoses
     tau = of.torque @ change.torque.T
-    both = [k for k in of.joints if k in other.joints and other.variance(k, tau[:, k]) > 0]
+    both = _in_both(of, other, tau)
     return misfit(other, change.torque, both), misfit(of, None, both)

@@ -152,11 +152,8 @@ def _best_for_all(of: Balances, near: float) -> float | None:
         return None
     each = np.array([energies(of, k, shifts) for k in of.joints])
     told = (each / np.maximum(each.min(axis=1, keepdims=True), 1e-300)).sum(axis=0)
-    i = int(np.argmin(told))
-    if not 0 < i < len(shifts) - 1:
-        return None
-    bend, slope, _ = np.polyfit(shifts[i - 1 : i + 2], told[i - 1 : i + 2], 2)
-    return float(-slope / (2 * bend))
+    lowest = _lowest(shifts, told)
+    return None if lowest is None else lowest.shift
 
 
 def _severity(of: Balances, found: Delay) -> Severity:
@@ -219,14 +216,30 @@ def _together(told: Sequence[CommonDelay]) -> CommonDelay | None:
 
 def _vertex(of: Balances, k: int, shifts: np.ndarray) -> CommonDelay | None:
     """Of joint k (from 0) alone; None where its energy has no minimum among the shifts."""
-    left = energies(of, k, shifts)
+    lowest = _lowest(shifts, energies(of, k, shifts))
+    if lowest is None:
+        return None
+    count = float((of.samples.use[:, k] > 0).sum())
+    least = max(lowest.left, LOG_CHECKS.torque_floor**2)
+    return CommonDelay(lowest.shift, EQUATIONS.coloured * np.sqrt(least / (count * lowest.bend)))
+
+
+@dataclass(frozen=True)
+class _Lowest:
+    """shift [samples] of the least on a parabola, its bend, and what is left at the shift next to it."""
+
+    shift: float
+    bend: float
+    left: float
+
+
+def _lowest(shifts: np.ndarray, left: np.ndarray) -> _Lowest | None:
+    """Through the least of what shifts (S,) leave (S,) and its neighbours; None where it is at an end."""
     i = int(np.argmin(left))
     if not 0 < i < len(shifts) - 1:
         return None
     bend, slope, _ = np.polyfit(shifts[i - 1 : i + 2], left[i - 1 : i + 2], 2)
-    count = float((of.samples.use[:, k] > 0).sum())
-    least = max(float(left[i]), LOG_CHECKS.torque_floor**2)
-    return CommonDelay(-slope / (2 * bend), EQUATIONS.coloured * np.sqrt(least / (count * bend)))
+    return _Lowest(float(-slope / (2 * bend)), float(bend), float(left[i]))
 
 
 def all_late(of: Balances, source: str) -> Iterator[Defect]:

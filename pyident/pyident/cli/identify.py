@@ -10,6 +10,7 @@ from pyident.cli.common.any_model import (
     SeveralNames,
     interface_option,
     parameters_option,
+    refuse_options,
     refuse_robot_options,
 )
 from pyident.cli.common.outputs import PAGE, ROBOT, Output
@@ -30,6 +31,7 @@ from pyident.cli.common.shared import (
 from pyident.verbs.fmu.arguments import Interface, Parameters, is_fmu
 
 _DEFAULT = "iv"  # as of `pi.identify`
+_TORQUES = "a fit to torques, and a robot with a [servo] is fitted to positions"
 
 
 @click.command(name="identify", cls=SeveralNames)
@@ -100,7 +102,7 @@ def identify_command(
     elif names or interface:
         raise click.UsageError("--parameters and --interface belong to an FMU as the model")
     elif pi.load_robot(model).servo is not None:
-        _refuse_for_servo(options)
+        refuse_options(_TORQUES, **options)
         with progress_bar("fitting in closed loop") as progress:
             fit = pi.identify_servo(
                 model, logs, mapping=mapping, parameters=parameters, force=force, progress=progress
@@ -132,15 +134,6 @@ def _fmu(
         raise click.UsageError(f"name the parameters of {model} to identify, such as --parameters k")
     with progress_bar("identifying") as progress:
         return pi.identify_fmu(model, logs, names, values=values, interface=interface, progress=progress)
-
-
-def _refuse_for_servo(options: Mapping[str, object]) -> None:
-    """Raises UsageError for options of a fit to torques."""
-    for name, value in options.items():
-        if value:
-            raise click.UsageError(
-                f"--{name} belongs to a fit to torques, and a robot with a [servo] is fitted to positions"
-            )
 
 
 def _estimator(name: str | None, robust: bool, refine: bool) -> str:

@@ -57,9 +57,10 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
     bursts = in_bursts(beside, places)
     shaken = [joint_name(robot.q[row].joint) for row in bursts]
+    moving = in_motion(search, places)
     noisy = {
         p.joint: p.floor_percent
-        for p in in_motion(search, places)
+        for p in moving
         if p.balance == "motor" and p.floor_percent > 100 * search.rules.worthless
     }
     verdict = verdict_of(findings, any(p.state == "unexplained" for p in places))
@@ -96,7 +97,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *(orders_of(search.robot, step) for step in steps if step.orders),
             *of_one_order(search, selection, held),
             *of_speeds(search, selection),
-            *warnings(search, verdict, in_motion(search, places)),
+            *warnings(search, verdict, moving),
             *of_what_is_shared(places, findings),
             *of_drifts(findings),
             *of_bursts(beside, bursts),

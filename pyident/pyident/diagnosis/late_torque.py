@@ -55,7 +55,7 @@ def time_of(beside: Search, joint: int, slope: float) -> float:
 
     slope   what the slope tells [s], which stands where it is short, or the two are not of one kind
     """
-    period = max(e.band.period for e in beside.examination.logs)
+    period = beside.examination.setting.period
     if abs(slope) < _SHORT * period:
         return slope
     late = _best(beside, _kinds(joint, period)[0], range(len(beside.examination.logs)))[0].late

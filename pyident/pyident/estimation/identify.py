@@ -78,14 +78,14 @@ class Identified:
             "parameters": {
                 name: {
                     "value": values[name],
-                    "std": _finite(self.solution.std[i]),
+                    "std": finite(self.solution.std[i]),
                     "unit": units[name],
                     "identifiable": self.support[name],
                 }
                 for i, name in enumerate(self.reduced.columns)
             },
             "base_parameters": [
-                {"expression": b.expression, "value": b.value, "std": _finite(b.std)} for b in self.base
+                {"expression": b.expression, "value": b.value, "std": finite(b.std)} for b in self.base
             ],
             "rank": self.solution.rank,
             "relative_error_percent": told_errors(self.relative_error),
@@ -238,8 +238,9 @@ def relative_error(reduced: Reduced, p: np.ndarray, joints: int) -> dict[str, fl
 
 def told_errors(errors: Mapping[str, float]) -> dict[str, float | None]:
     """`relative_error` for JSON, which knows no nan."""
-    return {joint: _finite(error) for joint, error in errors.items()}
+    return {joint: finite(error) for joint, error in errors.items()}
 
 
-def _finite(value: float) -> float | None:
+def finite(value: float) -> float | None:
+    """A number as JSON has it: none where it is not finite."""
     return float(value) if np.isfinite(value) else None

@@ -17,6 +17,7 @@ from flexmodels.experiment import Experiment
 from flexmodels.joint import parameter_name
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot
+from pyident.estimation.identify import finite
 from pyident.logs.log import Log, LogError
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.references import experiment_of
@@ -54,7 +55,7 @@ class ClosedLoopFit:
 
     def json(self) -> dict[str, Any]:
         parameters = {
-            name: {"value": value, "std": _finite(self.std[name]) if self.std else None}
+            name: {"value": value, "std": finite(self.std[name]) if self.std else None}
             for name, value in self.values.items()
         }
         return {"parameters": parameters, "mean_absolute_error": list(self.error)}
@@ -167,10 +168,6 @@ class _Slopes:
                 own = slice(None) if len(group) == 1 else joint_number(name) - 1
                 slopes[:, own, column[name]] = (errors - base)[:, own] / self.steps[column[name]]
         return slopes.reshape(-1, len(self.free))
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _lower(robot: Robot, name: str) -> float:

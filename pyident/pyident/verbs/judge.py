@@ -1,11 +1,12 @@
 """Models against logs: where they fail, which effect is missing, whether an added one is borne out."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from flexmodels.coordinate import joint_name
 from flexmodels.named_values import with_settings
 from flexmodels.robot import Robot, RobotError
+from pyident.checks.defect import Defect
 from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
@@ -90,12 +91,15 @@ def diagnose(
     times = instants((*read.logs, *read.heldout), read.defects)
     (fitted, taken_up), (unseen, put_down) = (divided(logs, times) for logs in (parts.fitted, parts.unseen))
     found = diagnosed(read.robot, fitted, FmuRuns, unseen, progress or _silent, draft)
-    timed = {d.sentence for d in read.defects if (d.kind, d.channel) == ("delay", "")}
-    checked = [
-        note for note in read.notes if not (found.put_in_time and note in timed)
-    ]  # it says by how much
+    told = _of_time(read.defects) if found.put_in_time else set()
+    checked = [note for note in read.notes if note not in told]
     notes = (*checked, *taken_up, *put_down, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
+
+
+def _of_time(defects: Sequence[Defect]) -> set[str]:
+    """What checks said of a delay of all torques: a diagnosis that put them in time says more of it."""
+    return {d.sentence for d in defects if (d.kind, d.channel) == ("delay", "")}
 
 
 @processes_kept(_EXTENSION)

@@ -31,7 +31,8 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     if len(high) and not is_motor(name):
         motors = [c for c in robot.coordinates if is_motor(c) and c in log.frame]
         high = high[~_near([_odd_places(log.frame[c].to_numpy(float)) for c in motors], high)]
-    high = high[~_near([_kinks(log, name)], high)]
+    if len(high):
+        high = high[~_near([_kinks(log, name)], high)]
     if not len(high):
         return
     increment = np.diff(x)
@@ -123,7 +124,8 @@ def spikes(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     beside, step = median_filter(x, 3, mode="nearest"), np.zeros(len(x))
     step[2:-2] = np.abs(beside[4:] - beside[:-4])
     alone = np.flatnonzero(odd > np.maximum(max(LOG_CHECKS.spike * usual, 0.05 * np.std(x)), step))
-    alone = alone[~_near([_kinks(log, name)], alone)]
+    if len(alone):
+        alone = alone[~_near([_kinks(log, name)], alone)]
     if not len(alone) or len(alone) > 0.02 * len(x):
         return
     largest = CHANNELS.wide_spike * np.ptp(np.delete(x, alone))

@@ -46,9 +46,14 @@ def interface_option(command: Command) -> Command:
 
 def refuse_robot_options(**given: object) -> None:
     """Raises UsageError for options that an FMU as the model does not take."""
+    refuse_options("a robot file as the model, not to an FMU", **given)
+
+
+def refuse_options(belong_to: str, **given: object) -> None:
+    """Raises UsageError for the first of some options that is given, with what it belongs to."""
     for name, value in given.items():
         if value:
-            raise click.UsageError(f"--{name} belongs to a robot file as the model, not to an FMU")
+            raise click.UsageError(f"--{name} belongs to {belong_to}")
 
 
 def _bounded(given: tuple[str, ...]) -> "dict[str, tuple[float, float] | None]":
