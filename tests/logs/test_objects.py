@@ -100,6 +100,8 @@ def test_packed_files(tmp_path, ending, packed):
     ("text", "says"),
     [
         ("[1, 2, 3]", "holds no rows"),
+        ("1\n2\n3", "holds no rows"),
+        ("3", "cannot be read as json"),
         ('{"name": "x"}', "holds no column of numbers"),
         ("hello\nworld", "cannot be read as json"),
         ('{"a": 1', "cannot be read as json"),

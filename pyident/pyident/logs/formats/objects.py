@@ -16,7 +16,8 @@ from pyident.logs.log import LogError
 
 def read_json(path: Path) -> Recording:
     """Every number by its path (`state.q[2]`); messages of joints as `JOINT.position`. Raises LogError."""
-    rows, notes = _rows(path)
+    found, notes = _rows(path)
+    rows = [row for row in found if isinstance(row, dict)]
     if not rows:
         raise LogError(f"{path} holds no rows: neither an object per line, nor a list of objects, nor lists")
     frame = pd.DataFrame([dict(_numbers_and_words(row, "")) for row in rows])
@@ -32,8 +33,8 @@ def read_json(path: Path) -> Recording:
     return recording_of(columns, texts, str(path), notes=notes)
 
 
-def _rows(path: Path) -> tuple[list[dict[str, Any]], list[str]]:
-    """The objects of a file, a row each, and a note on a last line that is incomplete."""
+def _rows(path: Path) -> tuple[list[Any], list[str]]:
+    """What a file holds, a row each, and a note on a last line that is incomplete."""
     text = path.read_text("utf-8-sig")
     try:
         content = json.loads(text)
@@ -43,10 +44,10 @@ def _rows(path: Path) -> tuple[list[dict[str, Any]], list[str]]:
         return _lines(text.splitlines())
     if isinstance(content, Mapping):
         content = _longest(content)
-    return [row for row in content if isinstance(row, dict)], []
+    return content, []
 
 
-def _lines(lines: list[str]) -> tuple[list[dict[str, Any]], list[str]]:
+def _lines(lines: list[str]) -> tuple[list[Any], list[str]]:
     lines = [line for line in lines if line.strip()]
     rows = []
     for i, line in enumerate(lines):
