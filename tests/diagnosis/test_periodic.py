@@ -117,6 +117,12 @@ def test_a_torque_is_a_ripple_where_the_joint_passes_three_periods_of_it():
     assert replace(found, least=np.inf).beside(_grid(ripple), ripple) == []
 
 
+def test_of_a_transmission_s_error_the_joint_passes_one():
+    turns = replace(_peaks(lambda q, _: 0 * q), least=12.0)
+    law = CATALOGUE["kinematic_error"]
+    assert min(v["order"] for v in turns.beside(_grid(law), law)) == 4
+
+
 def test_what_answers_the_speed_is_asked_as_a_ripple_and_as_friction_too():
     found = replace(_peaks(lambda q, _: 0 * q), least=7.3, answered=[314.0])
     for law in (CATALOGUE["torque_ripple"], CATALOGUE["position_dependent_friction"]):

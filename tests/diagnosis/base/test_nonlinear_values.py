@@ -10,7 +10,7 @@ GRID = [Candidate("stribeck", 1, (("velocity", v),)) for v in (0.05, 0.1, 0.2, 0
 
 
 def _explained(best):
-    return lambda candidate: 10.0 - (dict(candidate.values)["velocity"] - best) ** 2
+    return lambda candidate: 1e5 * (1.0 - (dict(candidate.values)["velocity"] - best) ** 2)
 
 
 def test_the_best_value_between_neighbours():
@@ -26,3 +26,7 @@ def test_a_best_value_beyond_the_neighbours_is_not_followed():
 def test_a_law_without_such_values_is_left_alone():
     start = Candidate("asymmetric_coulomb", 1)
     assert refined(two_link(), start, [start], lambda _: 1.0) is start
+
+
+def test_a_value_that_noise_hardly_tells_from_the_start_is_the_start():
+    assert refined(two_link(), GRID[1], GRID, lambda c: 1e-4 * _explained(0.2)(c)) is GRID[1]

@@ -21,12 +21,17 @@ _SIMPLICES = (0.2, -0.05)  # of the range: first edges of the simplex
 _PER_TURN = 1.0  # between a periodic law's order and its neighbours: the next period is another law
 _PRECISION = 0.01  # of the range between neighbours
 _AT_LOWEST = 1.02  # times the lowest order
+_SURER = 1.0  # variance of noise: what explains no more is less than a standard deviation away
 
 
 def refined(
     robot: Robot, start: Candidate, listed: Sequence[Candidate], explained: Callable[[Candidate], float]
 ) -> Candidate:
-    """The candidate that explains most between the neighbours of `start` on the grid `listed`."""
+    """The candidate that explains most between the neighbours of `start` on the grid `listed`.
+
+    Where noise hardly tells it from the start, the start: a value that the logs do not tell is anywhere, and
+    makes coefficients that other logs refuse. Two motors of an arm that turn alike have any ratio.
+    """
     if not start.nonlinear:
         return start
     names, middle, low, high = _range(robot, start, listed)
@@ -38,7 +43,8 @@ def refined(
         return -explained(candidate(x))
 
     ranges = list(zip((low - middle) / (high - low), (high - middle) / (high - low), strict=True))
-    best, least = np.zeros(len(names)), -explained(start)
+    best = np.zeros(len(names))
+    begun = least = -explained(start)
     for size in _SIMPLICES:  # again from where the first ended, the other way round: a simplex may collapse
         steps = np.clip(best + size * np.eye(len(names)), *np.array(ranges).T)
         options = {
@@ -51,7 +57,7 @@ def refined(
         if found.fun >= least:
             break
         best, least = np.asarray(found.x), float(found.fun)
-    return candidate(best)
+    return candidate(best) if least < begun - _SURER else start
 
 
 def of_whole_periods(

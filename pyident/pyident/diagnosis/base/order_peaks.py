@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.robot import Robot
 from pyident.conditioning.order_waves import (
@@ -27,6 +28,7 @@ from pyident.conditioning.order_waves import (
 )
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import PERIODS
 from pyident.rules.periodic import PeriodicRules
 
 _CLOSEST = 0.02  # of the fastest speed: knots
@@ -39,7 +41,7 @@ class Orders:
     steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
     answered    of a torque whose size and phase are those of the speed, too
     speeds      from fast backward to fast forward, between which such a wave changes [rad/s]
-    least       the order of which the joint passes enough periods to be called so; inf: none shows
+    least       the order of which the joint passes `PERIODS`, enough to be called so; inf: none shows
     """
 
     steady: list[float]
@@ -51,7 +53,8 @@ class Orders:
     def beside(self, grid: Sequence[dict[str, float]], law: Effect) -> list[dict[str, float]]:
         """The grid of a law's nonlinear values, and if it is periodic these orders, too.
 
-        Friction is friction however slowly it changes along the range; a torque must repeat. What shows best
+        Friction is friction however slowly it changes along the range; a torque must repeat. An error of a
+        transmission turns the spring alone, as no hose does: of that a period is enough. What shows best
         with a size of its own at every speed may be either: friction turns its phase round with the motion.
         """
         if law.order is None:
@@ -61,7 +64,8 @@ class Orders:
             return [*grid, *({**grid[0], name: order} for order in (*self.friction, *self.answered))]
         if not np.isfinite(self.least):
             return []
-        least = max(law.order.lower, self.least)
+        periods = 1.0 if signals.eps[1] in law.forces else PERIODS
+        least = max(law.order.lower, self.least * periods / PERIODS)
         above = [values for values in grid if values[name] > least]
         return [*above, *({**grid[0], name: order} for order in (least, *self.steady, *self.answered))]
 

@@ -210,6 +210,8 @@ def sets_for(
     region = region_of(search, lead.candidate)
     for size in range(1, search.rules.together + 1):
         needed = search.rules.needed(size)
+        if size == 1:
+            steps = [_taking_enough(search, steps[0], needed)]
         entry = admission(search, steps[0].best, candidates_of(steps), held)
         if entry.share < needed:
             yield steps, _too_little(entry, needed)
@@ -221,6 +223,16 @@ def sets_for(
         if further is None:
             return
         steps = _exchanged(search, [*steps, further], region)
+
+
+def _taking_enough(search: Search, step: Step, needed: float) -> Step:
+    """The step, led by the first of its tie that takes enough for a name; by its own where none does."""
+    for found in step.tie:
+        region = region_of(search, found.candidate)
+        if share_in(search, [found.candidate], region) >= needed:
+            others = (f for f in step.tie if f is not found)
+            return replace(step, tie=(found, *others), p_value=search.p_value(found))
+    return step
 
 
 def _not_each(search: Search, steps: Sequence[Step], region: Region, held: HeldOut) -> Refusal | None:
