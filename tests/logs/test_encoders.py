@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pyident.logs.encoders import second_encoders
+from pyident.logs.encoders import resolution, second_encoders
 from pyident.logs.log import Log
 from pyident.simulation.replica import Repeat
 
@@ -44,15 +44,44 @@ def finer(motor, link):
     return rounded(motor), rounded(link - motor, STEP / 3)
 
 
+def finer_link(motor, link):
+    """Of 20 bits beside 17."""
+    return rounded(motor), rounded(link, STEP / 8) - rounded(motor)
+
+
+def link_of_other_steps(motor, link):
+    """As behind a belt, and a motor that answers to its encoder's noise."""
+    shaken = motor + STEP * np.random.default_rng(1).standard_normal(5000)
+    return rounded(shaken), rounded(link, 0.7 * STEP) - rounded(shaken)
+
+
 def exact(motor, link):
     return motor, link - motor
 
 
 @pytest.mark.parametrize(
-    ("read", "second"), [(two_encoders, True), (noisy, True), (strain, False), (finer, False), (exact, False)]
+    ("read", "second"),
+    [
+        *((read, True) for read in (two_encoders, noisy, finer_link, link_of_other_steps)),
+        *((read, False) for read in (strain, finer, exact)),
+    ],
 )
-def test_two_encoders_of_one_step_are_told_from_a_sensor_of_the_twist(read, second):
+def test_two_encoders_are_told_from_a_sensor_of_the_twist(read, second):
     assert second_encoders(frame(read)) == ({"joint1.eps[1]": "joint1.e"} if second else {})
+
+
+@pytest.mark.parametrize("digits", [12, 9])
+def test_the_step_shows_where_hardly_any_change_is_of_one(digits):
+    """Of a joint that passes thousands a sample, in a text that rounds to a four-hundredth of one, too."""
+    step, t = 4.79e-7, np.arange(20_000) / 500
+    x = np.round(rounded(1.2 * np.sin(2.1 * t) + 0.4 * np.sin(5.3 * t), step), digits)
+    assert np.mean(np.abs(np.diff(x)) < 20 * step) < 0.005
+    assert resolution(x) == pytest.approx(step, rel=1e-3)
+
+
+def test_noise_has_no_step():
+    x = 1e-6 * np.random.default_rng(0).standard_normal(5000).cumsum()
+    assert resolution(x) == 0.0
 
 
 def test_without_a_twist_there_is_none():

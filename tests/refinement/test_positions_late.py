@@ -92,6 +92,13 @@ def test_a_time_that_is_not_sure_widens_the_intervals():
     assert chance.std == pytest.approx(((2e-3 / 2) ** -2 + (PERIOD / 2) ** -2) ** -0.5)
 
 
+@pytest.mark.parametrize(("samples", "sure"), [(0.5, True), (-0.45, True), (0.8, False)])
+def test_one_joint_alone_tells_that_its_torque_is_held_and_no_other_time(samples, sure):
+    late = _common(np.full(2, samples * PERIOD), 1e-12 * np.eye(2), np.ones((2, 2)), np.array([0, 0]), PERIOD)
+    assert late.sure == sure
+    assert late.std == pytest.approx(7.1e-7 if sure else abs(samples) * PERIOD, rel=0.01)
+
+
 @dataclass(frozen=True)
 class Found:
     relative_error: dict[str, float]

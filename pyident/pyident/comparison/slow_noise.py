@@ -10,17 +10,15 @@ import numpy as np
 from pyident.comparison.model_against_replicas import Part
 from pyident.comparison.trial import Trial
 from pyident.simulation.noise.rise import rise
+from pyident.simulation.replica import torque_spectra
 
 
 def with_slow_noise(trial: Trial, replicas: Sequence[Sequence[Part]]) -> list[list[Part]]:
     """The same replicas of the judged logs, what is left of their motor sides as slow as noise may be."""
-    paths = {id(path.log): path for path in trial.paths}
-    listed = [paths.get(id(judged.log)) for judged in trial.judged]
+    made_again = {id(r.log): r for r in (*trial.repeats, *trial.paths)}  # paths, where there are any
+    spectra = [torque_spectra(made_again[id(judged.log)]) for judged in trial.judged]
     known = [
-        np.array([path.noise[name].continued if name in path.noise else 0.0 for name in trial.robot.torques])
-        if path is not None
-        else np.zeros(len(trial.robot.joints))
-        for path in listed
+        np.array([own[n].continued if n in own else 0.0 for n in trial.robot.torques]) for own in spectra
     ]
     return [[_raised(part, own) for part, own in zip(made, known, strict=True)] for made in replicas]
 

@@ -11,6 +11,7 @@ from pyident.logs.log import Log
 
 HELD = 0.6  # of a sample: a loop that holds its torque until the next one logs it half of one early
 LATEST = 0.05  # s: later is no matter of a drive, a filter or a clock
+_HALF = 0.1  # of a sample: about half of one late
 _LEAST = 0.03  # of a frequency, that is raised to its whole: less is rounding as well
 _MATTERS = 0.2  # of the time constant of a low pass: a delay beside it
 _ENOUGH = 0.1  # of a frequency that is judged
@@ -55,6 +56,7 @@ class Alignment:
     poles   of it, as Butterworth's: one or two of a drive's
     twice   whether it went over them forwards and backwards, as over a record: it delays nothing then
     own     ways of single torques
+    held    whether torques are held from their sample on, as equations of means take them exactly
     """
 
     late: float = 0.0
@@ -62,6 +64,21 @@ class Alignment:
     poles: int = 1
     twice: bool = False
     own: tuple[OwnWay, ...] = ()
+    held: bool = False
+
+    @staticmethod
+    def by_clock(robot: Robot, late: float, period: float) -> "Alignment":
+        """Of positions that all are late [s], sampled with a period [s]: by half a sample where a torque is held."""
+        as_held = abs(late / period - 0.5) < _HALF
+        if robot.flexible and robot.settings.processing.derivative is None and as_held:
+            return Alignment(held=True)
+        return Alignment(late)
+
+    def taken(self, robot: Robot) -> Robot:
+        """The robot whose equations take the torques so."""
+        if not self.held:
+            return robot
+        return robot.with_settings(processing=replace(robot.settings.processing, derivative="hat"))
 
     @property
     def needed(self) -> bool:
@@ -137,9 +154,15 @@ def sharpened(values: np.ndarray, period: float, low_pass: Alignment) -> np.ndar
 
 
 def earlier(robot: Robot, log: Log, late: float) -> Log:
-    """The log with its positions where they belong if they came late [s], straight on where it ends."""
+    """The log with its positions where they belong if they came late [s], straight on where it ends.
+
+    Of a flexible robot its torques are moved to them: what twists of drives hold of encoders shows by their
+    steps.
+    """
     if late == 0.0:
         return log
+    if robot.flexible:
+        return replace(log, frame=delayed(log.frame, dict.fromkeys(robot.torques, -late)))
     lost = int(np.ceil(abs(late) / log.period))
     frame = delayed(log.frame, dict.fromkeys(robot.coordinates, late))
     values = frame[list(robot.coordinates)].to_numpy(copy=True)

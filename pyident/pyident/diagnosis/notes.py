@@ -39,14 +39,13 @@ def in_time(found: Alignment) -> str:
 
 def apart(found: Alignment) -> str:
     """What kept positions and torques apart, which something did."""
-    parts = []
+    parts = ["all torques are held from their sample on, as a loop commands them"] if found.held else []
     if np.isfinite(found.corner):
         parts.append(f"all torques come through a low pass of about {found.corner:.2g} Hz")
     if found.delayed:
         parts.append(f"all positions come about {_late(found.late)} against the torques")
     parts += [f"the torque of {joint_name(way.joint)} comes {_way(way)}" for way in found.own]
-    said = ", and ".join(parts)
-    return f"{said[0].upper()}{said[1:]}"
+    return parts[0][0].upper() + ", and ".join(parts)[1:]
 
 
 def _way(way: OwnWay) -> str:
@@ -174,6 +173,8 @@ def _doubted(beside: Search, places: Sequence[Place]) -> np.ndarray:
 def of_time(setting: Setting) -> Iterator[str]:
     """How positions that come late, or torques that are smeared, are mended."""
     found = setting.alignment
+    if found.held:
+        yield 'torques that are held: derivative = "hat" under [processing] in the robot file says it'
     if np.isfinite(found.corner):
         yield (
             "all torques were taken as before a low pass that the positions did not pass, of "

@@ -15,7 +15,7 @@ import numpy as np
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
-from pyident.conditioning.alignment import earlier
+from pyident.conditioning.alignment import Alignment
 from pyident.estimation.base_parameters import base_parameters
 from pyident.estimation.identify import (
     Identified,
@@ -49,6 +49,10 @@ _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _UNSETTLED = 1.0  # of one that the last round still changes: intervals then do not hold
+_HELD = (
+    "all torques are held from their sample until the next, and were taken so before all was fitted: the model "
+    'that is written says derivative = "hat" under [processing]'
+)
 _WORSE, _LOST = 1.2, 10.0  # times what the round before leaves, and what the start does
 
 Progress = Callable[[float], None]
@@ -75,11 +79,13 @@ def identify_by_instruments(
     found, late = _identified(robot, logs, open_pool, lambda share: told(share / 2), prior)
     if late is None or not late.sure:
         return found
-    moved = [earlier(robot, log, late.time) for log in logs]
-    again, _ = _identified(robot, moved, open_pool, lambda share: told((1 + share) / 2), prior, (found, late))
+    clock = Alignment.by_clock(robot, late.time, max((log.period for log in logs), default=np.inf))
+    moved, known = clock.of_all(robot, logs), replace(late, std=0.0) if clock.held else late
+    taken, rest = clock.taken(robot), lambda share: told((1 + share) / 2)
+    again, _ = _identified(taken, moved, open_pool, rest, prior, (found, known))
     if again.relative_error["all"] >= found.relative_error["all"]:
         return found  # a loop's answer to the noise of its encoders looks like a delay, too
-    return replace(again, notes=(*again.notes, _moved(late)))
+    return replace(again, notes=(*again.notes, _HELD if clock.held else _moved(late)))
 
 
 def by_instruments(found: Identified) -> bool:
@@ -159,8 +165,10 @@ def _identified(
 
 def robot_by_instruments(
     robot: Robot, logs: Sequence[Log], again: Sequence[Repeat], workers: Workers
-) -> Robot:
+) -> tuple[Robot, float]:
     """The robot that `identify_by_instruments` finds, without intervals, which take most of its time.
+
+    And the time [s] by which all positions are late, where nothing drives the joints and that is sure; else 0.
 
     again   how each log is made again
     Where the rounds fail in a known loop it is the start that they began from, whose instruments hold little
@@ -171,11 +179,16 @@ def robot_by_instruments(
     again = _quiet(start.starts[0].robot, again)
     best = nearest(start.starts, again, workers)
     try:
-        return identified(robot, start.plain.reduced, _rounds(start, again, best, workers).solution).robot
+        last = _rounds(start, again, best, workers)
     except (SimulationError, NotFollowedError):
         if robot.settings.processing.filters or not driven(robot):
             raise
-        return best.robot
+        return best.robot, 0.0
+    late = None
+    if not driven(robot):
+        late = positions_late(last.logs, last.frames, last.rows, last.equations, last.solution)
+    found = identified(robot, start.plain.reduced, last.solution).robot
+    return found, late.time if late is not None and late.sure else 0.0
 
 
 def _quiet(robot: Robot, again: Sequence[Repeat]) -> Sequence[Repeat]:

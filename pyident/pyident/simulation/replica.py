@@ -19,8 +19,11 @@ from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
 from pyident.logs.encoders import second_encoders
 from pyident.logs.log import Log
+from pyident.simulation.along import AlongMotion
 from pyident.simulation.feedforward import carrying_torque
+from pyident.simulation.noise.noise_spectrum import NoiseSpectrum
 from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
+from pyident.simulation.sensors import Sensors, sensors_of
 from pyident.simulation.simulator import Simulator
 from pyident.simulation.stabilising import stabilising_controller
 
@@ -37,12 +40,14 @@ class Repeat:
 
     lead   samples of the plan before the log
     note   why it is not the robot's own loop, but a stand-in's along the measured motion; None where it is
+    sensors   that read what a stand-in's loop does; None: noise goes through the robot's own
     """
 
     log: Log
     plan: Experiment
     lead: int = 0
     note: str | None = None
+    sensors: Sensors | None = None
 
     def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
         """A simulation of the plan without what comes before the log."""
@@ -52,6 +57,8 @@ class Repeat:
         self, run: Run, parameters: Mapping[str, float], noise: Mapping[str, float], seed: int
     ) -> Log:
         """The log's motion made by a model; noise: coordinate -> standard deviation of its sensor."""
+        if self.sensors:
+            return self._read(run(self.plan, parameters), noise, seed)
         added = self._drawn(noise, seed)
         return self._made(with_noise(lambda made: run(made, parameters), self.plan, added))
 
@@ -63,6 +70,9 @@ class Repeat:
         seeds: Sequence[int],
     ) -> list[Log]:
         """One per seed, simulated side by side; as `replica`, but that the noise is held between samples."""
+        if self.sensors:
+            (frame,) = simulator.simulate_batch(self.plan, [parameters])
+            return [self._read(frame, noise, seed) for seed in seeds]
         frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
         return [self._made(frame) for frame in frames]
 
@@ -78,8 +88,20 @@ class Repeat:
                 drawn[twist] = drawn.get(twist, np.zeros_like(drawn[motor])) - drawn[motor]
         return drawn
 
+    def _read(self, frame: pd.DataFrame, noise: Mapping[str, float], seed: int) -> Log:
+        """A simulation without noise, as the sensors show it."""
+        assert self.sensors is not None
+        return self._made(self.sensors.read(_sensed(frame, self.plan, {}), noise, seed))
+
     def _made(self, frame: pd.DataFrame) -> Log:
         return replace(self.log, frame=self.cut(frame), source=f"replica of {self.log.source}")
+
+
+def torque_spectra(made: Repeat | AlongMotion) -> Mapping[str, NoiseSpectrum]:
+    """Torque -> its noise as the log shows it; empty where a loop that is known tells how white it is."""
+    if isinstance(made, AlongMotion):
+        return {name: made.noise[name] for name in made.robot.torques}
+    return made.sensors.torques if made.sensors else {}
 
 
 def side_by_side(
@@ -89,6 +111,11 @@ def side_by_side(
     noise: Mapping[str, float],
 ) -> list[Log]:
     """A replica of each log under its seed, as `Repeat.replica` makes them one by one."""
+    if all(r.sensors for r, _ in wanted):
+        apart = list({id(r): r for r, _ in wanted}.values())
+        made = simulator.simulate_batch([r.plan for r in apart], [parameters])
+        frames = {id(r): frame for r, frame in zip(apart, made, strict=True)}
+        return [r._read(frames[id(r)], noise, seed) for r, seed in wanted]
     drawn = [(r, r._drawn(noise, seed)) for r, seed in wanted]
     frames = simulator.simulate_batch([_disturbed(r.plan, added) for r, added in drawn], [parameters])
     return [r._made(_sensed(f, r.plan, added)) for f, (r, added) in zip(frames, drawn, strict=True)]
@@ -129,7 +156,7 @@ def _along(robot: Robot, log: Log, note: str) -> Repeat:
     weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
     plan = Experiment(time - time[0], measured, tau - weight, speed=_first_speed(measured, log.period))
-    return Repeat(log, plan, note=note)
+    return Repeat(log, plan, note=note, sensors=sensors_of(robot, log) if robot.flexible else None)
 
 
 def _first_speed(q: np.ndarray, period: float) -> np.ndarray:

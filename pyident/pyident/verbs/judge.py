@@ -62,7 +62,8 @@ def _put_right(read: Given, apart: Alignment) -> Given:
     """What was read with its positions and torques together, and a note on that."""
     note = f"{kept_apart(apart)}; that was put right before all was compared"
     logs = tuple(apart.of_all(read.robot, read.logs))
-    return replace(read, robot=within(read.robot, apart.band), logs=logs, notes=(*read.notes, note))
+    robot = within(apart.taken(read.robot), apart.band)
+    return replace(read, robot=robot, logs=logs, notes=(*read.notes, note))
 
 
 @processes_kept(_DIAGNOSIS)

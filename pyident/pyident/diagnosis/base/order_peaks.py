@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmodels.coordinate import deformation_of
 from flexmodels.effects import signals
 from flexmodels.effects.effect import Effect
 from flexmodels.robot import Robot
@@ -39,12 +40,14 @@ class Orders:
     """Of a joint, per turn, or per 2 pi metres of a slider; the strongest first.
 
     steady      of a torque that the angle alone decides;  friction: of one that turns round with the motion
+    twist       of a drive's torque that the angle decides, as an error of its transmission makes
     answered    of a torque whose size and phase are those of the speed, too
     speeds      from fast backward to fast forward, between which such a wave changes [rad/s]
     least       the order of which the joint passes `PERIODS`, enough to be called so; inf: none shows
     """
 
     steady: list[float]
+    twist: list[float]
     friction: list[float]
     answered: list[float]
     speeds: tuple[float, ...]
@@ -64,10 +67,11 @@ class Orders:
             return [*grid, *({**grid[0], name: order} for order in (*self.friction, *self.answered))]
         if not np.isfinite(self.least):
             return []
-        periods = 1.0 if signals.eps[1] in law.forces else PERIODS
-        least = max(law.order.lower, self.least * periods / PERIODS)
+        of_drive = signals.eps[1] in law.forces
+        least = max(law.order.lower, self.least / PERIODS if of_drive else self.least)
         above = [values for values in grid if values[name] > least]
-        return [*above, *({**grid[0], name: order} for order in (least, *self.steady, *self.answered))]
+        seen = self.twist if of_drive else self.steady
+        return [*above, *({**grid[0], name: order} for order in (least, *seen, *self.answered))]
 
 
 def order_peaks(
@@ -84,8 +88,11 @@ def order_peaks(
         steady = [r[:, k - 1] for r in left]
         turning = [r * np.sign(v) for r, v in zip(steady, speeds, strict=True)]
         least = lowest_order(angles)
+        twist = deformation_of(k)
+        drive = [r[:, robot.coordinates.index(twist)] for r in left] if twist in robot.coordinates else []
         found[k] = Orders(
             steady=peaks_of(steady, angles, orders, rules),
+            twist=peaks_of(drive, angles, orders, rules) if drive else [],
             friction=peaks_of(turning, angles, orders, rules),
             answered=peaks_at_speeds(steady, angles, speeds, orders[orders >= rules.teeth], rules),
             speeds=_knots(np.concatenate(speeds), rules.speeds),

@@ -28,7 +28,8 @@ from pyident.simulation.denoised import denoised, denoises
 from pyident.simulation.noise.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.processes.tools import inline
 from pyident.simulation.recorded import loop_of
-from pyident.simulation.replica import Repeat, repeats
+from pyident.simulation.replica import Repeat, repeats, torque_spectra
+from pyident.simulation.sensors import sensors_of
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 
 _FITTED = "_identified"  # behind the name of a robot
@@ -47,6 +48,7 @@ class Setting:
     estimator   by which logs and replicas are fitted alike
     alignment   what kept positions and torques of the logs apart, which is put right
     bends   springs of drives, about which their bends are described, each beside those before it
+    late    time [s] by which all positions still are late, where the fit by instruments is sure of it
     """
 
     robot: Robot
@@ -61,6 +63,7 @@ class Setting:
     estimator: Estimator = weighted
     alignment: Alignment = NOTHING
     bends: Springs = field(default_factory=dict)
+    late: float = 0.0
 
     @property
     def logs(self) -> list[Log]:
@@ -81,8 +84,9 @@ class Setting:
         """(logs, n) Hz: below, the noise of an equation's torque is not measured but continued."""
         found = np.zeros((len(self.repeats), len(self.robot.coordinates)))
         for own, r in zip(found, self.repeats, strict=True):
-            if isinstance(r, AlongMotion):
-                own[: len(self.robot.joints)] = [r.noise[name].continued for name in self.robot.torques]
+            measured = torque_spectra(r)
+            if measured:
+                own[: len(self.robot.joints)] = [measured[name].continued for name in self.robot.torques]
         return found
 
 
@@ -197,12 +201,13 @@ def unbiased(
 def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
     again = [r for r in setting.repeats if isinstance(r, Repeat)]
     try:
-        robot = robot_by_instruments(setting.robot, setting.logs, again, workers)
+        robot, late = robot_by_instruments(setting.robot, setting.logs, again, workers)
     except (SimulationError, NotFollowedError):
         return None
     robot = _with_own(setting.robot, robot, setting.reduced, setting.solution)
     simulated = setting.simulated.with_parameters(robot.parameters)
-    return replace(setting, robot=robot, simulated=simulated)
+    told = tuple(replace(r, sensors=sensors_of(robot, r.log)) if r.sensors else r for r in again)
+    return replace(setting, robot=robot, simulated=simulated, repeats=told, late=late)
 
 
 def steadied(setting: Setting) -> Setting:

@@ -6,8 +6,9 @@ off. So the rates stand beside Φ, with the simulated rates as instruments, for 
 logs by itself; and where all that tell agree on a time that is not chance, the positions belong there. Of a
 motion that lost its noise, what else it lost may pass for a delay: the motion as it was measured must tell of
 it, too. What makes a single torque late, as a law with a memory does, says nothing of a clock: without any
-one joint the others must tell of it, too. Where they agree on nothing that is sure, the time may still be one
-that matters, and the parameters are known as badly as that.
+one joint the others must tell of it, too. One joint alone is believed where its time is half a sample: a
+command that is held from its sample on, or was held until it, is early or late by that. Where they agree on
+nothing that is sure, the time may still be one that matters, and the parameters are known as badly as that.
 """
 
 from collections.abc import Sequence
@@ -30,7 +31,7 @@ from pyident.simulation.replica import Repeat
 _SURE = 3.0  # standard deviations, of the time from zero
 _ALIKE = 0.2  # of the time: as far as joints differ beside chance
 _PARTS = 2  # of the logs, one after the other
-_TOLD = 3  # of joints and parts that must have rates
+_HELD = 0.1  # samples: about half of one is the doing of a torque that is held
 _WITHOUT = 2.0  # standard deviations, of the time that is left without any one joint
 _USUAL = 0.5  # samples: what is known of a clock before it is asked
 _LONGEST = 5.0  # samples: more is no matter of a clock
@@ -100,7 +101,7 @@ def _times(
     P, weights, r = len(solution.p), solution.weights, solution.rank
     sums = products(every(wider), weights)
     told = [P + k for k in range(count) if sums[P + k, P + k] > 0]
-    if len(told) < _TOLD:
+    if len(told) < _PARTS:
         return None
     turn, span = equations.turn[:, :r], equations.Vt[:r].T / equations.scale[:, None]
     B = turn.T @ sums[:P, :P] @ span
@@ -126,7 +127,9 @@ def _common(
         return Late(0.0, _USUAL * period, slopes.sum(axis=1), False)  # joints differ: as before one was asked
     others = [joints != joint for joint in np.unique(joints)]
     without = [_mean(times[kept], covariance[np.ix_(kept, kept)]) for kept in others if kept.any()]
-    sure = abs(time) > _SURE * std and all(np.sign(time) * t > _WITHOUT * s for t, s in without)
+    held = abs(abs(time) / period - 0.5) < _HELD
+    borne_out = all(np.sign(time) * t > _WITHOUT * s for t, s in without) if without else held
+    sure = abs(time) > _SURE * std and borne_out
     if not sure:
         std = float(
             np.hypot(std, time) if abs(time) > _WITHOUT * std else (std**-2 + (_USUAL * period) ** -2) ** -0.5
