@@ -68,7 +68,7 @@ class Alignment:
 
     @staticmethod
     def by_clock(robot: Robot, late: float, period: float) -> "Alignment":
-        """Of positions that all are late [s], sampled with a period [s]: by half a sample where a torque is held."""
+        """Of positions that are late [s], of a period [s]: by half a sample where a torque is held."""
         as_held = abs(late / period - 0.5) < _HALF
         if robot.flexible and robot.settings.processing.derivative is None and as_held:
             return Alignment(held=True)

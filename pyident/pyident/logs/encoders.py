@@ -42,7 +42,7 @@ def _exact(changes: np.ndarray, step: float) -> float:
 
 
 def _common_divisor(changes: np.ndarray) -> float:
-    """The step of which small changes, in order, are multiples where a fast motion has hardly any of one step.
+    """The step of which small changes, in order, are multiples where hardly any is of one step.
 
     Waves of the step's length are in phase at all of them.
     """
@@ -63,7 +63,7 @@ def second_encoders(frame: pd.DataFrame) -> dict[str, str]:
 
     The twist then holds the noise of both, that of the motor's with the other sign, which a link that is put
     together from the two has lost. They show by the steps of the link, which a twist alone has not; where
-    these are those of the twist, too, by noise that goes against each other, of a motor that is rounded alike,
+    these are those of the twist, too, by noise that goes against each other, of a motor rounded alike,
     or whose noise is nothing else.
     """
     found = {}

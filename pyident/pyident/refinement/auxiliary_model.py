@@ -50,8 +50,8 @@ _NEAR = 3  # round from which on the steps are Newton's: there the simulation's 
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _UNSETTLED = 1.0  # of one that the last round still changes: intervals then do not hold
 _HELD = (
-    "all torques are held from their sample until the next, and were taken so before all was fitted: the model "
-    'that is written says derivative = "hat" under [processing]'
+    "all torques are held from their sample until the next, and were taken so before all was fitted: the "
+    'model that is written says derivative = "hat" under [processing]'
 )
 _WORSE, _LOST = 1.2, 10.0  # times what the round before leaves, and what the start does
 
@@ -168,7 +168,7 @@ def robot_by_instruments(
 ) -> tuple[Robot, float]:
     """The robot that `identify_by_instruments` finds, without intervals, which take most of its time.
 
-    And the time [s] by which all positions are late, where nothing drives the joints and that is sure; else 0.
+    And the time [s] by which positions are late, where nothing drives the joints and that is sure, else 0.
 
     again   how each log is made again
     Where the rounds fail in a known loop it is the start that they began from, whose instruments hold little

@@ -7,7 +7,7 @@ both, torques with noise of the spectrum that the log shows. Rounding is not whi
 is as slow as the motion.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
