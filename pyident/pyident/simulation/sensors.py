@@ -14,10 +14,12 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
+from pyident.conditioning.weak_form import condition
 from pyident.logs.encoders import resolution, second_encoders
 from pyident.logs.log import Log
+from pyident.regression.regressor import residual_of
 from pyident.simulation.along import along
-from pyident.simulation.noise.noise_spectrum import NoiseSpectrum
+from pyident.simulation.noise.noise_spectrum import NoiseSpectrum, between_reversals, bridged
 
 
 @dataclass(frozen=True)
@@ -72,13 +74,22 @@ def _in_steps(x: np.ndarray, step: float, rng: np.random.Generator) -> np.ndarra
 
 
 def sensors_of(robot: Robot, log: Log) -> Sensors:
-    """Of a log along which a fitted robot leaves the noise of its torques."""
+    """Of a log along which a fitted robot leaves the noise of its torques.
+
+    A torque that moves the robot faster than its motion shows without noise is no noise: there is no more of
+    this than what the motion leaves with all its noise.
+    """
     frame, p = log.frame, np.array(list(robot.linear_parameters.values()))
     seconds = second_encoders(frame)
     channels = {name: frame[name].to_numpy(float) for name in (*robot.coordinates, *robot.torques)}
     channels |= {n: channels[n] + channels[motor] for n, motor in seconds.items() if n in channels}
-    path = along(robot, log, p)
-    torques = {name: path.noise[name] for name in robot.torques}
+    path, part = along(robot, log, p), condition(log, robot)
+    left = residual_of(robot, part, p)
+    torques = {}
+    for k, name in enumerate(robot.torques):
+        known = part.use[:, k] > 0
+        most = between_reversals(bridged(left[:, k], known), known, log.period) if known.any() else None
+        torques[name] = path.noise[name].lowered(most) if most else path.noise[name]
     steps = {name: resolution(x) for name, x in channels.items()}
     held = robot.settings.processing.derivative == "hat"
     return Sensors(tuple(robot.coordinates), steps, torques, seconds, held)

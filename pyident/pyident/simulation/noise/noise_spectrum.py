@@ -91,6 +91,10 @@ class NoiseSpectrum:
         f, own = self.frequencies, self.density
         return replace(self, density=np.where(f > above, np.maximum(own, other._at(f)), own))
 
+    def lowered(self, most: "NoiseSpectrum") -> "NoiseSpectrum":
+        """With no more than another."""
+        return replace(self, density=np.minimum(self.density, most._at(self.frequencies)))
+
     def draw(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """(count,) samples, of one of the spectra that may be what was measured."""
         white = np.fft.rfft(rng.standard_normal(count))
