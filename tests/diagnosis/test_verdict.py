@@ -22,8 +22,9 @@ def _finding(*tie):
     return Finding(named, 0.05, 50.0, 97.0, 88.0)
 
 
-def _places(state):
-    place = SimpleNamespace(joint="joint3", balance="link", state=state, over_floor=(9.0, 7.0), band=None)
+def _places(state, before=9.0):
+    ratio = (before, 7.0)
+    place = SimpleNamespace(joint="joint3", balance="link", state=state, over_floor=ratio, band=None)
     return cast(Any, [place])
 
 
@@ -83,6 +84,12 @@ def test_sentences_name_what_they_mean():
     assert "), these logs cannot tell which; stribeck at joint2" in beside
     assert beside.count("cannot tell") == 1
     assert "joint2, motor side" in sentence_of("unexplained", [], calm, place)
+
+
+def test_what_an_inexact_law_leaves_of_much_is_hardly_anything():
+    little = _places("unexplained", before=300.0)
+    said = sentence_of("missing_effect", [ONE], little, ("joint2", "motor"))
+    assert said.endswith(". Of what it lacks hardly anything remains at joint3, link side (7 floors).")
 
 
 def test_many_findings_are_told_by_law():

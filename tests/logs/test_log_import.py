@@ -48,6 +48,15 @@ def test_units_signs_offsets_and_several_files(tmp_path):
     assert log.period == pytest.approx(0.004)
 
 
+def test_a_link_that_turns_against_its_motor_is_refused():
+    motor = np.sin(np.arange(100) / 10)
+    frame = pd.DataFrame({"joint1.e": motor, "joint1.link": motor + 1e-3 * np.cos(np.arange(100))})
+    robot = replace(load_robot("emps"), controller=None)
+    assert np.ptp(at_joints(frame, robot, "log")["joint1.eps[1]"]) == pytest.approx(2e-3, rel=0.01)
+    with pytest.raises(LogError, match="link of joint 1 turns against its motor.*sign = -1"):
+        at_joints(frame.assign(**{"joint1.link": -frame["joint1.link"]}), robot, "log")
+
+
 def test_open_questions_of_a_mapping_are_said(tmp_path):
     """`log inspect` writes each twice: at the top and where it belongs."""
     np.savetxt(tmp_path / "raw.csv", np.arange(8.0).reshape(4, 2), delimiter=",")

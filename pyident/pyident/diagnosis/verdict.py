@@ -73,8 +73,9 @@ def sentence_of(
     each = _by_law(findings) if brief else [f"{_names(f)} ({taken_by(f)}){_of_tie(f)}" for f in findings]
     plain = len(each) < 3 and not each[0].endswith((_UNTOLD, _ALIKE))
     names = (" and " if plain else "; ").join(each)
-    left = [f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in open_places]
-    rest = f" Unexplained remains {', '.join(left)}." if left else ""
+    left, little = ([p for p in open_places if _hardly_any(p) == few] for few in (False, True))
+    rest = f" Unexplained remains {_each(left, brief)}." if left else ""
+    rest += f" Of what it lacks hardly anything remains at {_each(little, brief)}." if little else ""
     wrong = {n.describes for f in findings for n in f.tie}
     begin = "Missing or wrong" if len(wrong) > 1 else "Wrong" if True in wrong else "Missing"
     return f"{begin}: {names}.{rest}"
@@ -146,6 +147,16 @@ def _of_tie(finding: Finding) -> str:
     if len(finding.tie) == 1:
         return ""
     return _ALIKE if finding.alike else _UNTOLD
+
+
+def _each(places: Sequence[Place], brief: bool) -> str:
+    return ", ".join(f"{p.joint}, {p.balance} side{'' if brief else f' ({_floors(p)})'}" for p in places)
+
+
+def _hardly_any(place: Place) -> bool:
+    """Whether the findings took so much of what exceeded the floor that the rest may be their inexact form."""
+    before, after = (ratio**2 - 1 for ratio in place.over_floor)
+    return after < (1 - RULES.search.whole) * before
 
 
 def _floors(place: Place) -> str:

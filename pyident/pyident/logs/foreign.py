@@ -18,6 +18,8 @@ from pyident.logs.log import Log, LogError, read_log
 from pyident.logs.mapping import Mapping
 from pyident.logs.steps import evened, filled
 
+_AGAINST = 0.1  # of what they do apart: encoders that turn together, one with the wrong sign
+
 
 def import_log(files: Sequence[str | Path], mapping: Mapping, robot: Robot | None = None) -> Log:
     """Files of one recording, side by side, as a log under our names; what was done to it is in `notes`.
@@ -115,9 +117,20 @@ def at_joints(frame: pd.DataFrame, robot: Robot, source: str) -> pd.DataFrame:
             out[[torque_of(k + 1) for k in range(n)]] = gear.torques(torques)
     for k in range(1, n + 1):
         if of_joint(k, "link") in out:
-            out[deformation_of(k)] = out[of_joint(k, "link")] - out[motor_of(k)]
+            out[deformation_of(k)] = _twist(k, out, source)
     links = [of_joint(k, "link") for k in range(1, n + 1)]
     return out.drop(columns=[*motors, *(name for name in links if name in out)])
+
+
+def _twist(k: int, frame: pd.DataFrame, source: str) -> np.ndarray:
+    """(N,) of the drive of joint k (from 1) by its two encoders. Raises LogError."""
+    motor, link = (frame[name].to_numpy(float) for name in (motor_of(k), of_joint(k, "link")))
+    if np.std(link + motor) < _AGAINST * np.std(link - motor):
+        raise LogError(
+            f"{source}: the link of joint {k} turns against its motor, as far as that does; give one of them "
+            "the other sign in the mapping (`sign = -1`, or a negative `gear`)"
+        )
+    return link - motor
 
 
 def _all(frame: pd.DataFrame, signal: str, n: int, source: str) -> np.ndarray | None:
