@@ -53,7 +53,7 @@ def test_a_link_that_turns_against_its_motor_is_refused():
     frame = pd.DataFrame({"joint1.e": motor, "joint1.link": motor + 1e-3 * np.cos(np.arange(100))})
     robot = replace(load_robot("emps"), controller=None)
     assert np.ptp(at_joints(frame, robot, "log")["joint1.eps[1]"]) == pytest.approx(2e-3, rel=0.01)
-    with pytest.raises(LogError, match="link of joint 1 turns against its motor.*sign = -1"):
+    with pytest.raises(LogError, match=r"link of joint 1 turns against its motor.*sign = -1"):
         at_joints(frame.assign(**{"joint1.link": -frame["joint1.link"]}), robot, "log")
 
 

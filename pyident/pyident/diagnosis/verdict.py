@@ -154,7 +154,7 @@ def _each(places: Sequence[Place], brief: bool) -> str:
 
 
 def _hardly_any(place: Place) -> bool:
-    """Whether the findings took so much of what exceeded the floor that the rest may be their inexact form."""
+    """Whether the findings took so much of what exceeded the floor that the rest may be of their form."""
     before, after = (ratio**2 - 1 for ratio in place.over_floor)
     return after < (1 - RULES.search.whole) * before
 
