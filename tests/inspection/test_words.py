@@ -6,7 +6,7 @@ import pytest
 from one_joint import one_joint
 
 from pyident.inspection.inspect_log import inspect_log
-from pyident.inspection.words import meaning
+from pyident.inspection.words import in_unit, meaning
 
 
 @pytest.mark.parametrize(
@@ -150,3 +150,10 @@ def test_the_same_angle_in_another_unit_is_not_asked(tmp_path):
 def test_the_joint_behind_a_link_is_no_encoder_of_the_link():
     assert meaning("arm_link_joint.position").side == "joint"
     assert meaning("link1_position").side == "link"
+
+
+def test_a_unit_beside_the_name_tells_what_is_measured_of_a_motor():
+    motor, link = (in_unit(meaning(name), "deg") for name in ("A2.Motor", "A1.Abtrieb"))
+    assert (motor.signal, motor.joint, motor.side, motor.unit) == ("position", 2, "motor", "deg")
+    assert (link.signal, link.joint, link.side) == ("position", 1, "link")
+    assert in_unit(meaning("A1.Motor"), None).signal == "unknown"

@@ -11,7 +11,7 @@ from flexmodels.robot import Robot
 from pyident.inspection.channel import LETTERS, ORDER, RANK, Channel
 from pyident.inspection.clock import rate, same_as, time_column, time_unit
 from pyident.inspection.letters import lettered, not_symbols
-from pyident.inspection.words import Meaning, first_of, meaning
+from pyident.inspection.words import Meaning, first_of, in_unit, meaning
 from pyident.logs.formats.recording import Recording
 from pyident.logs.units import FACTORS, KINDS, RATED, known_unit
 
@@ -32,7 +32,7 @@ def first_guesses(recording: Recording, robot: Robot | None) -> list[Channel]:
     joints = tuple(joint.name for joint in robot.joints) if robot else ()
     said = {name: meaning(first_of(name, recording.columns), joints) for name in recording.columns}
     units = recording.units
-    said = {name: replace(m, unit=known_unit(units.get(name, "")) or m.unit) for name, m in said.items()}
+    said = {name: in_unit(m, known_unit(units.get(name, ""))) for name, m in said.items()}
     clock = time_column(recording, said)
     times = set(recording.clocks.values()) | same_as(clock, recording)
     said |= {name: replace(said[name], signal="time", joint=None) for name in times}

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -100,6 +100,13 @@ def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
     if signal == "unknown" and isinstance(joint, int) and all(w in _PLACES or known_unit(w) for w in words):
         signal = _MEASURES.get(KINDS.get(unit or "", ""), signal)  # j1_deg
     return Meaning(signal, joint if joint != "" else None, side, unit, _wanted(words))  # pyright: ignore
+
+
+def in_unit(said: Meaning, unit: str | None) -> Meaning:
+    """With the unit that a file gives, if any: it tells what is measured of a motor (`A1.Motor [deg]`)."""
+    kind = KINDS.get(unit or "", "")
+    moves = said.signal == "unknown" and said.side != "joint" and kind in _MOTIONS
+    return replace(said, unit=unit or said.unit, signal=_MEASURES[kind] if moves else said.signal)  # pyright: ignore
 
 
 def is_symbol(letter: str) -> bool:
