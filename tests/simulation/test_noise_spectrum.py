@@ -250,3 +250,11 @@ def test_a_quick_log_shows_noise_as_far_down_as_a_slow_one():
     assert slow is not None
     assert quick.continued == pytest.approx(slow.continued, rel=0.05)
     assert quick.std == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("continued", "low"), [(0.1, 9.0), (20.0, 1.0)])
+def test_a_spectrum_is_lowered_but_where_it_alone_was_measured(continued, low):
+    f = np.linspace(0.0, 100.0, 101)
+    own = NoiseSpectrum(f, np.full(101, 9.0), 0.005, continued=continued)
+    found = own.lowered(NoiseSpectrum(np.array([0.0]), np.array([1.0]), 0.005, continued=10.0))
+    assert (found.density[5], found.density[50]) == (low, 1.0)

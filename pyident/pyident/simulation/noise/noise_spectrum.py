@@ -92,8 +92,10 @@ class NoiseSpectrum:
         return replace(self, density=np.where(f > above, np.maximum(own, other._at(f)), own))
 
     def lowered(self, most: "NoiseSpectrum") -> "NoiseSpectrum":
-        """With no more than another."""
-        return replace(self, density=np.minimum(self.density, most._at(self.frequencies)))
+        """With no more than another, but where this one was measured and the other was not."""
+        f, own = self.frequencies, self.density
+        known = (self.continued < most.continued) & (f < most.continued)
+        return replace(self, density=np.where(known, own, np.minimum(own, most._at(f))))
 
     def draw(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """(count,) samples, of one of the spectra that may be what was measured."""
