@@ -58,9 +58,11 @@ def time_of(beside: Search, joint: int, slope: float) -> float:
     period = beside.examination.setting.period
     if abs(slope) < _SHORT * period:
         return slope
-    late = _best(beside, _kinds(joint, period)[0], range(len(beside.examination.logs)))[0].late
+    every = range(len(beside.examination.logs))
+    best, left = _best(beside, _kinds(joint, period)[0], every)
     ends = sorted((slope, _LONGER * slope))
-    return late if ends[0] < late < ends[1] else slope
+    better = left < _left(beside, OwnWay(joint, late=slope), every)  # nowhere, of what the floor holds
+    return best.late if better and ends[0] < best.late < ends[1] else slope
 
 
 def _held(beside: Search) -> dict[int, OwnWay]:
