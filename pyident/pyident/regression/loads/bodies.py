@@ -1,6 +1,7 @@
 """What a robot's own links ask of its joints along a motion, and the laws that read it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -65,9 +66,14 @@ def _blocks(robot: Robot, motion: Motion) -> Iterator[tuple[slice, np.ndarray]]:
         yield slice(start, start + len(q)), Phi[: len(q)]
 
 
-def body_columns(robot: Robot, effect: Effect) -> dict[str, np.ndarray]:
-    """Parameter name -> (10,), its column as a sum of those of the last link's parameters."""
-    at_tip: dict[Any, Any] = dict(zip(signals.tip, robot.tip, strict=True))
+def body_columns(robot: Robot, effect: Effect) -> Mapping[str, np.ndarray]:
+    """Parameter name -> (10,), its column as a sum of those of the last link's; not to be changed."""
+    return _weights(effect, tuple(map(float, robot.tip)))
+
+
+@lru_cache(maxsize=64)  # a search asks for every replica
+def _weights(effect: Effect, tip: tuple[float, ...]) -> Mapping[str, np.ndarray]:
+    at_tip: dict[Any, Any] = dict(zip(signals.tip, tip, strict=True))
     return {
         parameter: np.array([float(sympy.sympify(slopes.get(p, 0)).subs(at_tip)) for p in LINK_PARAMETERS])
         for parameter, slopes in effect.body_columns.items()
