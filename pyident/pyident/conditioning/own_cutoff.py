@@ -14,7 +14,7 @@ from pyident.conditioning.smooth_motion import SHORTEST, all_reached, all_smooth
 from pyident.logs.log import Log
 
 _BLURS = 0.2  # noise of an acceleration over the acceleration, from which it matters
-_BEYOND = 1.5  # times the frequency that the motion reaches
+_BEYOND = 2.0  # times the frequency that the motion reaches; nearer, dry friction bends a rotor's inertia
 
 
 def with_own_cutoff(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[str, ...]]:
