@@ -60,8 +60,10 @@ def test_slow_noise_rises_in_replicas_below_what_was_measured_and_on_motor_sides
     use = SimpleNamespace(use=np.ones((4000, 2)))
     part = Part(cast(Any, use), period, left, left, time, {}, np.zeros((4000, 1)))
     log = object()
+    sensors = SimpleNamespace(torques={"joint1.tau": SimpleNamespace(continued=2.0)})
     trial = SimpleNamespace(
-        paths=[SimpleNamespace(log=log, noise={"joint1.tau": SimpleNamespace(continued=2.0)})],
+        repeats=[SimpleNamespace(log=log, sensors=sensors)],
+        paths=[],
         judged=[SimpleNamespace(log=log)],
         robot=SimpleNamespace(torques=["joint1.tau"], joints=[None]),
     )

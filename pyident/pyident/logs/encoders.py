@@ -47,9 +47,10 @@ def _common_divisor(changes: np.ndarray) -> float:
     Waves of the step's length are in phase at all of them.
     """
     least, most = changes[0], changes[-1]
-    waves = np.arange(0.98 / least, _FEWEST / least, 1 / (_FINE * most))
-    if len(waves) > _WAVES:
+    first, last, step = 0.98 / least, _FEWEST / least, 1 / (_FINE * most)
+    if (last - first) / step > _WAVES:
         return 0.0
+    waves = np.arange(first, last, step)
     phases = np.exp(2j * np.pi * np.outer(waves, changes)).mean(axis=1)
     alike = np.flatnonzero(np.abs(phases) > _IN_PHASE)
     if not len(alike):
