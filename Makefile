@@ -3,16 +3,19 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: study test slow coverage fuzz importers browser docs bench lint clean
+.PHONY: study test tests slow coverage fuzz importers browser docs bench lint clean
 study: .venv/ready
 	$(BIN)/pyident study paper emps -o out
 
 # Lint, types, tests. A process per core runs tests: a BLAS with a thread per core in each would only wait.
-test slow coverage: export OPENBLAS_NUM_THREADS = 1
-test: lint
+test tests slow coverage: export OPENBLAS_NUM_THREADS = 1
+test: .venv/dev
+	$(MAKE) -j2 lint tests
+
+tests: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m "not slow and not importers and not browser"
 
-# What takes a minute each, or races with the clock.
+# What takes half a minute each, or races with the clock.
 slow: .venv/dev
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 

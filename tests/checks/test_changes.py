@@ -195,6 +195,7 @@ def test_a_load_in_one_log_of_two_is_told_with_its_mass(mass):
     assert way == ("more" if mass > 0 else "less")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", sorted(LACKING.keys() - {"a load that grows"}))
 def test_what_both_logs_lack_is_no_load(law):
     logs = [of.log(of.level * LACKING[law](of)) for of in (machine(SLOW_THEN_FAST), machine())]

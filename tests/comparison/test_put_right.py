@@ -1,5 +1,6 @@
 """A rigid arm in a loop that nobody knows: positions that all come late are no failure of its model."""
 
+import pytest
 from six_axis_logs import arm, late, made, plain, three_laws
 
 import pyident as pi
@@ -20,6 +21,7 @@ def test_late_positions_are_put_right_and_said():
         assert bin.kind != "all" or 0.7 < bin.ratio < 1.4, bin.coordinate
 
 
+@pytest.mark.slow
 def test_what_is_missing_beside_still_stands_out():
     where = compared(three_laws).comparison.where
     assert where is not None

@@ -31,6 +31,7 @@ def noisier(tmp_path_factory) -> Search:
     return searched_with(tmp_path_factory.mktemp("noisier"), 3.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["search", "noisier"])
 def test_a_law_is_missing_in_its_own_equation_alone(name, request):
     search = request.getfixturevalue(name)

@@ -20,6 +20,7 @@ def rubbing(q: np.ndarray, v: np.ndarray, load: np.ndarray, time: np.ndarray) ->
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 3])
 def test_they_lie_within_their_deviations(seed):
     """At the first joint the friction alone tells how much of the inertia is the rotor's, and says so."""

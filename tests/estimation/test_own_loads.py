@@ -47,6 +47,7 @@ def test_the_torques_of_the_links_are_pinocchios():
     np.testing.assert_allclose(torques, expected, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", [weighted, reweighted])
 def test_the_coefficients_are_found(log, estimator):
     found = identify(with_law(arm()), [log], estimator).robot

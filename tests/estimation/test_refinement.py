@@ -58,6 +58,7 @@ def test_output_error_needs_the_reference(four_link, identification_log):
         replay_of(four_link, bare)
 
 
+@pytest.mark.slow
 def test_output_error_finds_the_noise_level_and_covers_the_truth(four_link, identification_log, runs):
     """A short noisy log: what is left is the noise that was put in, and the intervals hold."""
     rng = np.random.default_rng(4)

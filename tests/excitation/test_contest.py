@@ -70,6 +70,7 @@ def test_a_law_too_small_to_be_seen_is_not_promised():
         assert contest.sigmas(plan, range(8)) < 2
 
 
+@pytest.mark.slow
 def test_a_law_without_a_rival_is_told_by_its_estimate():
     """One coefficient of a linear law: the fall is the square of its value over its standard deviation."""
     with contest_of(Suspect("viscous_drift", 1), None) as (contest, plan):

@@ -20,6 +20,7 @@ def noisy(seed):
     return replace(log, frame=log.frame.assign(**moved))
 
 
+@pytest.mark.slow
 def test_its_errors_are_those_of_the_torque_and_not_of_noise_that_was_differenced():
     logs = [noisy(seed) for seed in range(3)]
     done = add_effect(arm(), 2, "load_dependent_friction", logs[:2], logs[2:], FmuRuns, lambda _: None)

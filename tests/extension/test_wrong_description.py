@@ -53,6 +53,7 @@ def test_a_longer_link_is_named_and_no_law_in_its_place(logs):
     assert named.std["correction"] == float("inf")  # it would be too small
 
 
+@pytest.mark.slow
 def test_a_tilted_base_ties_with_all_that_loads_its_first_joint_alike():
     """With the axis that stands on it, and with a spring that pulls as gravity does."""
     found = found_in(logs_of(corrected(arm(), 1, "base_tilt[y]", TILT), 3.0))
@@ -64,6 +65,7 @@ def test_a_tilted_base_ties_with_all_that_loads_its_first_joint_alike():
     assert found.sentence.startswith("Missing or wrong: ")
 
 
+@pytest.mark.slow
 def test_a_base_tilted_about_two_axes_is_no_spring_at_its_first_joint():
     tilted = arm()
     for name, angle in (("base_tilt[x]", 0.02), ("base_tilt[y]", 0.01)):

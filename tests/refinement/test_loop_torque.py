@@ -64,6 +64,7 @@ def test_a_log_may_begin_in_the_midst_of_a_motion(four_link, recorded):
     _finds_the_same_without_torque(four_link, late)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["wls", "iv"])
 def test_no_equation_reads_a_free_constant(four_link, recorded, estimator):
     free = replace(recorded, up_to_constant=four_link.torques)

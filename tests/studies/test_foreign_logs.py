@@ -32,18 +32,21 @@ def foreign(data):
     return read
 
 
+@pytest.mark.slow
 def test_nothing_is_hidden_in_the_scara(foreign, data):
     robot = load_robot(data / "foreign" / "null_scara" / "scara.toml")
     found = diagnosed(robot, foreign("null_scara", "a", "b", "c"))
     assert found.verdict == "nothing_detectable", found.sentence
 
 
+@pytest.mark.slow
 def test_nothing_is_hidden_in_the_flexible_arm_without_noise(foreign):
     """Its simulator rounds friction near rest and integrates otherwise: 0.01 to 0.3 % of the torque."""
     found = diagnosed(load_robot("four_link"), foreign("null_four_link", "paper", "slow", "fast"))
     assert found.verdict == "nothing_detectable", found.sentence
 
 
+@pytest.mark.slow
 def test_presliding_of_another_form_is_named(foreign):
     found = diagnosed(load_robot("four_link"), foreign("presliding_four_link", "a", "b", "c"))
     assert found.verdict == "missing_effect", found.sentence

@@ -57,6 +57,7 @@ def test_an_axis_at_rest_is_exchanged_with_none(data):
         assert check_log(robot, Log(recorded(robot, motion, seed), "log.csv")) == ()
 
 
+@pytest.mark.slow
 def test_a_strong_law_that_a_model_lacks_is_not_refused(data):
     """Hoses and end stops were told as joints of the wrong sign or order, bristles as late torques."""
     told = {case: check_log(robot, log) for case, robot, log in lacking(1, seed=91)}

@@ -131,6 +131,7 @@ def test_a_row_that_kills_every_worker_is_the_only_one_to_fail(fmu, tmp_path):
     assert list(found.index) == list(range(40))
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_cleanly_and_the_next_call_goes_on(tmp_path):
     """SIGINT to the whole group, as a terminal sends it."""
     words = [sys.executable, str(SCRIPT), str(tmp_path), "1000"]

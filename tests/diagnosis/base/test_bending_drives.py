@@ -52,6 +52,7 @@ def diagnosed(compliance: dict[int, float]) -> Diagnosis:
     return concluded(searched(arm(), logs[:2], never), never, logs[2:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("springs", [slow({2: 2e-4}), slow({3: 1e-3}), {2: 3e-4, 3: 6e-4}])
 def test_the_drive_and_its_compliance_are_named(springs):
     found = diagnosed(springs)
@@ -88,6 +89,7 @@ def test_a_belt_is_named_without_its_size(compliance):
     assert found.sentence.startswith(wrong if compliance else "Nothing is missing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("compliance", "named"), [(1e-4, True), (1e-7, False)])
 def test_a_drive_that_hardly_gives_way_is_worth_no_name(compliance, named):
     search = searched(arm(), [logged(0, {})], never)
@@ -98,6 +100,7 @@ def test_rigid_drives_are_not_said_to_bend():
     assert diagnosed({}).verdict == "nothing_detectable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("springs", [slow({2: 5e-4}), {2: 1.2e-3}])
 def test_compliances_of_large_bends_are_those_of_the_springs(springs):
     """Links sag by up to two degrees, and bodies that are fitted without that are far from the arm's."""

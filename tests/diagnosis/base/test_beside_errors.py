@@ -19,6 +19,7 @@ def test_what_the_slope_of_a_large_bend_leaves_is_no_other_error():
     assert answer.ties == [[("drive_compliance", 3)]]
 
 
+@pytest.mark.slow
 def test_no_gear_ratio_is_named_beside_what_slow_noise_may_excuse():
     """A hose at a single joint was a gear ratio 0.9 % off, which took 40 % of it."""
     case = foreign_logs.case_list(2471, 120)[21]

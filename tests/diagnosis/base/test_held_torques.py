@@ -91,6 +91,7 @@ def test_nothing_is_missing_and_slow_noise_is_said_to_be_all(rig, logs):
     assert {p.state for p in found.places} == {"in_order"}
 
 
+@pytest.mark.slow
 def test_a_gap_is_found_with_its_width(rig):
     logs = [simulated(seed, gap=6e-4) for seed in (1, 2, 3)]
     found = pi.diagnose(rig, logs[:2], heldout=logs[2:]).diagnosis

@@ -42,6 +42,7 @@ def short_hose(q, v):
     return 8.0 * np.sin((q - np.median(q)) * (np.pi / 3) / np.ptp(q))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "force", "known"),
     [

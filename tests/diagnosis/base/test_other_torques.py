@@ -25,6 +25,7 @@ def slow_noise(log, seed):
     return 0.004 * log.frame["joint2.tau"].std() * noise / noise.std()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "verdict"), [(crosstalk, "unexplained"), (slow_noise, "nothing_detectable")]
 )

@@ -62,6 +62,7 @@ def swinging(seed: int, compliance: dict[int, float]) -> Log:
     return recorded(motion, tau, torque_noise(tau), rng, f"log {seed}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joints", [(2,), (1, 2)])
 def test_drives_are_named_with_their_springs(joints):
     compliance = {k: COMPLIANCE[k] for k in joints}

@@ -23,6 +23,7 @@ def sub_linear(q, v, load, time):
     return out
 
 
+@pytest.mark.slow
 def test_a_true_law_stays_beside_friction_that_warms_up():
     search = searched(arm(), [made(arm(), seed, sub_linear, 20.0) for seed in (1, 2)], runs_here)
     law = search.best("nonlinear_viscous", 1)
@@ -31,6 +32,7 @@ def test_a_true_law_stays_beside_friction_that_warms_up():
     assert changes_with(search.with_further([law.candidate]), law.candidate) == ""
 
 
+@pytest.mark.slow
 def test_a_law_that_stands_in_for_warming_is_told():
     search = searched(arm(), [made(arm(), seed, warming, 20.0) for seed in (1, 2)], runs_here)
     drift = search.best("coulomb_drift", 1)

@@ -33,6 +33,7 @@ def left(search, row):
     return bursts(search.examination.logs, [r[row] for r in search.base.residual], row)
 
 
+@pytest.mark.slow
 def test_they_are_found_with_the_time_of_the_hardest():
     search = searched(arm(), [pushed(made(arm(), 0))], never)
     found = left(search, JOINT - 1)
@@ -46,6 +47,7 @@ def test_they_are_found_with_the_time_of_the_hardest():
     assert "comes in bursts" in sentence_of("nothing_detectable", (), (), ("", ""), (), ["joint2"])
 
 
+@pytest.mark.slow
 def test_noise_is_none():
     search = searched(arm(), [made(arm(), seed) for seed in (1, 2)], never)
     assert [left(search, row) for row in range(6)] == [None] * 6

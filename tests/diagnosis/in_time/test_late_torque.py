@@ -42,6 +42,7 @@ def filtered(log: Log, joint: int, corner: float) -> Log:
     return with_torque(log, joint, lfilter(b, a, tau, zi=lfilter_zi(b, a) * tau[0])[0])
 
 
+@pytest.mark.slow
 def test_a_delay_of_some_samples_is_found_and_leaves_nothing():
     logs = [later(made(arm(), seed, plain, 20.0, PACE), 3, 3.0) for seed in range(2)]
     found = diagnose(arm(), logs[:1], never, logs[1:])
@@ -60,6 +61,7 @@ def test_beside_it_all_torques_are_held_by_the_loop():
     assert "the torque of joint3 comes about" in found.sentence
 
 
+@pytest.mark.slow
 def test_a_low_pass_of_one_torque_is_no_presliding():
     logs = [filtered(made(arm(), seed, plain, 20.0, PACE), 2, 9.0) for seed in range(2)]
     found = diagnose(arm(), logs[:1], never, logs[1:])
@@ -76,6 +78,7 @@ def test_laws_behind_it_are_named():
     assert {("load_dependent_friction", "joint2"), ("nonlinear_viscous", "joint1")} <= firsts
 
 
+@pytest.mark.slow
 def test_presliding_is_not_taken_for_it():
     def elastic(q, v, load, time):
         out = COULOMB * np.sign(v) + VISCOUS * v

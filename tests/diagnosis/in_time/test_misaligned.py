@@ -53,6 +53,7 @@ def test_the_time_is_found_and_nothing_else(samples):
     assert any("give their columns a delay" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
     """As of a torque that is held; drives had been called soft, and torques early, one by one."""
     logs = [with_noise(log, 0.06, i) for i, log in enumerate(logs_of(plain, 0.25))]
@@ -63,6 +64,7 @@ def test_a_quarter_of_a_sample_that_hides_in_the_noise_is_put_right():
     assert concluded(search, never, logs[2:]).verdict == "nothing_detectable"
 
 
+@pytest.mark.slow
 def test_what_another_joint_lacks_is_no_witness_of_the_time():
     """A brake that drags for some seconds after every start; two joints' delays had been named instead."""
     logs = [with_noise(log, 0.02, i) for i, log in enumerate(logs_of(dragging, 0.25)[:2])]

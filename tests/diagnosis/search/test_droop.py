@@ -35,6 +35,7 @@ def limited(log: Log) -> Log:
     return with_torque(log, tau + np.sign(tau) * np.maximum(np.abs(tau) - limit, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spoilt", "name"), [(saturating, "torque_droop"), (limited, "torque_saturation")])
 def test_the_way_in_which_a_drive_saturates_is_named(spoilt, name):
     logs = [spoilt(made(arm(), seed, plain, 20.0, PACE)) for seed in range(2)]

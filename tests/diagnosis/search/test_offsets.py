@@ -36,6 +36,7 @@ def deviations(log: Log) -> np.ndarray:
     return np.array([log.frame[f"joint{k}.tau"].std() for k in range(1, 6)])
 
 
+@pytest.mark.slow
 def test_every_joint_may_have_an_offset(arm):
     robot, fit, held = arm
     sizes = SHARES * deviations(fit)
@@ -59,6 +60,7 @@ def test_a_drift_of_the_zero_is_no_spring(arm):
     assert first == {("offset_drift", "joint1"), ("offset_drift", "joint3")}
 
 
+@pytest.mark.slow
 def test_zeros_that_move_from_log_to_log_are_told_and_nothing_is_missing(arm):
     robot, fit, held = arm
     sizes, half = SHARES * deviations(fit), len(fit) // 2

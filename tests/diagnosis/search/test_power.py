@@ -56,6 +56,7 @@ def test_energy_that_friction_puts_in_is_that_of_the_closed_form(more):
     assert energy_put_in(robot, [data], p, [law], 2) == 0  # of another joint
 
 
+@pytest.mark.slow
 def test_a_difference_of_directions_is_named_until_it_would_drive():
     robot, said = arm(), {}
     for more in (0.5, 4.0):

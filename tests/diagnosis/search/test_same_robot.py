@@ -17,6 +17,7 @@ def never(_):
     raise AssertionError("without a known controller nothing is simulated")
 
 
+@pytest.mark.slow
 def test_a_turned_frame_is_an_encoder_that_starts_elsewhere():
     """Joint 4 is turned about the axis of joint 3."""
     (case,) = [c for c in case_list(2221, 120) if c.id == "037"]

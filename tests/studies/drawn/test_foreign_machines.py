@@ -230,6 +230,7 @@ def test_a_ripple_is_named_where_one_of_another_size_at_every_speed_takes_fricti
     assert {tuple(truth.names[0]) for truth in machine.truth} == {("torque_ripple", 1), ("stribeck", 1)}
 
 
+@pytest.mark.slow
 def test_a_law_at_its_limit_is_put_into_a_quiet_log(tmp_path):
     """Whether it is named or not, the sentence and the table say the same."""
     result = put_to_the_proof(tmp_path, lambda _: None, seed=2101, cases=1, laws=1)
