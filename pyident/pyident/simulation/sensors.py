@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
-from pyident.conditioning.weak_form import condition
+from pyident.conditioning.weak_form import condition, derivatives_of, hat_means
 from pyident.logs.encoders import resolution, second_encoders
 from pyident.logs.log import Log
 from pyident.regression.regressor import residual_of
@@ -91,5 +91,5 @@ def sensors_of(robot: Robot, log: Log) -> Sensors:
         most = between_reversals(bridged(left[:, k], known), known, log.period) if known.any() else None
         torques[name] = path.noise[name].lowered(most) if most else path.noise[name]
     steps = {name: resolution(x) for name, x in channels.items()}
-    held = robot.settings.processing.derivative == "hat"
+    held = derivatives_of(robot) is hat_means
     return Sensors(tuple(robot.coordinates), steps, torques, seconds, held)

@@ -1,6 +1,8 @@
 """A joint that bends under a loop that nobody knows, by a simulation of its own: torques are held from their
 sample on, encoders have steps, and the torque's noise is slow."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,9 @@ from scipy.signal import lfilter
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
+from pyident.logs.log import Log
+from pyident.simulation.sensors import sensors_of
+from pyident.simulation.stabilising import stabilising_controller
 
 PERIOD, SUBSTEPS, SECONDS = 0.002, 10, 16.0
 MOTOR, LINK, STIFFNESS, DAMPING, VISCOUS, COULOMB = 0.02, 0.03, 300.0, 0.25, 0.06, 0.35
@@ -82,6 +87,14 @@ def test_the_torques_are_taken_as_held_and_the_parameters_are_the_rig_s(rig, log
     values = found.robot.parameters
     for name, true in {"J_m": MOTOR, "k[1]": STIFFNESS, "d[1]": DAMPING, "coulomb": COULOMB}.items():
         assert values[f"joint1.{name}"] == pytest.approx(true, rel=0.02), name
+
+
+def test_replicas_hold_their_torques_as_the_equations_take_them(rig, logs):
+    """Under a controller that the file knows, too, where a log cannot be followed by it."""
+    log = Log(logs[0], "rig")
+    driven = replace(rig, controller=stabilising_controller(rig, log.signals(rig.coordinates), log.period))
+    hat = rig.with_settings(processing=replace(rig.settings.processing, derivative="hat"))
+    assert [sensors_of(robot, log).held for robot in (rig, hat, driven)] == [False, True, True]
 
 
 def test_nothing_is_missing_and_slow_noise_is_said_to_be_all(rig, logs):
