@@ -20,7 +20,7 @@ from pyident.regression.equations import Problem
 from pyident.simulation.along import AlongMotion, along_each, mean_noise
 from pyident.simulation.denoised import denoised
 from pyident.simulation.noise.sensor_noise import sensor_noise
-from pyident.simulation.replica import Repeat, repeats, side_by_side
+from pyident.simulation.replica import Repeat, repeats, side_by_side, with_sensors
 from pyident.simulation.simulator import Simulator
 
 TIP = ("tip.x", "tip.y", "tip.z")
@@ -69,7 +69,8 @@ class Trial:
 
 def on_trial(robot: Robot, logs: Sequence[Log]) -> Trial:
     """A model with its own parameters against logs. Raises LogError."""
-    simulated, made_again = repeats(robot, logs)
+    simulated, plain = repeats(robot, logs)
+    made_again = with_sensors(robot, plain)
     judged = made_again, made_again, (0.0,) * len(logs)
     if robot.flexible or simulated.controller is robot.controller:
         found = weighted(Problem(robot, tuple(condition(log, robot) for log in logs)))

@@ -69,8 +69,8 @@ class Alignment:
     @staticmethod
     def by_clock(robot: Robot, late: float, period: float) -> "Alignment":
         """Of positions that are late [s], of a period [s]: by half a sample where a torque is held."""
-        as_held = abs(late / period - 0.5) < _HALF
-        if robot.flexible and robot.settings.processing.derivative is None and as_held:
+        plain = robot.settings.processing.derivative is None
+        if robot.flexible and plain and is_half(late, period):
             return Alignment(held=True)
         return Alignment(late)
 
@@ -141,6 +141,11 @@ class Alignment:
 
 
 NOTHING = Alignment()
+
+
+def is_half(time: float, period: float) -> bool:
+    """Whether a time [s] is about half of a period [s], as far as a held torque is from its sample."""
+    return abs(time / period - 0.5) < _HALF
 
 
 def sharpened(values: np.ndarray, period: float, low_pass: Alignment) -> np.ndarray:

@@ -140,7 +140,15 @@ def repeat_like(simulated: Robot, robot: Robot, log: Log) -> Repeat:
     """How another log is made again by what `repeats` chose for some logs of the fitted robot."""
     if simulated.controller is robot.controller and loop_of(robot, log) is None:
         return _in_loop(robot, log)
-    return _along(robot, log, f"{log.source}: it is simulated along the measured motion")
+    note = f"{log.source}: it is simulated along the measured motion"
+    return with_sensors(robot, [_along(robot, log, note)])[0]
+
+
+def with_sensors(robot: Robot, made: Sequence[Repeat]) -> tuple[Repeat, ...]:
+    """What a stand-in's loop does, of a fitted robot that bends, read as its log was; others as they are."""
+    return tuple(
+        replace(r, sensors=sensors_of(robot, r.log)) if r.note and robot.flexible else r for r in made
+    )
 
 
 def _in_loop(robot: Robot, log: Log) -> Repeat:
@@ -156,7 +164,7 @@ def _along(robot: Robot, log: Log, note: str) -> Repeat:
     weight = carrying_torque(robot, log, np.zeros(len(joints)))
     time = log.signals(["time"])[:, 0]
     plan = Experiment(time - time[0], measured, tau - weight, speed=_first_speed(measured, log.period))
-    return Repeat(log, plan, note=note, sensors=sensors_of(robot, log) if robot.flexible else None)
+    return Repeat(log, plan, note=note)
 
 
 def _first_speed(q: np.ndarray, period: float) -> np.ndarray:

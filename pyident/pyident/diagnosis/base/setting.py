@@ -28,8 +28,7 @@ from pyident.simulation.denoised import denoised, denoises
 from pyident.simulation.noise.sensor_noise import sensor_noise, torque_noise
 from pyident.simulation.processes.tools import inline
 from pyident.simulation.recorded import loop_of
-from pyident.simulation.replica import Repeat, repeats, torque_spectra
-from pyident.simulation.sensors import sensors_of
+from pyident.simulation.replica import Repeat, repeats, torque_spectra, with_sensors
 from pyident.simulation.simulator import OpenPool, Simulator, Unsimulated, Workers
 
 _FITTED = "_identified"  # behind the name of a robot
@@ -155,7 +154,7 @@ def _with_rounding(setting: Setting) -> dict[str, float]:
 def _repeated(setting: Setting, logs: Sequence[Log]) -> Setting:
     """In closed loop; the robot is one that can be simulated."""
     simulated, made_again = repeats(setting.robot, logs)
-    return replace(setting, simulated=simulated, repeats=made_again)
+    return replace(setting, simulated=simulated, repeats=with_sensors(setting.robot, made_again))
 
 
 def _unsimulated() -> AbstractContextManager[Simulator]:
@@ -206,8 +205,7 @@ def _by_instruments(setting: Setting, workers: Workers) -> Setting | None:
         return None
     robot = _with_own(setting.robot, robot, setting.reduced, setting.solution)
     simulated = setting.simulated.with_parameters(robot.parameters)
-    told = tuple(replace(r, sensors=sensors_of(robot, r.log)) if r.sensors else r for r in again)
-    return replace(setting, robot=robot, simulated=simulated, repeats=told, late=late)
+    return replace(setting, robot=robot, simulated=simulated, repeats=with_sensors(robot, again), late=late)
 
 
 def steadied(setting: Setting) -> Setting:

@@ -206,12 +206,11 @@ def sets_for(
     grows where it does not pass, and its effects are exchanged until none can be bettered beside the others.
     The search rests on what was accepted before; step: its ranking.
     """
-    steps = [search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])]
+    first = search.led_by(lead, [lead, *(f for f in step.ranked if f is not lead)])
+    steps = [_taking_enough(search, first, search.rules.needed(1))]
     region = region_of(search, lead.candidate)
     for size in range(1, search.rules.together + 1):
         needed = search.rules.needed(size)
-        if size == 1:
-            steps = [_taking_enough(search, steps[0], needed)]
         entry = admission(search, steps[0].best, candidates_of(steps), held)
         if entry.share < needed:
             yield steps, _too_little(entry, needed)

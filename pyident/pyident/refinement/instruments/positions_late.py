@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from flexmodels.robot import Robot
+from pyident.conditioning.alignment import is_half
 from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import MomentEquations, Rows, products
 from pyident.estimation.least_squares import Solution
@@ -31,7 +32,6 @@ from pyident.simulation.replica import Repeat
 _SURE = 3.0  # standard deviations, of the time from zero
 _ALIKE = 0.2  # of the time: as far as joints differ beside chance
 _PARTS = 2  # of the logs, one after the other
-_HELD = 0.1  # samples: about half of one is the doing of a torque that is held
 _WITHOUT = 2.0  # standard deviations, of the time that is left without any one joint
 _USUAL = 0.5  # samples: what is known of a clock before it is asked
 _LONGEST = 5.0  # samples: more is no matter of a clock
@@ -127,8 +127,8 @@ def _common(
         return Late(0.0, _USUAL * period, slopes.sum(axis=1), False)  # joints differ: as before one was asked
     others = [joints != joint for joint in np.unique(joints)]
     without = [_mean(times[kept], covariance[np.ix_(kept, kept)]) for kept in others if kept.any()]
-    held = abs(abs(time) / period - 0.5) < _HELD
-    borne_out = all(np.sign(time) * t > _WITHOUT * s for t, s in without) if without else held
+    agree = (np.sign(time) * t > _WITHOUT * s for t, s in without)
+    borne_out = all(agree) if without else is_half(abs(time), period)
     sure = abs(time) > _SURE * std and borne_out
     if not sure:
         std = float(
