@@ -1,5 +1,6 @@
 """What every law of the catalogue says of itself, and where it may act."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,22 @@ def test_grids_and_coverage_follow_the_motion():
         ValueError, match=r"torque_delay at joint 1 needs the signal joint1\.tau|joint1\.time|time"
     ):
         effect_columns(robot, 1, "torque_delay", motion)
+
+
+def test_a_coupling_of_a_slider_and_a_hinge_is_looked_for_at_leads_that_their_motion_shows(tmp_path):
+    rigid = [line for line in TWO_LINK.read_text().splitlines() if line[:4] not in ("k = ", "d = ")]
+    file = tmp_path / "rigid.toml"
+    file.write_text("\n".join(rigid))
+    hinges = load_robot(file)
+    robot = replace(hinges, joints=(replace(hinges.joints[0], kind="prismatic"), hinges.joints[1]))
+    rng = np.random.default_rng(0)
+    speeds = rng.normal(size=(400, 2)) * [0.1, 3.0]  # m/s, rad/s
+    motion = Motion(rng.normal(size=(400, 2)), speeds, rng.normal(size=(400, 2)))
+    lead = np.sqrt(np.mean(speeds[:, 0] ** 2) / np.mean(speeds[:, 1] ** 2))
+    ratios = [values["ratio"] for values in nonlinear_grid(robot, 1, "joint_coupling", [motion])]
+    np.testing.assert_allclose(ratios, lead * np.array([1 / 3, 1, 3, -1 / 3, -1, -3]))
+    of_hinges = nonlinear_grid(hinges, 1, "joint_coupling", [motion])
+    assert [values["ratio"] for values in of_hinges] == [1.0, -1.0]
 
 
 def test_a_law_is_taken_away_at_one_joint_or_at_every_joint(four_link):

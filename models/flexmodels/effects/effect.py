@@ -23,6 +23,8 @@ class Parameter:
     grid    values that a search tries first; a parameter enters its law nonlinearly if and only if it has one
     scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`, unless it is
     across  a signal's range in the logs: 0 is its lowest value, 1 its highest
+    between a signal of the joint and one of the next: where one turns and the other slides, the grid is
+            counted in the root mean square of the first per that of the second
     periodic  whether it counts the law's periods per turn of the joint; a law has one such parameter at most
     usual   its value where nothing is known, in the joint's base parameters (Symbol("k[1]")); None: whatever
             makes the law as large as is asked for
@@ -36,6 +38,7 @@ class Parameter:
     grid: tuple[float, ...] = ()
     scale: Symbol | None = None
     across: Symbol | None = None
+    between: tuple[Symbol, Symbol] | None = None
     periodic: bool = False
     usual: Any = None
 

@@ -63,7 +63,9 @@ gravity_spring = Effect(
 _inertia = Parameter("inertia", "kg.m2", lower=0)
 _viscous = Parameter("viscous", "N.m.s/rad", lower=0)
 _coulomb = Parameter("coulomb", "N.m", lower=0)
-_ratio = Parameter("ratio", "1", start=1.0, lower=-10.0, upper=10.0, grid=(1.0, -1.0))
+_ratio = Parameter(
+    "ratio", "1", start=1.0, lower=-1000.0, upper=1000.0, grid=(1.0, -1.0), between=(de, beyond.de)
+)
 # A shaft turns with both motors, at speed de + ratio * beyond.de. Of its inertia and viscous friction only
 # the mixed terms stand here: the others are part of each motor's own.
 _rub = _coulomb.symbol * sign(de + _ratio.symbol * beyond.de)

@@ -25,6 +25,7 @@ from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.unexplained.bursts import SLOW, Bursts
+from pyident.regression.candidate_columns import counted_along_motion
 from pyident.regression.descriptions import outside_file
 
 _MANY, _MOST = 3, 2 / 3  # joints, and of those that move: more are seldom wrong each by itself
@@ -76,7 +77,7 @@ def warnings(search: Search, verdict: str, places: Sequence[Place]) -> Iterator[
             f"unexplained; {lowered_by(search.examination, joint_number(worst.joint) - 1)}"
         )
     quiet = [p for p in places if p.over_floor[0] < rules.below_floor and p.state != "unobserved"]
-    if quiet:
+    if quiet and not search.examination.setting.unfollowed:
         listed = ", ".join(f"{p.joint}, {p.balance} side ({p.over_floor[0]:.2g} times)" for p in quiet)
         yield (
             f"the residual lies below its floor at {listed}: the replicas are noisier than the log "
@@ -254,10 +255,9 @@ def of_gears(findings: Sequence[Finding]) -> Iterator[str]:
 def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
     """Where a law has a value that it may hardly have: a force of another form stretches it there."""
     for n in (n for f in findings for n in f.tie if not n.describes):
-        law = robot.joints[joint_number(n.joint) - 1].law(n.effect)
-        for p in law.nonlinear:
-            value = n.values.get(p.name, np.nan)
-            lower, upper = _ends(p)
+        joint = joint_number(n.joint)
+        for p in robot.joints[joint - 1].law(n.effect).nonlinear:
+            value, (lower, upper) = n.values.get(p.name, np.nan), _ends(robot, joint, p)
             width = upper - lower
             near = min(abs(value - lower), abs(upper - value)) < _AT_END * width
             if np.isfinite(width) and not np.isclose(width, 2 * np.pi) and near:
@@ -267,12 +267,12 @@ def of_ends(robot: Robot, findings: Sequence[Finding]) -> Iterator[str]:
                 )
 
 
-def _ends(p: Parameter) -> tuple[float, float]:
+def _ends(robot: Robot, joint: int, p: Parameter) -> tuple[float, float]:
     """Between which values a nonlinear parameter is looked for in every log."""
-    if p.scale is not None or p.across is not None or p.periodic:
+    if p.periodic or counted_along_motion(robot, joint, p):
         return p.lower, p.upper
-    least = min(p.grid) / BEYOND if min(p.grid) > 0 else p.lower
-    return max(p.lower, least), min(p.upper, BEYOND * max(p.grid))
+    least = min(p.grid)
+    return max(p.lower, min(least / BEYOND, least * BEYOND)), min(p.upper, BEYOND * max(p.grid))
 
 
 def of_springs(findings: Sequence[Finding]) -> Iterator[str]:

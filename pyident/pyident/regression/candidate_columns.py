@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 
 import numpy as np
+from sympy import Symbol
 
 from flexmodels.coordinate import signal_of
 from flexmodels.effects.effect import Effect, Parameter
@@ -14,6 +15,8 @@ from pyident.regression.laws import Signals, compiled, law_columns
 from pyident.regression.loads.bodies import body_columns
 from pyident.regression.recent import Recent
 from pyident.regression.regressor import regressor_blocks
+
+_PER_METRE = (1 / 3, 1.0, 3.0)  # of a lead: radians per metre are near no number of their own
 
 _signals_of: Recent[Signals] = Recent(8)
 _laws: Recent[tuple[Effect, dict[str, float]]] = Recent(256)
@@ -55,24 +58,43 @@ def nonlinear_grid(
     known = [_signals(robot, motion) for motion in motions]
     grids = []
     for p in law.nonlinear:
-        zero, one = 0.0, 1.0
-        reads = p.scale if p.across is None else p.across
-        if reads is not None:
-            name = signal_of(joint, str(reads))
-            values = [x for signals in known if (x := signals.of(name)) is not None]
-            if len(values) < len(known):
-                raise ValueError(f"effect {effect_name} at joint {joint} needs the signal {name}")
-            zero, one = _ends(np.concatenate(values), p)
-        tried = [zero + value * (one - zero) for value in p.grid]
+        if p.between is not None and counted_along_motion(robot, joint, p):
+            size, size_of_next = (_size(_along(known, joint, signal)) for signal in p.between)
+            lead = size / size_of_next if size_of_next > 0 else 1.0
+            tried = [value * lead * factor for value in p.grid for factor in _PER_METRE]
+        else:
+            zero, one = _ends(known, joint, p)
+            tried = [zero + value * (one - zero) for value in p.grid]
         grids.append([(p.name, min(max(value, p.lower), p.upper)) for value in tried])
     return [dict(values) for values in product(*grids)]
 
 
-def _ends(signal: np.ndarray, p: Parameter) -> tuple[float, float]:
-    """The values that the grid's 0 and 1 stand for, of the signal (N,) in which it is counted."""
+def counted_along_motion(robot: Robot, joint: int, p: Parameter) -> bool:
+    """Whether a nonlinear parameter's grid is in units of the motion of a joint, from 1; else in its own."""
+    if p.between is not None:
+        return robot.joints[joint - 1].kind != robot.joints[joint].kind
+    return p.scale is not None or p.across is not None
+
+
+def _ends(known: Sequence[Signals], joint: int, p: Parameter) -> tuple[float, float]:
+    """The values that the grid's 0 and 1 stand for, by the signal in which it is counted."""
     if p.across is not None:
+        signal = _along(known, joint, p.across)
         return float(signal.min()), float(signal.max())
-    return 0.0, float(np.sqrt(np.mean(signal**2)))
+    return 0.0, 1.0 if p.scale is None else _size(_along(known, joint, p.scale))
+
+
+def _size(signal: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(signal**2)))
+
+
+def _along(known: Sequence[Signals], joint: int, symbol: Symbol) -> np.ndarray:
+    """(N,) a signal of a joint in all logs, one after the other. Raises ValueError where one has none."""
+    name = signal_of(joint, str(symbol))
+    values = [x for signals in known if (x := signals.of(name)) is not None]
+    if len(values) < len(known):
+        raise ValueError(f"joint {joint} needs the signal {name}")
+    return np.concatenate(values)
 
 
 def coverage(
