@@ -1,12 +1,15 @@
-"""A link's balance holds no torque: its stiffness and its inertia may change their signs together."""
+"""A link's balance holds no torque: its stiffness and its inertia may change their signs together.
+
+And a spring that is not straight, or about another axis, is no column that is wrong.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pyident.checks.balances import Balances, balances, samples
-from pyident.checks.twists import bends
+from pyident.checks.balances import Balances, balances, balances_of, samples
+from pyident.checks.twists import bends, twists
 
 STIFFNESS = ("joint4.k[2]", "joint4.k[3]")
 
@@ -39,3 +42,26 @@ def test_a_stiffness_and_the_inertia_that_it_holds_in_another_sign_say_nothing_o
     link = {name for name in sound.columns if name.startswith(("link4.", "joint4.k", "joint4.d"))}
     assert link.issuperset(STIFFNESS)
     assert list(bends(negated(sound, link), "a log")) == []
+
+
+def test_bending_about_an_axis_that_is_turned_is_no_column_in_another_sign(sound):
+    at, other = (sound.samples.robot.coordinates.index(f"joint4.eps[{i}]") for i in (2, 3))
+    Phi = sound.Phi.copy()
+    Phi[:, at, sound.columns.index("joint4.k[2]")] *= -0.4
+    Phi[:, at, sound.columns.index("joint4.k[2]")] += 0.9 * sound.samples.q[:, other]
+    assert list(bends(balances_of(sound.samples, Phi, sound.columns), "a log")) == []
+
+
+def test_a_spring_that_hardens_is_no_other_joints_twist(sound):
+    """Joints 3 and 4 are loaded alike, so that the twist of one tells the torque of the other best."""
+    robot, signals = sound.samples.robot, sound.samples
+    three, four = (robot.coordinates.index(f"joint{k}.eps[1]") for k in (3, 4))
+    load, q, tau = signals.q[:, three], signals.q.copy(), signals.tau.copy()
+    size = np.std(load)
+    q[:, four] = np.cbrt(load / size) * size
+    tau[signals.at, 3] = -1e4 * load
+    hardened = balances(replace(signals, q=q, tau=tau))
+    assert list(twists(hardened, "a log")) == []
+    tau[signals.at, 2] = -1e4 * q[:, four]
+    exchanged = balances(replace(signals, q=q, tau=tau))
+    assert {d.kind for d in twists(exchanged, "a log")} == {"order"}

@@ -31,7 +31,9 @@ def _judged(of: Balances, k: int, angle: dict[int, np.ndarray], source: str) -> 
         return _negative(source, name)
     if left > LOG_CHECKS.material**2:
         as_link = _spring(of, k, angle[k] - of.samples.q[:, k])[2]
-        others = {j: _spring(of, k, twist)[2] for j, twist in angle.items() if j != k}
+        # what fits the joint that it is logged at is of that joint, whatever else it fits
+        astray = [j for j, own in angle.items() if j != k and _spring(of, j, own)[2] > LOG_CHECKS.material**2]
+        others = {j: _spring(of, k, angle[j])[2] for j in astray}
         other = min(others, key=lambda j: others[j], default=k)
         if as_link < LOG_CHECKS.far_better * left:
             link = of_joint(k + 1, "link")
@@ -60,7 +62,9 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
     """Bending that would push the wrong way in the balances of motors and links together.
 
     A link's balance has no torque in it: a fit may turn the signs of its stiffness and of its inertia
-    together, and nothing but a stiffness below zero beside an inertia above tells of a channel.
+    together, and nothing but a stiffness below zero beside an inertia above tells of a channel. With the
+    channel's other sign all else stays, so a spring that leaves most of its moment tells of something else,
+    such as axes that are turned.
     """
     robot = of.samples.robot
     if len(of.joints) < len(robot.joints):
@@ -80,8 +84,10 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
         if c.side != "link":
             continue
         stiffness = np.array([float(name == str(c.stiffness)) for name in of.columns])
+        spring, balance = stiffness * p[:, 0], of.normal[row]
+        fits = p[:, 0] @ balance @ p[:, 0] < LOG_CHECKS.far_better * (spring @ balance @ spring)
         negative = deviations(stiffness) < -LOG_CHECKS.sure
-        if negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
+        if fits and negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
             yield _negative(source, c.name)
 
 
