@@ -115,12 +115,13 @@ class Alignment:
         return [self.of(robot, log) for log in logs]
 
     def then(self, further: "Alignment") -> "Alignment":
-        """Both, one after the other; further: a delay and single torques' ways alone."""
+        """Both, one after the other; further: a delay, single torques' ways and that all are held alone."""
         ways = {way.joint: way for way in self.own}
         for way in further.own:
             known = ways.get(way.joint)
             ways[way.joint] = replace(known, late=known.late + way.late) if known else way
-        return replace(self, late=self.late + further.late, own=tuple(ways.values()))
+        held = self.held or further.held
+        return replace(self, late=self.late + further.late, own=tuple(ways.values()), held=held)
 
     @property
     def delayed(self) -> bool:

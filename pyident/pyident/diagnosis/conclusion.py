@@ -69,6 +69,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     seen = [f.candidate for f in selection.first.ranked if search.p_value(f) <= search.rules.level]
     shown |= {(c.effect, joint_name(c.joint)) for c in seen}
     states = other_states(beside, held, heldout)
+    told = () if ex.setting.unfollowed else limits(search, beside, held)
     return Diagnosis(
         robot=robot.name,
         logs=tuple(log.source for log in ex.setting.logs),
@@ -79,9 +80,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         + sentence(states),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
-        limits=tuple(
-            x for x in limits(search, beside, held) if not x.reason or (x.effect, x.joint) not in shown
-        ),
+        limits=tuple(x for x in told if not x.reason or (x.effect, x.joint) not in shown),
         rows=tuple(rows),
         excess=stages[0].over_floor,
         remaining=stages[-1].over_floor,
@@ -92,6 +91,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             if name not in {f"{n.effect} at {n.joint}" for f in findings for n in f.tie}
         ),
         notes=(
+            *filter(None, [ex.setting.unfollowed]),
             *of_time(ex.setting),
             *(state.note for state in states),
             *(orders_of(search.robot, step) for step in steps if step.orders),

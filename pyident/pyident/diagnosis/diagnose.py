@@ -18,7 +18,7 @@ from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.bending import about_bends, swinging
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.friction_by_log import friction_by_log
-from pyident.diagnosis.late_torque import comes_late, own_ways
+from pyident.diagnosis.late_torque import comes_late, held_alike, own_ways
 from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
@@ -28,7 +28,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
-from pyident.diagnosis.searched import put_right, searched
+from pyident.diagnosis.searched import UnsimulatedFitError, put_right, searched
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DRIVE
@@ -61,6 +61,9 @@ def diagnose(
     search, found = _from_columns(
         search.resting_on(()), heldout, open_pool, _part(progress, most, 0.8 - most)
     )
+    if search.examination.setting.unfollowed:
+        progress(1.0)
+        return found
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
@@ -114,6 +117,8 @@ def _from_columns(
     """What the laws come to, and the search that says so: that in which logs have their own friction,
     where laws without it leave much more.
     """
+    if search.examination.setting.unfollowed:
+        return search, _unnamed(search, heldout)
     search, held, selection = _in_time(search, heldout, open_pool, _part(progress, 0.0, 0.7))
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
@@ -131,6 +136,18 @@ def _from_columns(
     return search, conclusion(search, selection, held, heldout)
 
 
+def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
+    """Where no simulation of the fit follows the logs, so that nothing tells what it leaves by itself."""
+    nothing = Selection((), search.step(), {})
+    found = conclusion(search, nothing, held_out(search, heldout), heldout)
+    worst = max((p for p in found.places if p.state == "unexplained"), key=lambda p: p.over_floor[1])
+    said = (
+        "Something large is missing or wrong: no simulation of the fitted model follows these logs, so that "
+        f"no effect can be named. Most stands out of the noise at {worst.joint}, {worst.balance} side."
+    )
+    return replace(found, sentence=said)
+
+
 def _in_time(
     search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress
 ) -> tuple[Search, HeldOut, Selection]:
@@ -143,7 +160,10 @@ def _in_time(
         progress(0.25 * asked)
         further = apart(search, selection.candidates)
         if further.needed:
-            again = put_right(search.examination.setting, further, open_pool)
+            try:
+                again = put_right(search.examination.setting, further, open_pool)
+            except UnsimulatedFitError:  # it stays as it was
+                continue
             if apart is _each_its_way and not _less_left(search, again, further.own):
                 continue
             search, held = again, held_out(again, heldout)
@@ -168,8 +188,8 @@ def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
 
 
 def _each_its_way(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """What single torques went through."""
-    return Alignment(own=own_ways(search, named))
+    """What single torques went through; or that a loop holds them all."""
+    return replace(held_alike(search, named), own=own_ways(search, named))
 
 
 def _others_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
@@ -205,7 +225,8 @@ def _selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Sele
 def _from_signatures(
     search: Search, found: Diagnosis, open_pool: OpenPool, heldout: Sequence[Log]
 ) -> Diagnosis:
-    if found.verdict != "unexplained" or not search.examination.setting.simulates:
+    setting = search.examination.setting
+    if found.verdict != "unexplained" or not setting.simulates or setting.unfollowed:
         return found
     return _by_signature(search, found, traces(search, heldout, open_pool))
 

@@ -20,10 +20,11 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import HELD, LATEST, OwnWay
+from pyident.conditioning.alignment import HELD, LATEST, NOTHING, Alignment, OwnWay
 from pyident.diagnosis.base.candidates import Candidate, law_of
 from pyident.diagnosis.imitators.answer import follows_torque
 from pyident.diagnosis.search.search import Search
+from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.descriptions import DESCRIPTIONS
 
 _HIGHEST = 0.8  # of the Nyquist frequency: corners above are none
@@ -47,6 +48,22 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
     found = (_way(search, k, beside.remaining_on([k - 1])) for k in open_joints)
     ways = {way.joint: way for way in found if way is not None}
     return tuple((_held(beside) | ways).values())
+
+
+def held_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
+    """That all torques of a flexible robot are held, where one of them is named late by half a sample.
+
+    One loop holds them all. The fit says so, too, unless it is bent by what is missing at another joint.
+    """
+    setting = search.examination.setting
+    known = driven(setting.robot) or setting.alignment.needed
+    if not setting.simulates or known:
+        return NOTHING
+    beside = search.resting_on(named)
+    late = [c for c in named if comes_late(search.robot, c)]
+    early = (_early(beside.without(c), c) for c in late)
+    found = (Alignment.by_clock(setting.robot, time, setting.period) for time in early)
+    return next((way for way in found if way.held), NOTHING)
 
 
 def time_of(beside: Search, joint: int, slope: float) -> float:

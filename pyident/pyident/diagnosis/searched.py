@@ -42,15 +42,29 @@ def searched(
 
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
     whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
+    Where no simulation follows the logs, the sensors' noise alone tells where something is missing.
     Positions that all come late are moved back first, and torques are taken as before a common low pass.
     """
     plain = unfiltered(robot, logs)
     try:
         return _aligned(plain, logs, open_pool, progress, rules)
-    except UnsimulatedFitError:
-        if plain is robot:
-            raise
-    return _aligned(robot, logs, open_pool, progress, rules)
+    except UnsimulatedFitError as error:
+        failed = error
+    if plain is not robot:
+        try:
+            return _aligned(robot, logs, open_pool, progress, rules)
+        except UnsimulatedFitError as error:
+            failed = error
+    return _by_noise(replace(set_up(plain, logs, rules), unfollowed=str(failed)), open_pool, progress)
+
+
+def _by_noise(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
+    """The search over a floor of the sensors' noise alone: it says where the equations fail, and no name."""
+    with workers_of(setting, open_pool) as workers:
+        search = search_of(examine(setting, workers, progress))
+    if not search.stands_out:
+        raise UnsimulatedFitError(setting.unfollowed)
+    return search
 
 
 def _aligned(
@@ -90,7 +104,7 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
     raise UnsimulatedFitError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "
-        "joints; else the model lacks something large, such as a base that bends"
+        "joints; else the model lacks something large, such as a base or a link that bends"
     )
 
 
@@ -139,8 +153,10 @@ def alignment_in(robot: Robot, logs: Sequence[Log], open_pool: OpenPool, rules: 
 
 
 def put_right(setting: Setting, further: Alignment, open_pool: OpenPool) -> Search:
-    """The search in logs of which more is put right: a delay of all, or what single torques went through."""
+    """The search in logs of which more is put right: a delay of all, what single torques went through, or
+    that all are held.
+    """
     logs = further.of_all(setting.robot, setting.logs)
-    mended = set_up(setting.robot, logs, setting.rules, setting.estimator)
+    mended = set_up(further.taken(setting.robot), logs, setting.rules, setting.estimator)
     whole = setting.alignment.then(further)
     return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)

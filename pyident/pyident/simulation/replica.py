@@ -49,6 +49,15 @@ class Repeat:
     note: str | None = None
     sensors: Sensors | None = None
 
+    def noisier(self, noise: Mapping[str, float], seed: int) -> Log:
+        """The log itself with the noise of its sensors once more; noise: channel -> standard deviation."""
+        drawn, rng = self._drawn(noise, seed), np.random.default_rng([seed, 1])
+        for name, spectrum in torque_spectra(self).items():
+            drawn[name] = spectrum.draw(len(self.plan.time), rng)
+        own = slice(self.lead, self.lead + len(self.log.frame))
+        changed = {name: self.log.frame[name] + values[own] for name, values in drawn.items()}
+        return replace(self.log, frame=self.log.frame.assign(**changed))
+
     def cut(self, frame: pd.DataFrame) -> pd.DataFrame:
         """A simulation of the plan without what comes before the log."""
         return Recorded(self.plan, self.lead).cut(frame)

@@ -1,18 +1,23 @@
 """A fit that cannot be simulated, because what the model lacks has bent it, is made one that can be."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from two_link_logs import hidden, loaded, made_log, two_link
 
+import pyident as pi
 from flexmodels.experiment import line
 from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
+from pyident.diagnosis import searched
 from pyident.diagnosis.base import floor_shares
-from pyident.diagnosis.base.setting import Setting, steadied
+from pyident.diagnosis.base.residual_over_floor import examine
+from pyident.diagnosis.base.setting import Setting, steadied, workers_of
 from pyident.rules.rules import RULES
-from pyident.simulation.fmu_runs import fmu_here
+from pyident.simulation.fmu_runs import fmu_here, runs_here
 
 
 def test_a_hinge_without_spring_gets_a_tenth_of_its_middle_one_and_damping_with_it():
@@ -68,3 +73,50 @@ def test_replicas_that_leave_most_motors_much_of_their_torque_are_worth_little(
     monkeypatch.setattr(floor_shares, "floor_shares", lambda _: shares)
     ex: Any = SimpleNamespace(setting=SimpleNamespace(robot=robot, rules=RULES), used=in_use)
     assert floor_shares.worth_little(ex) == little
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Two logs of the two-link robot; and two of one with another friction at joint 2."""
+    folder = tmp_path_factory.mktemp("unfollowed")
+    each = []
+    for robot in (two_link(), hidden()):
+        with loaded(robot, folder) as fmu:
+            each.append([made_log(fmu, robot, seed) for seed in (1, 2)])
+    return each
+
+
+@pytest.fixture
+def unfollowed(monkeypatch):
+    """No simulation of any fit follows its logs."""
+
+    def refused(*_: Any) -> Any:
+        raise searched.UnsimulatedFitError("a log: its fit cannot be simulated")
+
+    monkeypatch.setattr(searched, "_aligned", refused)
+
+
+def test_where_no_simulation_follows_the_logs_it_says_where_and_no_name(made, unfollowed):
+    found = pi.diagnose(two_link(), made[1][:1], heldout=made[1][1:]).diagnosis
+    assert found.verdict == "unexplained"
+    assert found.sentence.startswith("Something large is missing or wrong: no simulation")
+    assert not found.findings
+    assert not found.limits
+    assert found.localised == ("joint2", "motor")
+    assert found.notes[0] == "a log: its fit cannot be simulated"
+
+
+def test_where_its_equations_hold_all_the_same_it_is_an_error(made, unfollowed):
+    with pytest.raises(searched.UnsimulatedFitError, match="its fit cannot be simulated"):
+        pi.diagnose(two_link(), made[0])
+
+
+def test_the_noise_s_floor_is_about_that_of_simulated_replicas(made):
+    """Of a fit that can be simulated both are told."""
+    log = made[0][:1]
+    simulated = searched.searched(two_link(), log, runs_here).examination
+    setting = replace(simulated.setting, unfollowed="for once")
+    with workers_of(setting, runs_here) as workers:
+        alone = examine(setting, workers, lambda _: None)
+    shares = [np.mean(np.square(ex.floor.rms), axis=1) for ex in (alone, simulated)]
+    np.testing.assert_allclose(np.sqrt(shares[0] / shares[1]), 1.0, atol=0.3)

@@ -1,14 +1,19 @@
 """One torque that comes late by more than a slope tells is moved in time; laws with a memory are not."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, lfilter_zi
 from six_axis_logs import COULOMB, VISCOUS, arm, made, plain, three_laws
+from two_link_logs import two_link
 
 from pyident.conditioning.alignment import NOTHING, Alignment, OwnWay
+from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.diagnose import concluded, diagnose
+from pyident.diagnosis.late_torque import held_alike
 from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
@@ -104,3 +109,44 @@ def test_only_the_torques_that_came_late_are_moved():
     inside = slice(10, -10)
     tau = log.frame["joint3.tau"].to_numpy()[inside]
     assert late.frame["joint3.tau"].to_numpy()[inside] == pytest.approx(tau, abs=1e-9)
+
+
+class _Told:
+    """A search of a flexible robot in which a law is named with one coefficient."""
+
+    def __init__(self, coefficient: float, controller: bool = False):
+        robot = two_link() if controller else replace(two_link(), controller=None)
+        self.robot, self.coefficient = robot, coefficient
+        setting = SimpleNamespace(robot=robot, simulates=True, alignment=NOTHING, period=0.004)
+        self.examination = SimpleNamespace(setting=setting)
+
+    def resting_on(self, _) -> "_Told":
+        return self
+
+    def without(self, _) -> "_Told":
+        return self
+
+    def gain_of(self, _):
+        return SimpleNamespace(coefficients=np.array([self.coefficient]))
+
+
+@pytest.mark.parametrize(
+    ("late", "coefficient", "held"),
+    [
+        (Candidate("torque_delay", 2, (("delay", 0.001),)), 2.0, True),  # 2 ms of 4
+        (Candidate("torque_delay", 2, (("delay", 0.001),)), 4.0, False),
+        (Candidate("torque_lag", 1), -0.002, True),
+        (Candidate("torque_lag", 1), 0.002, False),
+        (Candidate("stribeck", 1, (("velocity", 0.1),)), 2.0, False),
+    ],
+)
+def test_a_loop_that_holds_the_torque_of_a_joint_that_bends_holds_all(late, coefficient, held):
+    told: Any = _Told(coefficient)
+    assert held_alike(told, [late]) == (Alignment(held=True) if held else NOTHING)
+    known: Any = _Told(coefficient, controller=True)
+    assert held_alike(known, [late]) == NOTHING
+
+
+def test_what_is_held_stays_held_beside_what_else_is_put_right():
+    assert Alignment(held=True).then(Alignment(late=0.01)) == Alignment(late=0.01, held=True)
+    assert Alignment(late=0.01).then(Alignment(held=True)) == Alignment(late=0.01, held=True)

@@ -15,6 +15,7 @@ from pyident.diagnosis.base.setting import Setting, replicas_of
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Band, all_over, floors, levels_of
 from pyident.simulation.denoised import denoised_equations, denoises
+from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator
 
 _WEIGHTINGS = 2  # rounds, after which a floor changes by less than a per cent
@@ -26,10 +27,26 @@ def replicated(
     """Per replica its logs, their bands and what is left of each, (n, E) [N m].
 
     Of simulated ones the parameters are known: what these leave is the noise of each equation, in its
-    residual and in its columns. Along a measured motion they are drawn, and a regression tells.
+    residual and in its columns. Along a measured motion they are drawn, and a regression tells. Of a fit that
+    cannot be simulated there is the noise alone.
     """
+    if setting.unfollowed:
+        return [_of_noise(setting, seed) for seed in seeds]
     left = _left_by_own if setting.simulates else left_of
     return [(made, *left(setting, made)) for made in judged_replicas(fmu, setting, seeds)]
+
+
+def _of_noise(setting: Setting, seed: int) -> tuple[list[Log], list[Band], list[np.ndarray]]:
+    """The setting's logs with noise once more, and what that changes of what the regression leaves."""
+    share, made = setting.rules.replicas.inexact, []
+    for i, again in enumerate(r for r in setting.repeats if isinstance(r, Repeat)):
+        noise = {**setting.noise, **setting.own_noise.get(again.log.source, {})}
+        number = len(setting.repeats) * seed + i
+        made.append(inexact(setting.robot, again.noisier(noise, number), share, number))
+    found, own = (denoised_equations(setting.robot, logs) for logs in (made, setting.logs))
+    p = setting.solution.p
+    pairs = zip(found, own, strict=True)
+    return made, [e.band for e in found], [(e.y - e.A @ p) - (o.y - o.A @ p) for e, o in pairs]
 
 
 def judged_replicas(fmu: Simulator, setting: Setting, seeds: Sequence[int]) -> list[list[Log]]:

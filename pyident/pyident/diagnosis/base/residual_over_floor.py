@@ -186,9 +186,14 @@ def examine(
         robot = with_carried_loads(robot, data, base, levels, chance)
         setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
-    noisy = np.array([setting.simulates and not c.describes for c in listed], bool)
+    apart = setting.simulates and not setting.unfollowed
+    noisy = np.array([apart and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
-    jobs = [workers.submit(_judged, robot, made, own_floors, own) for made in replicas]
+    if setting.unfollowed:
+        each = (residuals[at : at + len(logs)] for at in range(0, len(residuals), len(logs)))
+        jobs = [workers.submit(_noise_beside, base, data, levels, left) for left in each]
+    else:
+        jobs = [workers.submit(_judged, robot, made, own_floors, own) for made in replicas]
     columns, limits = _columns_and_bounds(robot, listed, data, levels)
     explained = gains(base, columns, limits)
     judged = []
@@ -201,7 +206,7 @@ def examine(
     replica_gains = np.empty((count, len(listed)))
     replica_gains[:, noisy] = [g for g, _, _ in judged]
     replica_gains[:, shared] = of_shared
-    mean_square, number = energy(data, base)
+    mean_square, number = energy(data, base.residual)
     replica_energy = np.array([e for _, _, e in judged])
     found = explained, replica_gains, left, mean_square, replica_energy, number, raised
     return Examination(setting, own_floors, data, base, listed, columns, *found)
@@ -214,7 +219,21 @@ def _judged(
     data = whitened(robot, logs, levels)
     base = solve_base(data)
     explained = [g.energy for g in gains_of(robot, data, base, levels, listed)]
-    return explained, base.residual, energy(data, base)[0]
+    return explained, base.residual, energy(data, base.residual)[0]
+
+
+def _noise_beside(
+    _: Simulator,
+    base: Base,
+    data: Sequence[Equations],
+    levels: Sequence[np.ndarray],
+    noise: Sequence[np.ndarray],
+) -> tuple[list[float], list[np.ndarray], np.ndarray]:
+    """As `_judged`, of noise in the logs' equations, (n, E) [N m], of which the base takes its part."""
+    over = [r / level for r, level in zip(noise, levels, strict=True)]
+    (along,) = others_of(base, [over]).along
+    left = [r - basis @ along for r, basis in zip(over, base.basis, strict=True)]
+    return [], left, energy(data, left)[0]
 
 
 def _along_same_motion(
@@ -271,10 +290,10 @@ def _in_band(band: Band) -> np.ndarray:
     return np.digitize(np.tile(band.frequencies, 2), EDGES) - 1
 
 
-def energy(data: Sequence[Equations], base: Base) -> tuple[np.ndarray, np.ndarray]:
-    """Mean square of the residual, (n, bands), and the number of equations in each band, (bands,)."""
+def energy(data: Sequence[Equations], left: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Mean square of a residual (n, E) per log: (n, bands); and the number of equations in each, (bands,)."""
     total, number = 0.0, 0.0
-    for e, r in zip(data, base.residual, strict=True):
+    for e, r in zip(data, left, strict=True):
         at = _in_band(e.band)
         total = total + np.array([np.square(r[:, at == b]).sum(axis=1) for b in range(len(EDGES))]).T
         number = number + np.array([np.sum(at == b) for b in range(len(EDGES))])

@@ -48,6 +48,8 @@ class Setting:
     alignment   what kept positions and torques of the logs apart, which is put right
     bends   springs of drives, about which their bends are described, each beside those before it
     late    time [s] by which all positions still are late, where the fit by instruments is sure of it
+    unfollowed   why no simulation of the fit follows the logs: then replicas are the logs themselves with
+            their sensors' noise once more, which show nothing of what the fit bends; empty: one does
     """
 
     robot: Robot
@@ -63,6 +65,7 @@ class Setting:
     alignment: Alignment = NOTHING
     bends: Springs = field(default_factory=dict)
     late: float = 0.0
+    unfollowed: str = ""
 
     @property
     def logs(self) -> list[Log]:
@@ -163,7 +166,8 @@ def _unsimulated() -> AbstractContextManager[Simulator]:
 
 def workers_of(setting: Setting, open_pool: OpenPool) -> AbstractContextManager[Workers]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
-    return open_pool(setting.simulated) if setting.simulates else inline(_unsimulated)
+    simulated = setting.simulates and not setting.unfollowed
+    return open_pool(setting.simulated) if simulated else inline(_unsimulated)
 
 
 def unbiased(

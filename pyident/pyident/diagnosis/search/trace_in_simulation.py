@@ -157,7 +157,8 @@ def _signatures(
     for fitted, unseen in zip(own, other, strict=True):
         data = whitened(plain, fitted, floors[0])
         base = solve_base(data)
-        found.append((base.residual, _elsewhere(plain, unseen, floors[1], base.p), energy(data, base)[0]))
+        elsewhere, own_energy = _elsewhere(plain, unseen, floors[1], base.p), energy(data, base.residual)[0]
+        found.append((base.residual, elsewhere, own_energy))
     return found
 
 
