@@ -5,7 +5,7 @@ import pytest
 from studies.rigid_arm.arm import COULOMB, ROTOR, VISCOUS, arm, moved, recorded
 
 from pyident.conditioning.weak_form import condition
-from pyident.estimation.base_parameters import base_parameters
+from pyident.estimation.base_parameters import BaseParameter, base_parameters, hardly_told
 from pyident.estimation.estimator import weighted
 from pyident.regression.equations import Problem
 
@@ -34,3 +34,15 @@ def test_an_expression_has_every_term_that_the_data_see(seed):
     z = [(b.value - sum(f * true[name] for f, name in b.terms)) / b.std for b in base]
     assert len(z) > 50
     assert np.abs(z).max() < 6  # intervals are Newey and West's, a little short
+
+
+def test_values_that_noise_alone_may_make_are_named_the_loosest_first():
+    told = [
+        BaseParameter(((1.0, "joint1.J_m"),), 0.4, 0.01),
+        BaseParameter(((1.0, "link2.J[xy]"),), -202.0, 270.0),
+        BaseParameter(((1.0, "link2.J[xz]"), (2.0, "link3.m")), 0.3, 0.4),
+    ]
+    (note,) = hardly_told(told)
+    assert note.startswith("2 of 3 values are no larger than noise may make them, as ")
+    assert "link2.J[xy] = -202; link2.J[xz] + 2 link3.m = 0.3:" in note
+    assert hardly_told(told[:1]) == ()

@@ -86,14 +86,14 @@ def _aligned(
 
 def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
     progress(0.05)
-    why = "its replicas leave most of the torque unexplained"
+    why, moved = "its replicas leave most of the torque unexplained", None
     with workers_of(setting, open_pool) as workers:
         for adjusted in _adjustments(setting, workers):
             try:
                 found = adjusted()
                 moved = _on_one_clock(setting, found.late)
                 if moved is not None:
-                    return _searched(moved, open_pool, progress)
+                    break
                 progress(0.2)
                 search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
             except SimulationError as error:
@@ -101,6 +101,8 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
                 continue
             if not (setting.simulates and worth_little(search.examination)):
                 return search
+    if moved is not None:
+        return _searched(moved, open_pool, progress)
     raise UnsimulatedFitError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "

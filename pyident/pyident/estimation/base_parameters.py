@@ -1,5 +1,6 @@
 """Which parameters the data determine alone, which only in combinations, and these combinations."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, cast
 
@@ -8,12 +9,14 @@ from scipy.linalg import qr, solve_triangular
 
 from pyident.estimation.least_squares import ROUNDING, Solution
 from pyident.regression.reduced import Reduced
+from pyident.rules.confidence import CONFIDENCE
 
 _Pivoted = tuple[np.ndarray, np.ndarray, np.ndarray]
 Support = Literal["alone", "combination", "no"]
 _WEAK = 1e-2  # of the largest singular value: below, a direction is said to be weakly determined
 _ABSENT = 1e-3  # share of a scaled direction that is left out of an expression, unless it is seen:
 _SEEN = 0.1  # standard deviations that a term may be worth without standing in the expression
+_FEW = 3  # values that are named, of those that logs hardly tell
 _NOTHING = 1e-7  # share of a scaled direction that is rounding, not the robot's structure
 
 
@@ -30,6 +33,21 @@ class BaseParameter:
         first, *rest = self.terms
         text = first[1] if first[0] == 1 else f"{first[0]:.4g} {first[1]}"
         return text + "".join(f" {'+' if f > 0 else '-'} {abs(f):.4g} {name}" for f, name in rest)
+
+
+def hardly_told(base: Sequence[BaseParameter]) -> tuple[str, ...]:
+    """A sentence about values that are no larger than noise may make them, where no interval says so.
+
+    base   with the deviations of a regression, which are too small where what it rests on is doubted
+    """
+    loose = sorted((b for b in base if abs(b.value) < CONFIDENCE * b.std), key=lambda b: -b.std)
+    if not loose:
+        return ()
+    named = "; ".join(f"{b.expression} = {b.value:.3g}" for b in loose[:_FEW])
+    return (
+        f"{len(loose)} of {len(base)} values are no larger than noise may make them, as {named}: joints that "
+        "move together, and fast, would tell them",
+    )
 
 
 def supports(reduced: Reduced, solution: Solution) -> dict[str, Support]:

@@ -16,7 +16,7 @@ from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from flexmodels.threads import gathered
 from pyident.conditioning.alignment import Alignment
-from pyident.estimation.base_parameters import base_parameters
+from pyident.estimation.base_parameters import base_parameters, hardly_told
 from pyident.estimation.identify import (
     Identified,
     disagreements,
@@ -134,7 +134,8 @@ def _identified(
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
         name = best.estimator if robot.settings.processing.filters else START
         note = f"{_why(error)}; the estimate is that of {name} and has no intervals"
-        found = replace(without_intervals(best), estimator=name, notes=(*notes, note, *best.notes))
+        said = (*notes, note, *best.notes, *hardly_told(best.base))
+        found = replace(without_intervals(best), estimator=name, notes=said)
         return found, None
     late = None
     away = last.largest(last.gap) if driven(robot) else 0.0
