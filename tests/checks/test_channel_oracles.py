@@ -260,3 +260,19 @@ def test_a_coarse_encoder_that_rests_at_the_end_is_not_stuck():
         counts[at:] += 1 if number % 2 else -1
     frame = pd.DataFrame({"time": t, "joint1.e": step * counts, "joint1.tau": -counts})
     assert "stuck" not in {d.kind for d in channels(one_joint(), Log(frame, "log"))}
+
+
+def test_many_lost_values_and_overflows_hide_none_of_each_other():
+    """A jump stands in four fourth differences: of many the 99th percentile is itself one."""
+    lost = np.random.default_rng(6).random(len(TIME)) < 0.01
+    wrapped = np.mod(ANGLE, 0.6)
+    assert np.count_nonzero(np.abs(np.diff(wrapped)) > 0.3) > 0.0025 * len(TIME)
+    for spoilt in (np.where(lost, 0.0, ANGLE), wrapped):
+        (defect,) = jumps(one_joint(), logged(), "joint1.e", spoilt)
+        assert (defect.kind, defect.severity) == ("jump", "gross")
+
+
+def test_counts_of_an_axis_that_stands_are_no_jumps():
+    at_rest = np.zeros(len(TIME))
+    at_rest[700:], at_rest[1100:1102], at_rest[1500:] = 1.5e-3, 0.0, 3.1e-3
+    assert not list(jumps(one_joint(), logged(), "joint1.e", at_rest))

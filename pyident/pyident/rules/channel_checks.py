@@ -17,6 +17,9 @@ class ChannelCheckRules:
     fewest_rows: int = rule(50, "rows of a log", "with fewer, nothing can be said", _BENCH)
     large_jump: float = rule(0.02, "a channel's range, size of a jump", "no fit survives more", _BENCH)
     tiny_jump: float = rule(1e-5, "a channel's range, size of a jump", "less does no harm", _BENCH)
+    alone: float = rule(
+        10.0, "the steps around a jump", "less is a motion that starts and stops", "no data: what joints do"
+    )
     whole_turns: float = rule(
         0.02, "turns per sample, median", "of a faster joint, a jump of a turn is no jump", _BENCH
     )

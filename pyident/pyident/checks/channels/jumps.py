@@ -53,14 +53,29 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
 
 
 def _odd_places(x: np.ndarray) -> np.ndarray:
-    """Where fourth differences of x (N,) stick out."""
-    fourth = np.abs(np.diff(x, 4))
-    bound = np.maximum(
-        LOG_CHECKS.odd * _usual(fourth, np.abs(_smooth(np.diff(x)))[1:-2]),
-        max(LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)), CHANNELS.encoder_steps * step_of(x)),
-    )
+    """Where fourth differences of x (N,) stick out.
+
+    Of many jumps none is far beyond the 99th percentile: they count where each stands by itself.
+    """
+    fourth, least = np.abs(np.diff(x, 4)), CHANNELS.encoder_steps * step_of(x)
+    usual = LOG_CHECKS.odd * _usual(fourth, np.abs(_smooth(np.diff(x)))[1:-2])
+    most = np.where(_by_itself(x), 0.0, LOG_CHECKS.beyond * float(np.quantile(fourth, 0.99)))
     bent = CHANNELS.bent_ends
-    return bent + np.flatnonzero((fourth > bound)[bent:-bent])
+    return bent + np.flatnonzero((fourth > np.maximum(usual, np.maximum(most, least)))[bent:-bent])
+
+
+def _by_itself(x: np.ndarray) -> np.ndarray:
+    """(N - 4,) whether a step of x (N,), there and back or not, is far larger than those around it.
+
+    Where an axis mostly stands each count of its encoder is.
+    """
+    size = np.abs(np.diff(x))
+    if np.median(size) == 0:
+        return np.zeros(len(x) - 4, bool)
+    padded = np.pad(size, 3, mode="edge")
+    around = np.maximum.reduce([padded[at : at + len(size)] for at in (0, 1, 5, 6)])
+    alone = size > np.maximum(CHANNELS.alone * around, CHANNELS.large_jump * np.ptp(x))
+    return alone[1:-2] | alone[2:-1]
 
 
 def _kinks(log: Log, name: str) -> np.ndarray:
