@@ -276,3 +276,11 @@ def test_counts_of_an_axis_that_stands_are_no_jumps():
     at_rest = np.zeros(len(TIME))
     at_rest[700:], at_rest[1100:1102], at_rest[1500:] = 1.5e-3, 0.0, 3.1e-3
     assert not list(jumps(one_joint(), logged(), "joint1.e", at_rest))
+
+
+def test_a_position_that_is_mostly_noise_is_said_and_an_encoder_s_noise_is_not():
+    noise = np.random.default_rng(0).normal(0, 1, len(TIME))
+    for share, kinds in ((0.05, ["noise"]), (0.005, [])):
+        log = logged(**{"joint1.e": ANGLE + share * np.ptp(ANGLE) * noise})
+        found = [d.kind for d in channels(one_joint(), log)]
+        assert [kind for kind in found if kind == "noise"] == kinds

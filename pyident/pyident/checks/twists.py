@@ -63,8 +63,8 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
 
     A link's balance has no torque in it: a fit may turn the signs of its stiffness and of its inertia
     together, and nothing but a stiffness below zero beside an inertia above tells of a channel. With the
-    channel's other sign all else stays, so a spring that leaves most of its moment tells of something else,
-    such as axes that are turned.
+    channel's other sign all else stays, so where a spring leaves most of its moment something else is wrong,
+    such as axes that are turned, or a unit.
     """
     robot = of.samples.robot
     if len(of.joints) < len(robot.joints):
@@ -87,13 +87,21 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
         spring, balance = stiffness * p[:, 0], of.normal[row]
         fits = p[:, 0] @ balance @ p[:, 0] < LOG_CHECKS.far_better * (spring @ balance @ spring)
         negative = deviations(stiffness) < -LOG_CHECKS.sure
-        if fits and negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
-            yield _negative(source, c.name)
+        if negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
+            yield _negative(source, c.name) if fits else _neither(source, c.name)
 
 
 def _negative(source: str, name: str) -> Defect:
     text = "has the wrong sign: the joint would be of negative stiffness; give its column the sign -1"
     return Defect("gross", "sign", name, f"{source}: {name} {text}")
+
+
+def _neither(source: str, name: str) -> Defect:
+    text = (
+        "fits with neither sign: check its unit, those of the motors, and the axes of its joint in the robot "
+        "file (x and y)"
+    )
+    return Defect("doubtful", "sign", name, f"{source}: {name} {text}")
 
 
 def _spring(of: Balances, k: int, twist: np.ndarray) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ import numpy as np
 from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.channels.jumps import jumps, spikes
-from pyident.checks.channels.quantisation import Runs, coarse, runs, step_of
+from pyident.checks.channels.quantisation import Runs, coarse, noise_of, runs, step_of
 from pyident.checks.defect import Defect, Severity
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
@@ -34,6 +34,7 @@ def channels(robot: Robot, log: Log) -> Iterator[Defect]:
             yield from _clipped(log, name, x, found)
             yield from jumps(robot, log, name, x)
             yield from coarse(robot, log, name, x)
+            yield from _buried(log, name, x)
 
 
 def _constant(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
@@ -150,6 +151,14 @@ def _sudden(log: Log, steps: np.ndarray, count: float) -> bool:
     return second > max(0.8 * beyond, 1.5 * count) and second > CHANNELS.at_speed * float(
         np.sqrt(np.mean(steps**2))
     )
+
+
+def _buried(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
+    """A motor's position that is noise for the most part wherever differences are taken: no encoder's."""
+    share = noise_of(x) / max(float(np.ptp(x)), 1e-300)
+    if name == motor_of(joint_number(name)) and _moves(log, name) and share > CHANNELS.noisy:
+        yield _defect("doubtful", "noise", log, name, f"has noise of {100 * share:.2g} % of its range, more "
+                      f"than any encoder; check the channel and its plug")  # fmt: skip
 
 
 def _limit(log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
