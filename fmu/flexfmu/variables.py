@@ -21,6 +21,7 @@ from flexmodels.settings.servo import PER_JOINT, SHARED
 
 STEP = 0.5e-3  # default solver step [s]
 SHORTEST = 1e-9  # of a step or a period that must be above zero [s]
+SMALLEST = 1e-12  # of a parameter that the equations divide by, in its unit: a minimum may be set
 UNLIMITED = 1e30  # of a torque that nothing limits [N m]
 
 
@@ -110,10 +111,10 @@ def _switches(eq: Equations) -> Iterator[Variable]:
 def _servo(eq: Equations) -> Iterator[Variable]:
     """In the order of runtime/loop/servo.h."""
     assert eq.servo is not None
-    kinds = PER_JOINT | SHARED
+    kinds, above = PER_JOINT | SHARED, positive(eq)
     for name, value in eq.servo.parameters.items():
         unit, text = kinds[name.rpartition(".")[2]]
-        yield Variable(name, "parameter", "tunable", unit, text, value, 0.0)
+        yield Variable(name, "parameter", "tunable", unit, text, value, SMALLEST if name in above else 0.0)
 
 
 def _measured(eq: Equations) -> Iterator[Variable]:
@@ -252,9 +253,18 @@ def _shown(eq: Equations) -> Iterator[Variable]:
             yield Variable(of_joint(k + 1, f"link.{word}"), "output", "continuous", unit, text)
 
 
+def positive(eq: Equations) -> frozenset[str]:
+    """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
+    hinges = [Coordinate.parse(name) for name in eq.coordinates[eq.joints :]]
+    inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
+    resistances = {of_joint(k, "servo.R") for k in range(1, eq.joints + 1)}
+    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | resistances)
+
+
 def _parameters(eq: Equations) -> Iterator[Variable]:
+    above = positive(eq)
     for name, value in eq.parameters.items():
-        minimum = 0.0 if name in eq.nonnegative else None
+        minimum = SMALLEST if name in above else 0.0 if name in eq.nonnegative else None
         text = eq.descriptions.get(name, name)
         yield Variable(fmi_name(name), "parameter", "tunable", eq.units[name], text, value, minimum)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmu_listening import OPENED
 
 import pyident as pi
@@ -44,6 +45,15 @@ def opened(fmus, fmi):
 
 
 both = pytest.mark.parametrize("fmi", [2, 3])
+
+
+@both
+def test_a_minimum_that_is_declared_may_be_set(opened, fmus, fmi):
+    """FMI 2.0.4, 2.2.7: the minimum is among the values."""
+    listed = [v for v in read_model_description(str(fmus[fmi])).modelVariables if v.min is not None]
+    assert {"joint1.k[1]", "joint1.J_m", "joint1.coulomb"} <= {v.name for v in listed}
+    for variable in listed:
+        opened.write(opened.vr[variable.name], float(variable.min))
 
 
 @both

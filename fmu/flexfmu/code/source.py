@@ -11,8 +11,8 @@ from flexfmu.code.generated import derivatives as generated_derivatives
 from flexfmu.dependencies import Dependencies
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.names import c_string
-from flexfmu.variables import nominals
-from flexmodels.coordinate import Coordinate, of_joint
+from flexfmu.variables import nominals, positive
+from flexmodels.coordinate import Coordinate
 from flexmodels.mechanics.plant import Equations
 
 ALWAYS_POSITIVE = frozenset({"solver.step", "controller.period"})
@@ -31,9 +31,10 @@ def model_sources(
     interface = plant_interface(equations)
     inside, outside = inner(equations), outer(equations)
     products = generated_derivatives(equations) if derivatives else []
+    above_zero = positive(equations) | ALWAYS_POSITIVE
     files = {
         "model_rates.h": "\n".join(g.c for g in inside),
-        "model_tables.c": _shared_tables(interface, _positive(equations)) + _tables(equations),
+        "model_tables.c": _shared_tables(interface, above_zero) + _tables(equations),
         "model.c": '#include "model.h"\n#include "scalar.h"\n#include "model_rates.h"\n'
         + "\n".join(g.c for g in outside),
     }
@@ -119,14 +120,6 @@ def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
             "",
         ]
     )
-
-
-def _positive(equations: Equations) -> frozenset[str]:
-    """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
-    hinges = [Coordinate.parse(name) for name in equations.coordinates[equations.joints :]]
-    inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
-    resistances = {of_joint(k, "servo.R") for k in range(1, equations.joints + 1)}
-    return frozenset({str(hinge.stiffness) for hinge in hinges} | inertias | resistances | ALWAYS_POSITIVE)
 
 
 def _plant_header(

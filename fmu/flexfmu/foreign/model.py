@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+from fmpy import platform, platform_tuple
 
 from flexfmu.fmu_file import FmuDescription, continuous_states
 from flexfmu.foreign.interface import Interface
@@ -40,7 +41,7 @@ class FmuModel(FmuDescription):
     """
 
     def __init__(self, path: str | Path, interface: Interface | None = None, silence: float = SILENCE):
-        super().__init__(path)
+        super().__init__(path, lenient=True)
         self._path, self._silence = Path(path), silence
         have = {
             name: description
@@ -55,6 +56,7 @@ class FmuModel(FmuDescription):
         self.interface = interface or next(iter(have))
         if self.interface not in have:
             raise SimulationError(f"{path} has no {self.interface}; it has {' and '.join(have)}")
+        _require_binary(self._path)
         self._variables = {v.name: v for v in self.description.modelVariables}
         self._gives_derivatives = self.interface == "ModelExchange" and _gives_derivatives(self._path)
         listed = (v for v in self.description.modelVariables if not v.dimensions)
@@ -154,20 +156,34 @@ def _gives_derivatives(path: Path) -> bool:
     return exchange is not None and any(exchange.get(word) in ("true", "1") for word in words)
 
 
+def _require_binary(path: Path) -> None:
+    """Raises SimulationError where an FMU has nothing that this machine can run."""
+    with zipfile.ZipFile(path) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")} - {""}
+    if not {platform, platform_tuple} & folders:
+        has = f"binaries for {', '.join(sorted(folders))} only" if folders else "no binaries"
+        raise SimulationError(f"{path} has {has}; this machine needs {platform} ({platform_tuple} in FMI 3)")
+
+
 def _is_number(kind: str) -> bool:
     return kind in _NUMBERS or kind.startswith(("Int", "UInt"))
 
 
 def _quantity(variable) -> Quantity:
     exact = variable.initial in ("exact", "approx") or variable.causality in ("input", "parameter")
-    unit = variable.unit or (variable.declaredType.unit if variable.declaredType else None)
+
+    def own(word: str) -> str | None:
+        """What the variable says itself, else its type."""
+        said = getattr(variable, word)
+        return getattr(variable.declaredType, word) if said is None and variable.declaredType else said
+
     return Quantity(
         name=variable.name,
         causality=variable.causality,
-        unit=unit or "1",
+        unit=own("unit") or "1",
         start=_number(variable.start),
-        minimum=_number(variable.min),
-        maximum=_number(variable.max),
+        minimum=_number(own("min")),
+        maximum=_number(own("max")),
         continuous=variable.type in ("Real", "Float64", "Float32"),
         can_be_set=exact
         and variable.variability != "constant"

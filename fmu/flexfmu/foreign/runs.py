@@ -9,22 +9,22 @@ import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi2 import FMU2Model, FMU2Slave
-from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy import extract, instantiate_fmu, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Model
+from fmpy.fmi3 import FMU3Model
 from fmpy.model_description import ScalarVariable
 
 from flexfmu.fmu_file import continuous_states
 from flexfmu.foreign.access import Access, feed_at_every_instant, linear_feed
+from flexfmu.foreign.interface import Interface
 from flexfmu.foreign.parent import REQUEST, RESULT
 from flexfmu.foreign.sensitivities import Course, Structure, sensitivities, start_slopes
 from flexmodels.inputs import SimulationError
 
 _TOLERANCE = 1e-8  # of CVode
-F = TypeVar("F", bound=FMU2Model | FMU3Model | FMU2Slave | FMU3Slave)
 _SAME = 1e-9  # [s] two instants are one
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _CALLED = 256  # samples between two signs of progress
@@ -43,7 +43,13 @@ def run(folder: Path, request: Mapping[str, Any], progress: Callable[[float], No
             progress((first + part) / len(sets))
 
         simulate = fmu.exchanged if request["interface"] == "ModelExchange" else fmu.stepped
-        rows[i] = simulate(time, inputs, values, share)
+        try:
+            rows[i] = simulate(time, inputs, values, share)
+        except SimulationError:
+            if fmu.talks:
+                raise
+            fmu.talks = True  # once more: some say why only where all that they say is asked for
+            rows[i] = simulate(time, inputs, values, share)
     np.save(folder / RESULT, rows)
     return outputs
 
@@ -69,7 +75,9 @@ def slopes(folder: Path, request: Mapping[str, Any], progress: Callable[[float],
 
 
 class _Unpacked:
-    """An FMU in the scratch folder, unpacked at the first request."""
+    """An FMU in the scratch folder, unpacked at the first request; talks: asked to say all that it can."""
+
+    talks = False
 
     def __init__(self, folder: Path, request: Mapping[str, Any]):
         self.folder = folder / "fmu"
@@ -87,13 +95,13 @@ class _Unpacked:
         share: Callable[[float], None],
     ) -> np.ndarray:
         """Co-simulation, a step per sample; (N, outputs)."""
-        fmu = self._instance(FMU2Slave if self._old else FMU3Slave)
-        write = Access(fmu, "set", [self.variables[name] for name in self.inputs])
-        read = Access(fmu, "get", [self.variables[name] for name in self.outputs])
-        try:
+        with self._instance("CoSimulation", time[0]) as fmu:
+            write = Access(fmu, "set", [self.variables[name] for name in self.inputs])
+            read = Access(fmu, "get", [self.variables[name] for name in self.outputs])
             self._initialise(fmu, time, values, lambda _: write.put(inputs[0]))
             rows = np.empty((len(time), len(self.outputs)))
             for i, t in enumerate(time):
+                self._now = float(t)
                 write.put(inputs[i])
                 rows[i] = read.values()
                 if i + 1 < len(time):
@@ -101,8 +109,6 @@ class _Unpacked:
                 if i % _CALLED == 0:
                     share(i / len(time))
             fmu.terminate()
-        finally:
-            fmu.freeInstance()
         return rows
 
     def exchanged(
@@ -118,9 +124,14 @@ class _Unpacked:
         for name, column in zip(self.inputs, inputs.T, strict=True):
             signals[name] = column
         start, stop = float(time[0]), float(time[-1])
-        fmu = self._instance(FMU2Model if self._old else FMU3Model)
-        feed_at_every_instant(fmu, self._feed(fmu, time, inputs))
-        try:
+
+        def done(now: float, _: Any) -> bool:
+            self._now = now
+            share((now - start) / (stop - start))
+            return True
+
+        with self._instance("ModelExchange", start) as fmu:
+            feed_at_every_instant(fmu, self._feed(fmu, time, inputs))
             result = simulate_fmu(
                 str(self.folder),
                 validate=False,
@@ -134,10 +145,8 @@ class _Unpacked:
                 input=signals if self.inputs else None,  # pyright: ignore[reportArgumentType]
                 output=list(self.outputs),
                 model_description=self.description,
-                step_finished=lambda now, _: share((now - start) / (stop - start)) or True,
+                step_finished=done,
             )
-        finally:
-            fmu.freeInstance()
         last = np.searchsorted(result["time"], time + _SAME) - 1
         return np.column_stack([np.asarray(result[name][last], dtype=float) for name in self.outputs])
 
@@ -158,9 +167,8 @@ class _Unpacked:
         self, time: np.ndarray, inputs: np.ndarray, values: Mapping[str, float]
     ) -> "Iterator[tuple[FMU2Model | FMU3Model, Callable[[float], None]]]":
         """The FMU in Continuous-Time Mode at the first instant, and what sets its inputs at any."""
-        fmu = self._instance(FMU2Model if self._old else FMU3Model)
-        feed = self._feed(fmu, time, inputs)
-        try:
+        with self._instance("ModelExchange", time[0]) as fmu:
+            feed = self._feed(fmu, time, inputs)
             self._initialise(fmu, time, values, feed)
             needed = True
             while needed:
@@ -170,8 +178,6 @@ class _Unpacked:
                     raise SimulationError("the FMU has an event that is known beforehand")
             fmu.enterContinuousTimeMode()
             yield fmu, feed
-        finally:
-            fmu.freeInstance()
 
     def _feed(self, fmu: Any, time: np.ndarray, inputs: np.ndarray) -> Callable[[float], None]:
         """What sets the continuous inputs, linear between samples, at an instant."""
@@ -181,29 +187,40 @@ class _Unpacked:
     def _old(self) -> bool:
         return self.description.fmiVersion == "2.0"
 
-    def _instance(self, kind: "type[F]") -> "F":
-        model = self.description
-        interface = model.coSimulation if issubclass(kind, FMU2Slave | FMU3Slave) else model.modelExchange
-        assert interface is not None
-        fmu = kind(
-            guid=model.guid,
-            unzipDirectory=str(self.folder),
-            modelIdentifier=interface.modelIdentifier,
-            instanceName="model",
-        )
-        fmu.instantiate()
-        return fmu
+    @contextmanager
+    def _instance(self, interface: Interface, begin: float) -> "Iterator[Any]":
+        """An instance, freed at the end; where it fails, its own last words and the time [s] are told."""
+        messages: list[str] = []
+        self._now, fmu = float(begin), None
+        try:
+            fmu = instantiate_fmu(
+                str(self.folder), self.description, interface, debug_logging=self.talks,
+                logger=lambda *words: messages.append(words[-1].decode("utf-8", "replace")),
+            )  # fmt: skip
+            yield fmu
+        except SimulationError:
+            raise
+        except Exception as error:
+            said = f": {messages[-1]}" if messages else ""
+            raise SimulationError(f"{str(error).rstrip('.')}, at {self._now:.6g} s{said}") from None
+        finally:
+            if fmu is not None:
+                fmu.freeInstance()
 
     def _initialise(
         self, fmu: Any, time: np.ndarray, values: Mapping[str, float], feed: Callable[[float], None]
     ) -> None:
+        """values: of parameters and start values, and of inputs that no column feeds, which keep them."""
         early = {name: v for name, v in values.items() if not _is_input(self.variables[name])}
+        kept = [name for name in values if name not in early]
         start = Access(fmu, "set", [self.variables[name] for name in early])
+        held = Access(fmu, "set", [self.variables[name] for name in kept])
         span = {"startTime": float(time[0]), "stopTime": float(time[-1])}
         if self._old:
             fmu.setupExperiment(**span)
         start.put(list(early.values()))
         fmu.enterInitializationMode(**({} if self._old else span))
+        held.put([values[name] for name in kept])
         feed(float(time[0]))
         fmu.exitInitializationMode()
 

@@ -34,17 +34,17 @@ def candidates(
     times: Sequence[np.ndarray],
     simulated: Sequence[np.ndarray],
     signals: Mapping[str, Sequence[np.ndarray]],
-    angles: Sequence[str],
+    angles: Mapping[str, Sequence[np.ndarray]],
 ) -> Iterator[Candidate]:
     """For one output.
 
     simulated   its course (n,) per recording
     signals     name -> (n,) per recording, on which it may depend
-    angles      those of the signals that are angles [rad]
+    angles      those of the signals that are angles, in rad
     """
     yield from _delays(times, simulated)
-    for name in angles:
-        yield from _orders(name, signals[name])
+    for name, values in angles.items():
+        yield from _orders(name, values)
     for name, values in signals.items():
         if stands_still(*values):
             continue

@@ -15,7 +15,7 @@ import numpy as np
 from flexmodels.inputs import SimulationError
 from pyident.estimation.instrumental_variables import Rows
 from pyident.estimation.newey_west import LongRun
-from pyident.greybox.recording import Progress, Recording, Simulate
+from pyident.greybox.recording import Progress, Recording, Simulate, require_numbers
 from pyident.greybox.search import Derivatives, Free, Search
 from pyident.refinement.instruments.residual_spectrum import spectral
 from pyident.regression.machine.svd import svd
@@ -73,8 +73,8 @@ def output_error(
     if not search.confirm(p):
         p, left = _fitted(search, p, None)
     slopes, jumps = _settled_slopes(search, p)
-    missed = _missed(search, left)
-    estimates = _judged(search, p, slopes, left, claims=not jumps and not missed)
+    missed, few = _missed(search, left), _few(search)
+    estimates = _judged(search, p, slopes, left, claims=not (jumps or missed or few))
     if jumps:
         notes += (
             "the outputs jump with the parameters (two widths of differences disagree): no interval is given",
@@ -84,7 +84,7 @@ def output_error(
             f"a constant would explain more of {', '.join(missed)} than the fitted model does: check its "
             "unit, sign and start; no interval is given",
         )
-    notes += _begun_elsewhere(search, left)
+    notes += (*few, *_begun_elsewhere(search, left), *_sizeless(estimates))
     notes += tuple(f"{e.free.name} ends at its bound {e.value:.6g}" for e in estimates if e.at_bound)
     return OutputError(estimates, tuple(left), (*notes, *((search.note,) if search.note else ())))
 
@@ -130,6 +130,22 @@ def _begun_elsewhere(search: Search, left: Sequence[np.ndarray]) -> tuple[str, .
     return (f"{said}motion, name the start values of the model's states as parameters, too",) if which else ()
 
 
+def _sizeless(estimates: Sequence[Estimate]) -> tuple[str, ...]:
+    """Notes on values that are smaller than what differences of them see."""
+    names = [e.free.name for e in estimates if e.free.sizeless and abs(e.value) < GREYBOX.tiny]
+    said = "starts at 0 without bounds, so that nothing tells its size: give them"
+    return tuple(f"{name} {said} ({name}=LOW:HIGH)" for name in names)
+
+
+def _few(search: Search) -> tuple[str, ...]:
+    """A note where what moves in the logs is too little to tell its noise."""
+    count = int(sum(len(r.measured) for r in search.recordings) * search.moves.sum())
+    if count >= GREYBOX.few * len(search.free):
+        return ()
+    moving = "samples" if search.moves.all() else "samples of outputs that move in the logs"
+    return (f"{count} {moving} for {len(search.free)} parameters: no interval is given",)
+
+
 def _missed(search: Search, left: Sequence[np.ndarray]) -> list[str]:
     """Outputs of which more is left (N, S) per recording than they vary."""
     scatter = np.concatenate([m - m.mean(axis=0) for m in left]).std(axis=0)
@@ -157,6 +173,7 @@ def _start(search: Search) -> tuple[np.ndarray, tuple[str, ...]]:
     free = search.free
     p = np.array([np.clip(f.start, f.low, f.high) for f in free])
     missed = search.misses([p])[0]
+    require_numbers(search.recordings, missed)
     furthest = max(float(np.max(np.abs(m) / search.size)) for m in missed)
     if not furthest < GREYBOX.away:
         raise SimulationError(

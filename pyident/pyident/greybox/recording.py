@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from flexmodels.inputs import SimulationError
 from pyident.logs.log import Log, LogError
 
 Progress = Callable[[float], None]
@@ -81,5 +82,17 @@ def recording(log: Log, signals: Signals) -> tuple[Recording, tuple[str, ...]]:
 def misses(
     recordings: Sequence[Recording], simulate: Simulate, values: Mapping[str, float]
 ) -> list[np.ndarray]:
-    """Measured less simulated, (N, S) per recording."""
-    return [r.measured - simulate(r, [values], r.outputs)[0] for r in recordings]
+    """Measured less simulated, (N, S) per recording. Raises SimulationError, also for what is no number."""
+    found = [r.measured - simulate(r, [values], r.outputs)[0] for r in recordings]
+    require_numbers(recordings, found)
+    return found
+
+
+def require_numbers(recordings: Sequence[Recording], missed: Sequence[np.ndarray]) -> None:
+    """Raises SimulationError where what a model misses, (N, S) per recording, is no number."""
+    for r, left in zip(recordings, missed, strict=True):
+        if len(lost := np.argwhere(~np.isfinite(left))):
+            row, place = lost[0]
+            raise SimulationError(
+                f"{r.source}: the model's output {r.outputs[place]} is no number from {r.time[row]:.6g} s on"
+            )

@@ -58,17 +58,21 @@ def shown(
     residuals: Sequence[np.ndarray],
     simulated: Sequence[np.ndarray],
     signals: Mapping[str, Sequence[np.ndarray]],
-    angles: Sequence[str],
+    angles: Mapping[str, Sequence[np.ndarray]],
     outputs: int,
     late: bool = True,
 ) -> Shown:
-    """Examine one output of `outputs`; all sequences are per recording, (n,). late: a delay may be told."""
+    """Examine one output of `outputs`; all sequences are per recording, (n,). late: a delay may be told.
+
+    angles   those of the signals that are angles, in rad
+    """
     mean = float(np.mean(np.concatenate(residuals)))
     left = [r - mean for r in residuals]
     rms = float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
-    white = whiteness(left)
+    told = rms > GREYBOX.rounding * float(np.sqrt(np.mean(np.concatenate(simulated) ** 2)))
+    white = whiteness(left) if told else 1.0
     found: list[Finding] = []
-    if rms > 0:
+    if told:
         listed = [c for c in candidates(times, simulated, signals, angles) if late or c.kind != "delay"]
         whole = sum(float(r @ r) for r in residuals)
         for _ in range(GREYBOX.terms):

@@ -31,6 +31,11 @@ class Free:
         spans = self.high - self.low
         return abs(self.start) or (spans if np.isfinite(spans) else 1.0)
 
+    @property
+    def sizeless(self) -> bool:
+        """Whether nothing tells its size."""
+        return self.start == 0 and not np.isfinite(self.high - self.low)
+
 
 class Sensitivities(Protocol):
     """Derivatives of a recording's outputs by some parameters, (parameters, N, S), where the model has them.
@@ -65,7 +70,8 @@ class Search:
         self.derivatives, self.note = derivatives, ""
         measured = [r.measured for r in recordings]
         size = np.sqrt(np.mean(np.concatenate([m - m.mean(axis=0) for m in measured]) ** 2, axis=0))
-        self.size = np.where(size > 0, size, 1.0)
+        self.moves = size > 0
+        self.size = np.where(self.moves, size, 1.0)
         self.noise = self.size.copy()
         self.worst = _FAILED
         self._latest: tuple[bytes, list[np.ndarray]] | None = None

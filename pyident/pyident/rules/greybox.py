@@ -87,12 +87,33 @@ class GreyboxRules:
         "it grows without bound, and squares of its slopes overflow",
         "arithmetic: a trust region cannot come back from there in the rounds that it has",
     )
+    tiny: float = rule(
+        1e-3,
+        "a value that starts at 0, in its unit",
+        "steps of differences are larger",
+        "arithmetic: that step",
+    )
+    few: int = rule(
+        5,
+        "samples per parameter",
+        "with fewer, what is left says too little of the noise",
+        "arithmetic: Student's t of five per parameter is 1.03 times the normal one",
+    )
+    rounding: float = rule(
+        1e-9,
+        "an output's own size that is missed",
+        "less is arithmetic",
+        "arithmetic: what files and FMUs round",
+    )
     shown: int = rule(4, "names of a tie", "more are read by nobody", _READING)
     terms: int = rule(3, "terms of one output", "more are read by nobody", _READING)
+    white: float = rule(
+        0.01, "p-value of white noise, over all outputs", "what is left below it is none", "convention"
+    )
     lags: int = rule(20, "lags of the test for white noise", "convention", "convention")
 
     def __post_init__(self) -> None:
-        in_range(self, "greybox", 0, 1, "smooth", "level", "material", "tie", "late")
+        in_range(self, "greybox", 0, 1, "smooth", "level", "material", "tie", "late", "white")
 
 
 GREYBOX = GreyboxRules()

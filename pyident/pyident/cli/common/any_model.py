@@ -60,6 +60,8 @@ def _bounded(given: tuple[str, ...]) -> "dict[str, tuple[float, float] | None]":
     out = {}
     for word in given:
         name, equals, span = word.partition("=")
+        if name in out:
+            raise click.BadParameter(f"{name} is named twice")
         low, _, high = span.partition(":")
         try:
             out[name] = (float(low), float(high)) if equals else None

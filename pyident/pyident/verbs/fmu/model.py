@@ -17,18 +17,20 @@ from flexfmu.foreign.parent import SILENCE
 from flexmodels.robot import RobotError
 from pyident.greybox.late import confirmed, later, with_delay
 from pyident.greybox.output_error import OutputError, fixed, output_error
-from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording
-from pyident.greybox.residual import Shown, shown, standing_out
+from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording, require_numbers
+from pyident.greybox.residual import Shown, shown, standing_out, whiteness
 from pyident.greybox.search import Derivatives, Free
 from pyident.logs.log import Log, LogError, check
 from pyident.logs.log import read_log as read_plain
+from pyident.rules.greybox import GREYBOX
 from pyident.verbs.fmu.arguments import Interface, Parameters
 from pyident.verbs.fmu.results import FmuCompared, FmuDiagnosed, FmuFit
+from pyident.verbs.fmu.settable import Values, require_apart, require_settable, require_unfed
 
 Progress = Callable[[float], None]
-Values = Mapping[str, float]
 Data = Log | pd.DataFrame | str | Path
 _LARGEST = 60  # signals that a residual is held against
+_RADIANS = {"rad": 1.0, "deg": np.pi / 180}  # per unit of an angle
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ def identify_fmu(
     """
     if not parameters:
         raise RobotError(f"{model}: name the parameters to identify, such as parameters=['k']")
+    require_apart(parameters, values)
     with _opened(model, logs, values, interface, time_limit) as o:
         free = [_free(o.fmu, name, parameters) for name in parameters]
         fit = output_error(o.recordings, o.simulate, free, progress, _derivatives(o, free))
@@ -71,7 +74,17 @@ def identify_fmu(
         progress(1.0)
     first = o.recordings[0]
     means = standing_out([*zip(first.outputs, first.units, strict=True)], fit.residuals)
-    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes, *means))
+    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes, *means, *_coloured(first, fit)))
+
+
+def _coloured(first: Recording, fit: OutputError) -> tuple[str, ...]:
+    """A note where what is left is no white noise: intervals know nothing of what a model lacks."""
+    each = [[r[:, s] - r[:, s].mean() for r in fit.residuals] for s in range(len(first.outputs))]
+    names = [
+        n for n, own in zip(first.outputs, each, strict=True) if whiteness(own) * len(each) < GREYBOX.white
+    ]
+    said = "intervals hold if that is noise, and not if the model lacks something (`diagnose` tells more)"
+    return (f"what is left of {', '.join(names)} is no white noise: {said}",) if names else ()
 
 
 def compare_fmu(
@@ -107,6 +120,7 @@ def diagnose_fmu(
     parameters   fitted first, as in `identify_fmu`; none: the FMU is taken as it is
     The others as in `identify_fmu`. Raises RobotError, LogError, SimulationError.
     """
+    require_apart(parameters, values)
     with _opened(model, logs, values, interface, time_limit) as o:
         fit = None
         if parameters:
@@ -147,14 +161,20 @@ def _examined(
     names = _courses(o)
     runs = [simulate(r, [values], names)[0] for r in o.recordings]
     first = o.recordings[0]
-    signals = {name: [run[:, i] for run in runs] for i, name in enumerate(names)}
+    met = len(first.outputs)
+    require_numbers(
+        o.recordings, [r.measured - run[:, :met] for r, run in zip(o.recordings, runs, strict=True)]
+    )
+    courses = {name: [run[:, i] for run in runs] for i, name in enumerate(names)}
+    signals = {n: own for n, own in courses.items() if all(np.isfinite(x).all() for x in own)}
     for name in first.inputs:
         signals[name] = [r.inputs[name] for r in o.recordings]
     for name in o.frames[0]:
         if name not in {*signals, *first.outputs} and all(name in frame for frame in o.frames):
             signals[str(name)] = [frame[name].to_numpy(dtype=float) for frame in o.frames]
     listed = o.fmu.quantities
-    angles = [name for name in signals if name in listed and listed[name].unit == "rad"]
+    units = {name: listed[name].unit for name in signals if name in listed}
+    angles = {n: [_RADIANS[u] * x for x in signals[n]] for n, u in units.items() if u in _RADIANS}
     times = [r.time for r in o.recordings]
     outputs = []
     for s, (name, unit) in enumerate(zip(first.outputs, first.units, strict=True)):
@@ -186,17 +206,19 @@ def _opened(
     time_limit: float,
 ) -> Iterator[_Opened]:
     with FmuModel(model, interface, time_limit) as fmu:
-        _require(fmu, model, values or {})
+        require_settable(fmu, model, values or {})
         quantities = fmu.quantities
+        met = [name for name in (*fmu.of("output"), *fmu.of("local")) if name != "time"]
         offered = Signals(
             inputs={name: (values or {}).get(name, quantities[name].start) for name in fmu.of("input")},
-            outputs={name: quantities[name].unit for name in (*fmu.of("output"), *fmu.of("local"))},
+            outputs={name: quantities[name].unit for name in met},
         )
         read = [_read(log) for log in _listed(logs)]
         if not read:
             raise LogError("there is no log; give one or more")
         taken = [recording(log, offered) for log in read]
         recordings = tuple(r for r, _ in taken)
+        require_unfed(recordings, values or {})
         for r in recordings[1:]:
             if r.outputs != recordings[0].outputs:
                 raise LogError(
@@ -212,27 +234,14 @@ def _opened(
         ) -> np.ndarray:
             return fmu.run(recording.time, recording.inputs, sets, names, progress)
 
-        notes = tuple(note for _, more in taken for note in more)
+        broken = f"{model} breaks the standard ({fmu.flaw}) and is run all the same"
+        notes = (*([broken] if fmu.flaw else []), *(note for _, more in taken for note in more))
         frames = tuple(log.frame for log in read)
         yield _Opened(fmu, recordings, frames, fixed(values or {}, simulate), values or {}, notes)
 
 
-def _require(fmu: FmuModel, model: str | Path, names: Values) -> None:
-    for name in names:
-        if name not in fmu.quantities:
-            raise RobotError(f"{model} has no variable {name}; {_offer(fmu)}")
-        if not fmu.quantities[name].can_be_set:
-            raise RobotError(f"{model}: {name} is computed by the FMU and cannot be set; {_offer(fmu)}")
-
-
-def _offer(fmu: FmuModel) -> str:
-    names = fmu.of("parameter") or [q.name for q in fmu.quantities.values() if q.can_be_set]
-    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
-    return f"its parameters are {', '.join(names[:8])}{more}" if names else "it has no parameters"
-
-
 def _free(fmu: FmuModel, name: str, parameters: Parameters) -> Free:
-    _require(fmu, fmu.title, {name: 0.0})
+    require_settable(fmu, fmu.title, {name: 0.0})
     quantity: Quantity = fmu.quantities[name]
     if not quantity.continuous or quantity.causality == "input":
         raise RobotError(f"{fmu.title}: {name} is not a continuous parameter, so it cannot be identified")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pyident.rules.greybox import GREYBOX
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
 from pyident.verbs.text import Text, finite, half_interval, wrapped
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from pyident.greybox.output_error import OutputError
     from pyident.greybox.recording import Recording
     from pyident.greybox.residual import Finding, Shown
-
-_WHITE = 0.01  # p-value below which a residual is not white noise
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +71,12 @@ class FmuFit(Result):
         ]
         heads = ("parameter", "value", "± 95 %", "unit", "")
         found = table(heads, rows, numbers=(1, 2))
-        return Text("\n".join([found, self._slopes(), _table_of(self.recordings, self.fit.residuals)]))
+        said = [found, self._slopes(), self._as_options(), _table_of(self.recordings, self.fit.residuals)]
+        return Text("\n".join(said))
+
+    def _as_options(self) -> str:
+        """The values as other commands take them."""
+        return "with them: " + " ".join(f"--set {name}={value:.9g}" for name, value in self.values.items())
 
     def _slopes(self) -> str:
         """How the outputs' slopes were got."""
@@ -95,11 +99,13 @@ class FmuCompared(Result):
     notes: tuple[str, ...]
 
     def headline(self) -> str:
-        worst = max(
-            ((o, e["nrmse_percent"]) for log in self.errors.values() for o, e in log.items()),
-            key=lambda pair: pair[1],
-        )
-        return f"{self.model}: it misses {worst[0]} most, by {worst[1]:.3g} % of the signal"
+        listed = [(o, e) for log in self.errors.values() for o, e in log.items()]
+        moving = [(e["nrmse_percent"], o) for o, e in listed if e["nrmse_percent"] is not None]
+        if moving:
+            percent, name = max(moving)
+            return f"{self.model}: it misses {name} most, by {percent:.3g} % of the signal"
+        rmse, name, unit = max((e["rmse"], o, e["unit"]) for o, e in listed)
+        return f"{self.model}: it misses {name} most, by {rmse:.3g} {unit} (rms); the logs' own does not move"
 
     @property
     def errors(self) -> dict[str, dict[str, Any]]:
@@ -188,7 +194,7 @@ def _sentence(finding: "Finding", output: "Shown") -> str:
 
 
 def _structured(output: "Shown", outputs: "tuple[Shown, ...]") -> bool:
-    return output.white_p * len(outputs) < _WHITE
+    return output.white_p * len(outputs) < GREYBOX.white
 
 
 def _errors(
@@ -203,7 +209,7 @@ def _errors(
             name: {
                 "rmse": float(rmse[i]),
                 "unit": r.units[i],
-                "nrmse_percent": float(percent[i]),
+                "nrmse_percent": finite(percent[i]),
                 "largest": float(np.abs(left[:, i]).max()),
             }
             for i, name in enumerate(r.outputs)
@@ -211,10 +217,14 @@ def _errors(
     return out
 
 
+def _percent(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
 def _table_of(recordings: "tuple[Recording, ...]", residuals: tuple[np.ndarray, ...]) -> str:
     heads = ("log", "output", "rmse", "% of signal", "largest", "unit")
     rows = [
-        (log, name, f"{e['rmse']:.3g}", f"{e['nrmse_percent']:.3g}", f"{e['largest']:.3g}", e["unit"])
+        (log, name, f"{e['rmse']:.3g}", _percent(e["nrmse_percent"]), f"{e['largest']:.3g}", e["unit"])
         for log, outputs in _errors(recordings, residuals).items()
         for name, e in outputs.items()
     ]
