@@ -4,7 +4,7 @@ import re
 import zipfile
 from pathlib import Path
 
-from fmpy import read_model_description
+from fmpy import platform, platform_tuple, read_model_description
 from fmpy.model_description import ModelDescription, ScalarVariable, ValidationError
 
 from flexmodels.inputs import SimulationError
@@ -53,6 +53,15 @@ def _first_reason(error: Exception) -> str:
     problems = error.problems if isinstance(error, ValidationError) else []
     more = f"; and {len(problems) - 1} more" if len(problems) > 1 else ""
     return f"{problems[0].strip()}{more}" if problems else first_line(error)
+
+
+def require_binary(path: Path) -> None:
+    """Raises SimulationError where an FMU has nothing that this machine can run."""
+    with zipfile.ZipFile(path) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")} - {""}
+    if not {platform, platform_tuple} & folders:
+        has = f"binaries for {', '.join(sorted(folders))} only" if folders else "no binaries"
+        raise SimulationError(f"{path} has {has}; this machine needs {platform} ({platform_tuple} in FMI 3)")
 
 
 def continuous_states(description: ModelDescription) -> list[tuple[ScalarVariable, ScalarVariable]]:

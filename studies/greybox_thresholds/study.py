@@ -65,7 +65,9 @@ def _dependences(seed: int) -> dict[str, int]:
     signals = {name: [x] for name, x in (("angle", angle), ("speed", speed), ("alike", alike))}
 
     def names(residual: np.ndarray) -> tuple[str, ...]:
-        found = shown("y", "N m", [_TIME], [residual], [angle], signals, ["angle"], 1).findings
+        found = shown(
+            "y", "N m", [_TIME], [residual], [angle], signals, {"angle": signals["angle"]}, 1
+        ).findings
         return found[0].of if found else ()
 
     named = names(white + 0.3 * np.sign(speed))

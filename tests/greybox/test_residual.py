@@ -17,7 +17,16 @@ def course(seed=0):
 
 
 def examined(residual, simulated, signals, angles=()):
-    return shown("y", "N m", [TIME], [residual], [simulated], {k: [v] for k, v in signals.items()}, angles, 1)
+    return shown(
+        "y",
+        "N m",
+        [TIME],
+        [residual],
+        [simulated],
+        {k: [v] for k, v in signals.items()},
+        {k: [signals[k]] for k in angles},
+        1,
+    )
 
 
 def noise(seed):

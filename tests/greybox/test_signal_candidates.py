@@ -15,7 +15,8 @@ COURSE = 3 * TIME
 
 def listed(simulated=COURSE, signals=None, angles=()):
     signals = signals or {}
-    return list(candidates([TIME], [simulated], {n: [v] for n, v in signals.items()}, angles))
+    turning = {name: [signals[name]] for name in angles}
+    return list(candidates([TIME], [simulated], {n: [v] for n, v in signals.items()}, turning))
 
 
 def test_a_delay_of_a_line_is_a_constant():

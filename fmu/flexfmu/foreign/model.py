@@ -7,9 +7,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from fmpy import platform, platform_tuple
 
-from flexfmu.fmu_file import FmuDescription, continuous_states
+from flexfmu.fmu_file import FmuDescription, continuous_states, require_binary
 from flexfmu.foreign.interface import Interface
 from flexfmu.foreign.parent import REQUEST, RESULT, SILENCE, Child, Progress
 from flexmodels.inputs import SimulationError
@@ -56,7 +55,7 @@ class FmuModel(FmuDescription):
         self.interface = interface or next(iter(have))
         if self.interface not in have:
             raise SimulationError(f"{path} has no {self.interface}; it has {' and '.join(have)}")
-        _require_binary(self._path)
+        require_binary(self._path)
         self._variables = {v.name: v for v in self.description.modelVariables}
         self._gives_derivatives = self.interface == "ModelExchange" and _gives_derivatives(self._path)
         listed = (v for v in self.description.modelVariables if not v.dimensions)
@@ -154,15 +153,6 @@ def _gives_derivatives(path: Path) -> bool:
     exchange = root.find("ModelExchange")
     words = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
     return exchange is not None and any(exchange.get(word) in ("true", "1") for word in words)
-
-
-def _require_binary(path: Path) -> None:
-    """Raises SimulationError where an FMU has nothing that this machine can run."""
-    with zipfile.ZipFile(path) as archive:
-        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")} - {""}
-    if not {platform, platform_tuple} & folders:
-        has = f"binaries for {', '.join(sorted(folders))} only" if folders else "no binaries"
-        raise SimulationError(f"{path} has {has}; this machine needs {platform} ({platform_tuple} in FMI 3)")
 
 
 def _is_number(kind: str) -> bool:

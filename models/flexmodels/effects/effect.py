@@ -20,14 +20,12 @@ SLOW = 0.01  # [rad/s or m/s] over which a sign of any other speed than the join
 class Parameter:
     """A coefficient of a law. `unit` is for a revolute joint; a slider reads m and N instead.
 
-    grid    values that a search tries first; a parameter enters its law nonlinearly if and only if it has one
+    grid    values that a search tries first; what has one enters its law nonlinearly, and nothing else does
     scale   signal in whose root mean square the grid is counted; none: the grid is in `unit`, unless it is
     across  a signal's range in the logs: 0 is its lowest value, 1 its highest
-    between a signal of the joint and one of the next: where one turns and the other slides, the grid is
-            counted in the root mean square of the first per that of the second
+    between this joint and the next, if one slides: the grid is in the rms of one signal per the other's
     periodic  whether it counts the law's periods per turn of the joint; a law has one such parameter at most
-    usual   its value where nothing is known, in the joint's base parameters (Symbol("k[1]")); None: whatever
-            makes the law as large as is asked for
+    usual   its value where nothing is known, in base parameters (Symbol("k[1]")); None: as large as is asked
     """
 
     name: str
@@ -55,10 +53,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class State:
-    """Memory of a law: `rate` is its time derivative, affine in the state itself.
-
-    start   value at the beginning; None: where the rate is zero
-    """
+    """Memory of a law: `rate`, its time derivative, is affine in itself; start None: where the rate is zero."""
 
     name: str
     rate: Expr
