@@ -53,7 +53,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class State:
-    """Memory of a law: `rate`, its time derivative, is affine in itself; start None: where the rate is zero."""
+    """Memory of a law: `rate`, its time derivative, is affine in it; start None: where the rate is zero."""
 
     name: str
     rate: Expr
