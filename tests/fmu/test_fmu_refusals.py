@@ -50,10 +50,11 @@ both = pytest.mark.parametrize("fmi", [2, 3])
 @both
 def test_a_minimum_that_is_declared_may_be_set(opened, fmus, fmi):
     """FMI 2.0.4, 2.2.7: the minimum is among the values."""
-    listed = [v for v in read_model_description(str(fmus[fmi])).modelVariables if v.min is not None]
-    assert {"joint1.k[1]", "joint1.J_m", "joint1.coulomb"} <= {v.name for v in listed}
-    for variable in listed:
-        opened.write(opened.vr[variable.name], float(variable.min))
+    variables = read_model_description(str(fmus[fmi])).modelVariables
+    minima = {v.name: float(v.min) for v in variables if v.min is not None}
+    assert {"joint1.k[1]", "joint1.J_m", "joint1.coulomb"} <= set(minima)
+    for name, minimum in minima.items():
+        opened.write(opened.vr[name], minimum)
 
 
 @both
