@@ -15,15 +15,20 @@ from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, columns, units_of
 from pyident.diagnosis.base.residual_over_floor import bands_of
+from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
+from pyident.estimation.identify import relative_error
 from pyident.logs.log import Log
+from pyident.regression.equations import Problem
 from pyident.regression.spectrum import Equations
+from pyident.simulation.denoised import denoised
 
 _FAR = 2.0  # times the rms of the floor
 _SURE = 4.0  # times what the parameters' own noise leaves on average: seldom more
 _MOSTLY = 0.95  # of what is left so, that one thing which differs takes
 _LITTLE = 0.1  # of what another friction takes: a part of it that is not worth a word
+_HALF = 0.5  # of what all logs together leave, that each by itself does at most
 _FRICTION = ("coulomb", "viscous", "offset")
 
 
@@ -53,6 +58,27 @@ class AnotherState:
             f"{self.log} leaves {self.carried:.2g} times its floor at {joint_name(self.joint)} with the "
             f"parameters of the fitted logs, {self.own:.2g} times with its own: {why}"
         )
+
+
+def fitted_apart(setting: Setting) -> str:
+    """That logs which no model fits together are fitted well each by itself, in a sentence; empty: no."""
+    if len(setting.logs) < 2:
+        return ""
+    robot, joints = setting.robot, len(setting.robot.joints)
+
+    def left(logs: Sequence[Log]) -> float:
+        """Per cent of the torques that the regression leaves."""
+        found = setting.estimator(Problem(robot, tuple(denoised(robot, log) for log in logs)))
+        return relative_error(found.reduced, found.solution.p, joints)["all"]
+
+    together, each = left(setting.logs), max(left([log]) for log in setting.logs)
+    if each > _HALF * together:
+        return ""
+    return (
+        " The logs are of different states, such as a load in one of them: each by itself leaves at most "
+        f"{each:.2g} % of its torques, all together {together:.2g} %; diagnose them one by one, or let "
+        "`pyident payload` tell the load."
+    )
 
 
 def other_states(beside: Search, held: HeldOut, heldout: Sequence[Log]) -> list[AnotherState]:

@@ -13,6 +13,7 @@ from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import HELD, NOTHING, Alignment, OwnWay
+from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.bending import about_bends, swinging
@@ -145,7 +146,7 @@ def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
         "Something large is missing or wrong: no simulation of the fitted model follows these logs, so that "
         f"no effect can be named. Most stands out of the noise at {worst.joint}, {worst.balance} side."
     )
-    return replace(found, sentence=said)
+    return replace(found, sentence=said + fitted_apart(search.examination.setting))
 
 
 def _in_time(

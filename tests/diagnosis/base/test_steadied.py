@@ -13,9 +13,10 @@ from flexmodels.experiment import line
 from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
 from pyident.diagnosis import searched
+from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base import floor_shares
 from pyident.diagnosis.base.residual_over_floor import examine
-from pyident.diagnosis.base.setting import Setting, steadied, workers_of
+from pyident.diagnosis.base.setting import Setting, set_up, steadied, workers_of
 from pyident.rules.rules import RULES
 from pyident.simulation.fmu_runs import fmu_here, runs_here
 
@@ -104,6 +105,17 @@ def test_where_no_simulation_follows_the_logs_it_says_where_and_no_name(made, un
     assert not found.limits
     assert found.localised == ("joint2", "motor")
     assert found.notes[0] == "a log: its fit cannot be simulated"
+
+
+def test_logs_that_are_fitted_each_by_itself_alone_are_said_to_be_of_different_states(made, tmp_path):
+    loaded_robot = two_link().with_effect(2, "payload").with_parameters({"joint2.payload.mass": 8.0})
+    with loaded(loaded_robot, tmp_path) as fmu:
+        carrying = made_log(fmu, loaded_robot, 3)
+    empty = made[0]
+    assert fitted_apart(set_up(two_link(), empty[:1])) == ""
+    assert fitted_apart(set_up(two_link(), empty)) == ""
+    said = fitted_apart(set_up(two_link(), [empty[0], carrying]))
+    assert said.startswith(" The logs are of different states, such as a load in one of them")
 
 
 def test_where_its_equations_hold_all_the_same_it_is_an_error(made, unfollowed):
