@@ -45,7 +45,7 @@ def searched(
     Where no simulation follows the logs, the sensors' noise alone tells where something is missing.
     Positions that all come late are moved back first, and torques are taken as before a common low pass.
     """
-    plain = unfiltered(robot, logs)
+    plain, progress = unfiltered(robot, logs), _rising(progress)
     try:
         return _aligned(plain, logs, open_pool, progress, rules)
     except UnsimulatedFitError as error:
@@ -56,6 +56,19 @@ def searched(
         except UnsimulatedFitError as error:
             failed = error
     return _by_noise(replace(set_up(plain, logs, rules), unfollowed=str(failed)), open_pool, progress)
+
+
+def _rising(progress: Progress) -> Progress:
+    """Progress that waits, where something is begun again, until that is as far."""
+    told = 0.0
+
+    def report(done: float) -> None:
+        nonlocal told
+        if done > told:
+            told = done
+            progress(done)
+
+    return report
 
 
 def _by_noise(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
