@@ -107,15 +107,29 @@ def test_where_no_simulation_follows_the_logs_it_says_where_and_no_name(made, un
     assert found.notes[0] == "a log: its fit cannot be simulated"
 
 
-def test_logs_that_are_fitted_each_by_itself_alone_are_said_to_be_of_different_states(made, tmp_path):
-    loaded_robot = two_link().with_effect(2, "payload").with_parameters({"joint2.payload.mass": 8.0})
-    with loaded(loaded_robot, tmp_path) as fmu:
-        carrying = made_log(fmu, loaded_robot, 3)
+@pytest.fixture(scope="module")
+def carrying(tmp_path_factory):
+    """A log of the two-link robot with a load of 3 kg at its tip."""
+    robot = two_link().with_effect(2, "payload").with_parameters({"joint2.payload.mass": 3.0})
+    with loaded(robot, tmp_path_factory.mktemp("carrying")) as fmu:
+        return made_log(fmu, robot, 3)
+
+
+def test_logs_that_are_fitted_each_by_itself_alone_are_said_to_be_of_different_states(made, carrying):
     empty = made[0]
     assert fitted_apart(set_up(two_link(), empty[:1])) == ""
     assert fitted_apart(set_up(two_link(), empty)) == ""
     said = fitted_apart(set_up(two_link(), [empty[0], carrying]))
     assert said.startswith(" The logs are of different states, such as a load in one of them")
+
+
+def test_a_load_in_one_log_is_named_by_the_fit_of_the_other(made, carrying, unfollowed):
+    """Where the fit of both cannot be simulated."""
+    found = pi.diagnose(two_link(), [made[0][0], carrying], force=True).diagnosis
+    (finding,) = found.findings
+    load = finding.tie[0]
+    assert (load.effect, load.joint, load.log) == ("payload", "joint2", carrying.source)
+    assert load.values["mass"] == pytest.approx(3.0, rel=0.05)
 
 
 def test_where_its_equations_hold_all_the_same_it_is_an_error(made, unfollowed):
