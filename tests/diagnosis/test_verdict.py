@@ -178,7 +178,8 @@ def test_place_and_question_of_a_law():
 )
 def test_what_makes_a_verdict_worth_less_is_said(floor, ratio, verdict, said):
     spectrum = Floor(np.linspace(0.1, 20.0, 200), np.ones((1, 200)))
-    search = cast(Any, SimpleNamespace(rules=RULES.search, examination=SimpleNamespace(floor=spectrum)))
+    ex = SimpleNamespace(floor=spectrum, setting=SimpleNamespace(unfollowed=""))
+    search = cast(Any, SimpleNamespace(rules=RULES.search, examination=ex))
     place = SimpleNamespace(
         joint="joint1", balance="motor", state="in_order", floor_percent=floor, over_floor=(ratio, ratio)
     )
@@ -193,7 +194,7 @@ def test_what_lowers_a_floor_depends_on_where_it_lies():
         joint="joint1", balance="motor", state="in_order", floor_percent=37.0, over_floor=(1.0, 1.0)
     )
     for rms, said in ((np.ones(200), "finer encoders"), (1 / frequency, "Hz, as of hands, wind")):
-        ex = SimpleNamespace(floor=Floor(frequency, rms[None]))
+        ex = SimpleNamespace(floor=Floor(frequency, rms[None]), setting=SimpleNamespace(unfollowed=""))
         search = cast(Any, SimpleNamespace(rules=RULES.search, examination=ex))
         (warning,) = warnings(search, "nothing_detectable", cast(Any, [place]))
         assert said in warning

@@ -16,7 +16,7 @@ from pyident.rules.rule import RulesError
 def test_each_threshold_is_halved_and_doubled():
     tried = list(variants(GROUPS))
     assert tried[0] == Variant()
-    assert len(tried) == len(set(tried)) == 1 + 2 * (20 + 18)
+    assert len(tried) == len(set(tried)) == 1 + 2 * (22 + 18)
 
 
 def test_a_threshold_holds_while_it_is_in_force_and_no_longer():

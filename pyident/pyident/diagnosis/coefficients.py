@@ -127,7 +127,7 @@ def _fitted(search: Search, robot: Robot, listed: Sequence[Candidate], about: _A
         logs = [_tangent(robot, frictions, *of_log) for of_log in each]
     bearing = [robot if _reads_load(robot, c) else search.robot for c in listed]
     X = joined([columns(at, c, ex.logs, levels) for at, c in zip(bearing, listed, strict=True)])
-    raised = raised_floors(wider(logs, X), ex.raised)
+    raised = raised_floors(wider(logs, X), p, ex.raised)
     base = solve_base([e.over(raised[:, None]) for e in logs])
     X = [{row: part / raised[row] for row, part in rows.items()} for rows in X]
     found = gain(base, X, *bounds_of(robot, listed))

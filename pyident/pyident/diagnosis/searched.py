@@ -10,11 +10,10 @@ from functools import partial
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import NOTHING, Alignment
-from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
-from pyident.diagnosis.base.setting import Setting, along_all, set_up, steadied, unbiased, workers_of
+from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
 from pyident.diagnosis.bending import links_swing
 from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.search.search import Search, search_of
@@ -42,34 +41,17 @@ def searched(
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
-    whose bias stays. Logs of different states, as with a load in one, may be fitted each by itself alone:
-    then the first one's fit is examined in all of them. At last they are fitted through the filter of the
-    robot's file, without which all else is. Where no simulation follows the logs, the sensors' noise alone
-    tells where something is missing.
+    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
+    Where no simulation follows the logs, the sensors' noise alone tells where something is missing.
     Positions that all come late are moved back first, and torques are taken as before a common low pass.
     """
-    failed, progress = "", _rising(progress)
-    for attempt in _attempts(robot, logs, open_pool, progress, rules):
+    plain, progress = unfiltered(robot, logs), _rising(progress)
+    for asked in [plain] if plain is robot else [plain, robot]:
         try:
-            return attempt()
+            return _aligned(asked, logs, open_pool, progress, rules)
         except UnsimulatedFitError as error:
             failed = str(error)
-    return _by_noise(
-        replace(set_up(unfiltered(robot, logs), logs, rules), unfollowed=failed), open_pool, progress
-    )
-
-
-def _attempts(
-    robot: Robot, logs: Sequence[Log], open_pool: OpenPool, progress: Progress, rules: Rules
-) -> Iterator[Callable[[], Search]]:
-    """Ways to a fit that can be simulated, the best first."""
-    plain = unfiltered(robot, logs)
-    yield partial(_aligned, plain, logs, open_pool, progress, rules)
-    if fitted_apart(set_up(plain, logs, rules)):
-        first = set_up(plain, logs[:1], rules)
-        yield partial(_searched, first, open_pool, progress, lambda found: along_all(found, logs))
-    if plain is not robot:
-        yield partial(_aligned, robot, logs, open_pool, progress, rules)
+    return _by_noise(replace(set_up(plain, logs, rules), unfollowed=failed), open_pool, progress)
 
 
 def _rising(progress: Progress) -> Progress:
@@ -111,13 +93,7 @@ def _aligned(
     return search
 
 
-def _searched(
-    setting: Setting,
-    open_pool: OpenPool,
-    progress: Progress,
-    examined: Callable[[Setting], Setting] = lambda found: found,
-) -> Search:
-    """examined: of a fit what is examined, that and no other unless logs are added."""
+def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Search:
     progress(0.05)
     why, moved = "its replicas leave most of the torque unexplained", None
     with workers_of(setting, open_pool) as workers:
@@ -128,15 +104,14 @@ def _searched(
                 if moved is not None:
                     break
                 progress(0.2)
-                asked = examined(found)
-                search = search_of(examine(asked, workers, lambda share: progress(0.2 + 0.8 * share)))
+                search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
             except SimulationError as error:
                 why = str(error)
                 continue
             if not (setting.simulates and worth_little(search.examination)):
                 return search
     if moved is not None:
-        return _searched(moved, open_pool, progress, examined)
+        return _searched(moved, open_pool, progress)
     raise UnsimulatedFitError(
         f"{setting.logs[0].source}: the fit of robot {setting.robot.name} to it cannot be simulated "
         f"({why}); check the units and signs of its columns, and that the robot file has the right "

@@ -54,12 +54,29 @@ def test_an_equation_that_lacks_something_leaves_its_neighbours_alone(lacks):
     y = A @ p + rng.standard_normal((2, 2 * bins))
     y[1] += lacks * missing
     data = Equations(None, Band(4 * bins, bins, 0.01), A, y)  # pyright: ignore[reportArgumentType]
-    raised = raised_floors([data])
+    raised = raised_floors([data], p)
     base = solve_base([data.over(raised[:, None])])
     assert np.square(base.residual[0][0]).mean() == pytest.approx(1.0, abs=0.15)
     assert raised[0] == pytest.approx(1.0, rel=0.05)
     assert raised[1] > 0.5 * lacks
     assert base.p == pytest.approx(p, abs=0.2)
+
+
+def test_equations_without_a_torque_are_not_solved_by_nothing():
+    """Two bodies on springs share a mass; in the second half of the data they carry more, 300 floors."""
+    rng, bins = np.random.default_rng(1), 400
+    motion = rng.standard_normal((3, 2 * bins))
+    heavier = np.repeat([1.0, 1.6], bins)
+    A, y, p = np.zeros((3, 2 * bins, 4)), np.zeros((3, 2 * bins)), np.array([300.0, 500.0, 400.0, 600.0])
+    A[0, :, 0], A[0, :, 1] = motion[0], motion[1]  # the motor: its own inertia and the mass
+    y[0] = p[0] * motion[0] + heavier * p[1] * motion[1] + rng.standard_normal(2 * bins)
+    for row in (1, 2):  # mass times its acceleration, less the spring's moment
+        A[row, :, 1] = motion[1]
+        A[row, :, 1 + row] = -heavier * p[1] * motion[1] / p[1 + row] + 1e-3 * rng.standard_normal(2 * bins)
+    data = Equations(None, Band(4 * bins, bins, 0.01), A, y)  # pyright: ignore[reportArgumentType]
+    raised = raised_floors([data], p)
+    found = solve_base([data.over(raised[:, None])]).p
+    assert np.all(found[1:] > 0.5 * p[1:])
 
 
 def test_equations_below_their_floor_are_no_better_than_at_it():

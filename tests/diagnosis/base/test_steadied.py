@@ -123,11 +123,11 @@ def test_logs_that_are_fitted_each_by_itself_alone_are_said_to_be_of_different_s
     assert said.startswith(" The logs are of different states, such as a load in one of them")
 
 
-def test_a_load_in_one_log_is_named_by_the_fit_of_the_other(made, carrying, unfollowed):
-    """Where the fit of both cannot be simulated."""
-    found = pi.diagnose(two_link(), [made[0][0], carrying], force=True).diagnosis
-    (finding,) = found.findings
-    load = finding.tie[0]
+def test_a_load_in_one_log_is_named_though_the_logs_are_of_different_states(made, carrying):
+    """All equations leave hundreds of floors, those of the hinges too, which no parameters at all solve."""
+    empty, other = made[0]
+    found = pi.diagnose(two_link(), [empty, carrying], heldout=[other], force=True).diagnosis
+    load = found.findings[0].tie[0]
     assert (load.effect, load.joint, load.log) == ("payload", "joint2", carrying.source)
     assert load.values["mass"] == pytest.approx(3.0, rel=0.05)
 

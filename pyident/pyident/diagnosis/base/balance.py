@@ -6,6 +6,9 @@ with the parameters as the most likely one where the residual of every equation 
 its own: fit and variances in turn, each of which raises the likelihood. It has several maxima, since a misfit
 may be moved from one equation to its neighbours. So the search sets out from no suspicion, then from each
 equation as the one that is wrong, then from two of them, as long as the best becomes more likely.
+
+Equations without a torque are solved by no parameters at all, and the moment of a deformation's noise is as
+small as the stiffness: what they leave counts by the size that their terms had where the floors are from.
 """
 
 from collections.abc import Sequence
@@ -30,17 +33,48 @@ class _Maximum:
     unlikely: float
 
 
-def raised_floors(data: Sequence[Equations], start: np.ndarray | None = None) -> np.ndarray:
+@dataclass(frozen=True)
+class _Rows:
+    """Triangles [A, y] of the equations.
+
+    squares   (n, P) of their columns' lengths
+    terms     (n,) of those without a torque, where the floors are from; 0 of the others
+    """
+
+    triangles: list[np.ndarray]
+    squares: np.ndarray
+    terms: np.ndarray
+
+    @staticmethod
+    def of(triangles: list[np.ndarray], p: np.ndarray) -> "_Rows":
+        squares = np.array([np.square(R[:, :-1]).sum(axis=0) for R in triangles])
+        free = np.array([not R[:, -1].any() for R in triangles])
+        wide = np.concatenate([p, np.zeros(squares.shape[1] - len(p))])  # laws came after the floors
+        return _Rows(triangles, squares, np.where(free, np.sqrt(squares @ wide**2), 0.0))
+
+    def left(self, raised: np.ndarray) -> np.ndarray:
+        """(n,) norm of what each equation leaves at its own floor, as large as its terms were."""
+        p, _ = solution_of([R / factor for R, factor in zip(self.triangles, raised, strict=True)])
+        norms = np.array([np.linalg.norm(R[:, :-1] @ p - R[:, -1]) for R in self.triangles])
+        now = np.sqrt(self.squares @ p**2)
+        return norms * np.maximum(self.terms / np.maximum(now, 1e-300), 1.0)
+
+
+def raised_floors(
+    data: Sequence[Equations], of_floors: np.ndarray, start: np.ndarray | None = None
+) -> np.ndarray:
     """(n,) the factor of each equation's floor.
 
-    start   factors (n,) from which alone to set out; none: from every suspicion
+    of_floors   (P,) parameters with which the floors were made
+    start       factors (n,) from which alone to set out; none: from every suspicion
     """
-    rows, count = triangles(data), sum(e.y.shape[1] for e in data)
-    best = _maximum(rows, count, np.ones(len(rows)) if start is None else start)
+    rows, count = _Rows.of(triangles(data), of_floors), sum(e.y.shape[1] for e in data)
+    best = _maximum(rows, count, np.ones(len(rows.triangles)) if start is None else start)
     suspected: list[int] = []
-    while start is None and len(suspected) < len(rows) - 1:
-        others = [i for i in range(len(rows)) if i not in suspected]
-        trials = {i: _maximum(rows, count, _suspecting(len(rows), [*suspected, i])) for i in others}
+    number = len(rows.triangles)
+    while start is None and len(suspected) < number - 1:
+        others = [i for i in range(number) if i not in suspected]
+        trials = {i: _maximum(rows, count, _suspecting(number, [*suspected, i])) for i in others}
         worst = min(trials, key=lambda i: trials[i].unlikely)
         if trials[worst].unlikely > best.unlikely - _BETTER:
             break
@@ -55,16 +89,16 @@ def _suspecting(count: int, rows: Sequence[int]) -> np.ndarray:
     return raised
 
 
-def _maximum(rows: Sequence[np.ndarray], count: int, raised: np.ndarray) -> _Maximum:
-    """The maximum above some factors. rows: triangles of equations;  count: of each one's samples."""
+def _maximum(rows: _Rows, count: int, raised: np.ndarray) -> _Maximum:
+    """The maximum above some factors. count: of each equation's samples."""
     for _ in range(_ROUNDS):
-        left = _left(rows, raised) / np.sqrt(count)
+        left = rows.left(raised) / np.sqrt(count)
         new = np.maximum(left, 1.0)
         rests = np.all(np.abs(np.log(new / raised)) < _RESTS)
         raised = new
         if rests:
             break
-    return _Maximum(raised, _unlikely(_left(rows, raised) / np.sqrt(count)))
+    return _Maximum(raised, _unlikely(rows.left(raised) / np.sqrt(count)))
 
 
 def _unlikely(left: np.ndarray) -> float:
@@ -75,9 +109,3 @@ def _unlikely(left: np.ndarray) -> float:
     """
     below = np.maximum(np.minimum(left, 1.0), 1e-300)
     return float(np.sum(np.log(np.maximum(left, 1.0)) - np.log(below) + (np.square(below) - 1) / 2))
-
-
-def _left(rows: Sequence[np.ndarray], raised: np.ndarray) -> np.ndarray:
-    """(n,) norm of what each equation leaves at its own floor."""
-    p, _ = solution_of([R / factor for R, factor in zip(rows, raised, strict=True)])
-    return np.array([np.linalg.norm(R[:, :-1] @ p - R[:, -1]) for R in rows])

@@ -175,7 +175,7 @@ def examine(
         progress(0.5 * (i + 1) / len(jobs))
     own_floors = floors(bands, residuals, len(logs))
     plain = whitened(robot, logs, own_floors)
-    raised = raised_floors(plain)
+    raised = raised_floors(plain, np.array(list(robot.linear_parameters.values())))
     data = [e.over(raised[:, None]) for e in plain]
     base = solve_base(data)
     own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]

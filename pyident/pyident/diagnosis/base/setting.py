@@ -160,13 +160,6 @@ def _repeated(setting: Setting, logs: Sequence[Log]) -> Setting:
     return replace(setting, simulated=simulated, repeats=with_sensors(setting.robot, made_again))
 
 
-def along_all(setting: Setting, logs: Sequence[Log]) -> Setting:
-    """The setting with replicas of other logs than those that it was fitted to, as well."""
-    _, made_again = repeats(setting.robot, logs)
-    own = {log.source: torque_noise(setting.robot, [log]) for log in logs}
-    return replace(setting, repeats=with_sensors(setting.robot, made_again), own_noise=own)
-
-
 def _unsimulated() -> AbstractContextManager[Simulator]:
     return nullcontext(Unsimulated())
 
