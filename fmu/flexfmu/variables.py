@@ -111,7 +111,7 @@ def _switches(eq: Equations) -> Iterator[Variable]:
 def _servo(eq: Equations) -> Iterator[Variable]:
     """In the order of runtime/loop/servo.h."""
     assert eq.servo is not None
-    kinds, above = PER_JOINT | SHARED, positive(eq)
+    kinds, above = PER_JOINT | SHARED, _positive(eq)
     for name, value in eq.servo.parameters.items():
         unit, text = kinds[name.rpartition(".")[2]]
         yield Variable(name, "parameter", "tunable", unit, text, value, SMALLEST if name in above else 0.0)
@@ -253,7 +253,7 @@ def _shown(eq: Equations) -> Iterator[Variable]:
             yield Variable(of_joint(k + 1, f"link.{word}"), "output", "continuous", unit, text)
 
 
-def positive(eq: Equations) -> frozenset[str]:
+def _positive(eq: Equations) -> frozenset[str]:
     """Parameters that the equations divide by: stiffnesses, and motor inertias behind a flexible hinge."""
     hinges = [Coordinate.parse(name) for name in eq.coordinates[eq.joints :]]
     inertias = {of_joint(hinge.joint, "J_m") for hinge in hinges}
@@ -262,7 +262,7 @@ def positive(eq: Equations) -> frozenset[str]:
 
 
 def _parameters(eq: Equations) -> Iterator[Variable]:
-    above = positive(eq)
+    above = _positive(eq)
     for name, value in eq.parameters.items():
         minimum = SMALLEST if name in above else 0.0 if name in eq.nonnegative else None
         text = eq.descriptions.get(name, name)

@@ -11,11 +11,10 @@ from flexfmu.code.generated import derivatives as generated_derivatives
 from flexfmu.dependencies import Dependencies
 from flexfmu.interface import Interface, plant_interface
 from flexfmu.names import c_string
-from flexfmu.variables import nominals, positive
+from flexfmu.variables import nominals
 from flexmodels.coordinate import Coordinate
 from flexmodels.mechanics.plant import Equations
 
-ALWAYS_POSITIVE = frozenset({"solver.step", "controller.period"})
 LICENSES = Path(str(resources.files("flexfmu") / "licenses"))
 RUNTIME = Path(str(resources.files("flexfmu") / "runtime"))
 
@@ -31,10 +30,9 @@ def model_sources(
     interface = plant_interface(equations)
     inside, outside = inner(equations), outer(equations)
     products = generated_derivatives(equations) if derivatives else []
-    above_zero = positive(equations) | ALWAYS_POSITIVE
     files = {
         "model_rates.h": "\n".join(g.c for g in inside),
-        "model_tables.c": _shared_tables(interface, above_zero) + _tables(equations),
+        "model_tables.c": _shared_tables(interface) + _tables(equations),
         "model.c": '#include "model.h"\n#include "scalar.h"\n#include "model_rates.h"\n'
         + "\n".join(g.c for g in outside),
     }
@@ -49,7 +47,7 @@ def model_sources(
 
 def controller_sources(interface: Interface) -> dict[str, str]:
     """File name -> text of the generated files of a controller alone."""
-    files = {"model_tables.c": _shared_tables(interface, ALWAYS_POSITIVE)}
+    files = {"model_tables.c": _shared_tables(interface)}
     return {"model.h": _header(interface, ""), **_token_file(_token(interface, files))} | files
 
 
@@ -102,14 +100,14 @@ extern const double model_starts[];
 """
 
 
-def _shared_tables(interface: Interface, positive: frozenset[str]) -> str:
+def _shared_tables(interface: Interface) -> str:
     kinds = {("parameter", "fixed"): "f", ("parameter", "tunable"): "t", ("input", "continuous"): "i"}
     kinds["input", "discrete"] = "i"
     listed = interface.listed
     letters = [
         "s" if v.name in interface.states else kinds.get((v.causality, v.variability), "c") for v in listed
     ]
-    bounds = ["+" if v.name in positive else "-" if v.minimum is None else "0" for v in listed]
+    bounds = ["-" if v.minimum is None else "+" if v.minimum > 0 else "0" for v in listed]
     return "\n".join(
         [
             '#include "model.h"',

@@ -66,12 +66,13 @@ def fitted_apart(setting: Setting) -> str:
         return ""
     robot, joints = setting.robot, len(setting.robot.joints)
 
-    def left(logs: Sequence[Log]) -> float:
-        """Per cent of the torques that the regression leaves."""
-        found = setting.estimator(Problem(robot, tuple(denoised(robot, log) for log in logs)))
+    def left(log: Log) -> float:
+        """Per cent of its torques that a regression of its own leaves."""
+        found = setting.estimator(Problem(robot, (denoised(robot, log),)))
         return relative_error(found.reduced, found.solution.p, joints)["all"]
 
-    together, each = left(setting.logs), max(left([log]) for log in setting.logs)
+    together = relative_error(setting.reduced, setting.solution.p, joints)["all"]
+    each = max(left(log) for log in setting.logs)
     if each > _HALF * together:
         return ""
     return (

@@ -226,8 +226,7 @@ def _selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Sele
 def _from_signatures(
     search: Search, found: Diagnosis, open_pool: OpenPool, heldout: Sequence[Log]
 ) -> Diagnosis:
-    setting = search.examination.setting
-    if found.verdict != "unexplained" or not setting.simulates or setting.unfollowed:
+    if found.verdict != "unexplained" or not search.examination.setting.follows:
         return found
     return _by_signature(search, found, traces(search, heldout, open_pool))
 

@@ -128,6 +128,14 @@ def standing_out(outputs: Sequence[tuple[str, str]], residuals: Sequence[np.ndar
     return tuple(found)
 
 
+def coloured(outputs: Sequence[str], residuals: Sequence[np.ndarray]) -> tuple[str, ...]:
+    """A sentence where what is left (N, S) per recording is no white noise: it may be what a model lacks."""
+    each = [[r[:, s] - r[:, s].mean() for r in residuals] for s in range(len(outputs))]
+    found = [n for n, own in zip(outputs, each, strict=True) if whiteness(own) * len(each) < GREYBOX.white]
+    said = "intervals hold if that is noise, and not if the model lacks something (`diagnose` tells more)"
+    return (f"what is left of {', '.join(found)} is no white noise: {said}",) if found else ()
+
+
 def whiteness(residuals: Sequence[np.ndarray]) -> float:
     """p-value of white noise (Ljung and Box 1978), the smallest over the recordings times their number."""
     from scipy.stats import chi2

@@ -186,8 +186,7 @@ def examine(
         robot = with_carried_loads(robot, data, base, levels, chance)
         setting = replace(setting, robot=robot)
     listed = listing(robot, data, base.p, setting.rules.periodic)
-    apart = setting.simulates and not setting.unfollowed
-    noisy = np.array([apart and not c.describes for c in listed], bool)
+    noisy = np.array([setting.follows and not c.describes for c in listed], bool)
     own = [c for c, is_noisy in zip(listed, noisy, strict=True) if is_noisy]  # put to each replica's motion
     if setting.unfollowed:
         each = (residuals[at : at + len(logs)] for at in range(0, len(residuals), len(logs)))

@@ -82,6 +82,11 @@ class Setting:
         return all(isinstance(r, Repeat) for r in self.repeats)
 
     @property
+    def follows(self) -> bool:
+        """Whether its replicas are simulations that follow the logs."""
+        return self.simulates and not self.unfollowed
+
+    @property
     def continued(self) -> np.ndarray:
         """(logs, n) Hz: below, the noise of an equation's torque is not measured but continued."""
         found = np.zeros((len(self.repeats), len(self.robot.coordinates)))
@@ -166,8 +171,7 @@ def _unsimulated() -> AbstractContextManager[Simulator]:
 
 def workers_of(setting: Setting, open_pool: OpenPool) -> AbstractContextManager[Workers]:
     """Processes for the setting's replicas: with its FMU where they are simulated."""
-    simulated = setting.simulates and not setting.unfollowed
-    return open_pool(setting.simulated) if simulated else inline(_unsimulated)
+    return open_pool(setting.simulated) if setting.follows else inline(_unsimulated)
 
 
 def unbiased(

@@ -18,11 +18,10 @@ from flexmodels.robot import RobotError
 from pyident.greybox.late import confirmed, later, with_delay
 from pyident.greybox.output_error import OutputError, fixed, output_error
 from pyident.greybox.recording import Recording, Signals, Simulate, misses, recording, require_numbers
-from pyident.greybox.residual import Shown, shown, standing_out, whiteness
+from pyident.greybox.residual import Shown, coloured, shown, standing_out
 from pyident.greybox.search import Derivatives, Free
 from pyident.logs.log import Log, LogError, check
 from pyident.logs.log import read_log as read_plain
-from pyident.rules.greybox import GREYBOX
 from pyident.verbs.fmu.arguments import Interface, Parameters
 from pyident.verbs.fmu.results import FmuCompared, FmuDiagnosed, FmuFit
 from pyident.verbs.fmu.settable import Values, require_apart, require_settable, require_unfed
@@ -74,17 +73,12 @@ def identify_fmu(
         progress(1.0)
     first = o.recordings[0]
     means = standing_out([*zip(first.outputs, first.units, strict=True)], fit.residuals)
-    return FmuFit(o.fmu.title, o.recordings, fit, (*o.notes, *fit.notes, *means, *_coloured(first, fit)))
-
-
-def _coloured(first: Recording, fit: OutputError) -> tuple[str, ...]:
-    """A note where what is left is no white noise: intervals know nothing of what a model lacks."""
-    each = [[r[:, s] - r[:, s].mean() for r in fit.residuals] for s in range(len(first.outputs))]
-    names = [
-        n for n, own in zip(first.outputs, each, strict=True) if whiteness(own) * len(each) < GREYBOX.white
-    ]
-    said = "intervals hold if that is noise, and not if the model lacks something (`diagnose` tells more)"
-    return (f"what is left of {', '.join(names)} is no white noise: {said}",) if names else ()
+    return FmuFit(
+        o.fmu.title,
+        o.recordings,
+        fit,
+        (*o.notes, *fit.notes, *means, *coloured(first.outputs, fit.residuals)),
+    )
 
 
 def compare_fmu(
