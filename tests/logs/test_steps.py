@@ -201,3 +201,21 @@ def test_a_stamp_that_is_late_by_itself_is_no_lost_sample(lost):
     assert [n for n in notes if "missing" in n] == ([notes[1]] if lost else [])
     time = frame["time"].to_numpy()
     np.testing.assert_allclose(frame["joint1.e"], np.sin(3 * (time - time[0])), atol=3e-4)
+
+
+def test_a_clock_that_changes_its_pace_is_no_jitter():
+    """A loop is slower while its servo is off; its encoder's steps are coarser than what jitter does."""
+    steps = np.where(np.arange(1500) < 900, 0.0035, 0.0053)
+    time = np.cumsum(steps + 5e-5 * np.random.default_rng(1).standard_normal(1500))
+    q = 0.0015 * np.round(np.sin(2 * np.maximum(time - 1, 0)) / 0.0015)
+    frame, notes = evened(pd.DataFrame({"time": time, "joint1.e": q}), "log")
+    assert notes[0].startswith("time was uneven")
+    assert frame["time"].iloc[-1] == pytest.approx(time[-1], abs=0.0035)
+    np.testing.assert_allclose(frame["joint1.e"], np.interp(frame["time"], time, q), atol=0.003)
+
+
+def test_an_encoder_that_mostly_stands_tells_nothing_of_stamps():
+    time = 0.005 * np.arange(1100) + 3e-4 * np.random.default_rng(1).standard_normal(1100)
+    q = 0.0015 * np.round(0.02 * np.sin(time) / 0.0015)
+    _, notes = evened(pd.DataFrame({"time": time, "joint1.e": q}), "log")
+    assert notes[0].startswith("time was uneven")

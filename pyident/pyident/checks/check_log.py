@@ -14,6 +14,7 @@ from pyident.checks.balances import Balances, balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
 from pyident.checks.changes import changes
 from pyident.checks.channels.every_channel import channels
+from pyident.checks.commands import commands
 from pyident.checks.defect import Defect
 from pyident.checks.gravity import gravity
 from pyident.checks.scale import scale
@@ -126,7 +127,7 @@ def _looked_at(robot: Robot, log: Log) -> _Looked:
     if len(log) < CHANNELS.fewest_rows:
         return _Looked(log, (), robot)
     robot, _ = locked(robot, [log])
-    defects = [*whole_log(robot, log), *channels(robot, log)]
+    defects = [*whole_log(robot, log), *channels(robot, log), *commands(robot, log)]
     of = None
     if not any(d.severity == "gross" and d.kind in _BREAKING for d in defects):
         try:

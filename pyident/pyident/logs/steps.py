@@ -7,13 +7,15 @@ import pandas as pd
 from scipy.interpolate import CubicSpline
 
 from flexmodels.coordinate import is_motor
-from pyident.logs.gaps import in_short_gaps, widest_gap
+from pyident.logs.encoders import resolution
+from pyident.logs.gaps import WIDEST_GAP, in_short_gaps, widest_gap
 from pyident.logs.log import LogError
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
 _SAME = 0.02  # of the resolution of stamps: what counts as the same step
 _SMOOTHER = 0.7  # times as rough: less is no chance, and more is noise that stamps add little to
+_ROUNDED = 1e-9  # of a position's range: less is of numbers, not of a motion
 _STAMPS = 9  # on either side of a long step, which tell whether it lasts
 _SHORT = 100  # samples, too few to tell
 _JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
@@ -106,12 +108,12 @@ def _sampled_evenly(frame: pd.DataFrame, time: np.ndarray, period: float) -> np.
     """
     number = _numbers(time, period)
     positions = [frame[n].to_numpy(float) for n in frame if is_motor(str(n))]
-    moving = [x for x in positions if np.ptp(x) > 0]
-    if not moving or len(time) < _SHORT:
-        return None
     even = np.polyval(np.polyfit(number, time - time[0], 1), number) + time[0]
-    ratios = [_roughness(even, x) / max(_roughness(time, x), 1e-300) for x in moving]
-    return even if np.median(ratios) < _SMOOTHER else None
+    if len(time) < _SHORT or np.abs(time - even).max() > WIDEST_GAP * period:
+        return None  # a clock that changes its pace
+    rough = [(x, _roughness(time, x)) for x in positions]
+    ratios = [_roughness(even, x) / r for x, r in rough if r > max(resolution(x), _ROUNDED * np.ptp(x))]
+    return even if ratios and np.median(ratios) < _SMOOTHER else None
 
 
 def _numbers(time: np.ndarray, period: float) -> np.ndarray:

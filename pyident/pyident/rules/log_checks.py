@@ -98,6 +98,9 @@ class LogCheckRules:
     torque_floor: float = rule(
         0.005, "a torque's rms that no fit is believed to reach", "less, and its delay seems certain", _DRAWN
     )
+    shaken: float = rule(
+        0.3, "the farthest joint's range", "less may be a joint that holds while others shake it", "by reason"
+    )
     unexplained: float = rule(
         0.5, "the torques' variance that no motion explains", "with more, they are of another log", _BENCH
     )
