@@ -1,4 +1,4 @@
-"""A servo that lifts a pendulum, and its loop written again, step by step; SciPy integrates between."""
+"""A servo that lifts a pendulum, and its loop written again; SciPy or Euler integrates between samples."""
 
 from dataclasses import replace
 
@@ -58,3 +58,35 @@ def by_hand(
         e, de = solve_ivp(rate, (0, 1 / RATE), [e, de], rtol=1e-9, atol=1e-11).y[:, -1]
         track.append(e)
     return np.interp(plan.time, ticks, track)
+
+
+def guessed() -> Robot:
+    """A pendulum with friction, whose robot file guesses the torque constant and the delay."""
+    robot = pendulum()
+    assert robot.servo is not None
+    servo = replace(
+        robot.servo, kp=(400.0,), ki=(0.0,), kd=(0.0,), limit=(1.0,), dead_band=(0.0,), saturation=(0.0,),
+        delay=0.002, kt=(0.45,), unknown=("kt", "delay"),
+    )  # fmt: skip
+    values = {"motor_inertia": {"J_m": 0.001}, "coulomb": {"coulomb": 0.01}, "viscous": {"viscous": 0.005}}
+    return replace(robot, joints=(replace(robot.joints[0], values=values),), servo=servo)
+
+
+def stepped(reference: np.ndarray, load: float = 0.0, spring: float = 0.0, delay: int = 6) -> np.ndarray:
+    """(N,) positions of that robot at 1 kHz, by Euler's method; kt 0.35, delay [ms], Coulomb friction that
+    grows with the weight by `load`, a spring [N m/rad], an encoder of 4096 counts."""
+    count, dt, inertia = 2 * np.pi / 4096, 1e-4, MASS * ARM**2 + ARMATURE
+    e, de, measured, track = float(reference[0]), 0.0, 0.0, []
+    for i in range(len(reference)):
+        measured = count * round(e / count)
+        track.append(measured)
+        duty = np.clip(0.003 * 400 * (reference[max(i - delay, 0)] - measured), -1.0, 1.0)
+        for _ in range(10):
+            torque = KT * (SUPPLY * duty - KT * de) / R
+            weight = -WEIGHT * np.sin(e) - spring * e
+            hold = 0.03 + load * abs(weight)
+            free = torque + weight - 0.01 * de
+            after = de + dt * (free - hold * np.sign(de if de else free)) / inertia
+            de = 0.0 if de * after < 0 or (de == 0 and abs(free) < hold) else float(after)
+            e += dt * de
+    return np.array(track)

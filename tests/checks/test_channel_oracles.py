@@ -10,9 +10,10 @@ from one_joint import one_joint
 from flexmodels.joint import Limits
 from pyident.checks.channels.every_channel import channels
 from pyident.checks.channels.jumps import jumps, spikes
-from pyident.checks.channels.quantisation import coarse, noise_of, runs, step_of
+from pyident.checks.channels.quantisation import coarse, runs, step_of
 from pyident.checks.check_log import check_log
 from pyident.checks.whole_log import whole_log
+from pyident.logs.encoders import noise_of
 from pyident.logs.log import Log, LogError
 
 LIMITS = Limits((-1.0, 1.0), None, None)

@@ -12,7 +12,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.setting import set_up, unbiased
 from pyident.estimation.estimator import ordinary, predicting, reweighted, total, weighted
 from pyident.estimation.identify import identified
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.simulation.processes.tools import inline
 from pyident.simulation.simulator import Unsimulated
@@ -91,3 +91,10 @@ def test_the_model_written_holds_the_values_found():
     found = weighted(problem(free_joint(), analytic_log()))
     written = identified(free_joint(), found.reduced, found.solution).robot
     assert written.parameters["joint1.viscous"] == pytest.approx(VISCOUS, rel=2e-3)
+
+
+def test_torques_that_are_all_zero_are_refused():
+    log = analytic_log()
+    still = replace(log, frame=log.frame.assign(**{"joint1.tau": 0.0}))
+    with pytest.raises(LogError, match="all torques of these logs are zero"):
+        weighted(problem(free_joint(), still))

@@ -159,8 +159,22 @@ def test_the_robot_files_own_values_do_not_matter(load, logs):
 def test_no_payload_is_none(logs):
     robot, empty, _ = logs
     short = Log(empty.frame.head(600), "short")
-    none = pi.payload(robot, short, short).carried
-    np.testing.assert_allclose(none.free, 0, atol=1e-6)
+    none = pi.payload(robot, short, short)
+    np.testing.assert_allclose(none.carried.free, 0, atol=1e-6)
+    assert none.headline().startswith("these logs tell no load from none")
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_another_recording_of_the_arm_alone_carries_nothing(logs, seed):
+    robot, empty, loaded = logs
+    rng = np.random.default_rng(seed)
+    half = len(empty.frame) // 2
+    noisy = empty.frame.copy()
+    for name in robot.torques:
+        noisy[name] += 0.05 * rng.standard_normal(len(noisy))
+    parts = [Log(part.reset_index(drop=True), "part") for part in (noisy[:half], noisy[half:])]
+    assert pi.payload(robot, *parts).carried.none_fits
+    assert not pi.payload(robot, empty, loaded).carried.none_fits
 
 
 def test_it_says_in_which_axes_and_what_is_written(load):

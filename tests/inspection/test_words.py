@@ -100,6 +100,11 @@ def inspected(folder, **columns):
 MOVES = {k: np.sin((1 + 0.3 * k) * 0.01 * np.arange(400)) for k in range(1, 5)}
 
 
+def test_the_present_load_of_a_servo_is_a_duty():
+    assert meaning("present_load").signal == "voltage"
+    assert meaning("joint1_load").signal == "torque"
+
+
 def test_points_beside_joints_are_no_joints(tmp_path):
     tips = {
         pattern.format(letter): 0.3 * MOVES[k]

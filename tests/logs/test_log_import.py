@@ -134,6 +134,18 @@ def test_wrong_mappings_are_explained(text, words, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_log_of_one_row_and_columns_that_another_name_repeats_are_told_plainly(tmp_path, recwarn):
+    rows = pd.DataFrame({"t": [0.1], "x": [1.0]})
+    rows.to_csv(tmp_path / "raw.csv", index=False)
+    text = 'time = { source = "t" }\n[signals."joint1.e"]\nsource = "x"'
+    with pytest.raises(LogError, match="it has 1 row, too few for any motion"):
+        import_log([tmp_path / "raw.csv"], mapping(tmp_path, text))
+    rows.drop(columns="x").assign(y=2.0).to_csv(tmp_path / "raw.csv", index=False)
+    with pytest.raises(LogError, match=r"there is no column x; there are t, y$"):
+        import_log([tmp_path / "raw.csv"], mapping(tmp_path, text))
+    assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
+
+
 def test_a_skew_that_was_put_in_is_found_and_taken_out(four_link, identification_log):
     joints = tuple(replace(j, bends=False, values=_twist(j.values)) for j in four_link.joints)
     robot = replace(four_link, joints=joints)

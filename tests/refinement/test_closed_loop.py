@@ -78,3 +78,31 @@ def test_what_cannot_be_found_is_said(logs):
         pi.identify_servo(pendulum(), logs, settings=[{}, {}])
     with pytest.raises(pi.RobotError, match=r"no parameter servo\.kq"):
         pi.identify_servo(pendulum(), logs, settings=[{"servo.kq": 1.0}] * 3)
+
+
+def test_values_at_a_bound_and_positions_far_from_their_noise_are_said(logs):
+    """Commands that were written down in another scale."""
+    scaled = [Log(log.frame.assign(**{"joint1.r": 0.8 * log.frame["joint1.r"]}), log.source) for log in logs]
+    found = pi.identify_servo(pendulum(), scaled, free=["joint1.J_m", "joint1.servo.kt", "servo.delay"])
+    assert found.fit.at_bound
+    said = str(found.summary())
+    assert "at the least value that it may have" in said
+    assert "times the encoders' noise" in said
+    assert "at the least value" not in str(pi.identify_servo(pendulum(), logs[:1]).summary())
+
+
+def test_what_no_simulation_follows_is_refused_unless_forced(logs):
+    """Positions of another robot: they lie beside the commands."""
+    time = logs[0].frame["time"]
+    other = logs[0].frame.assign(**{"joint1.e": logs[0].frame["joint1.r"] * (1 + 1e-3 * np.sin(40 * time))})
+    with pytest.raises(pi.LogError, match="no simulation of robot pendulum comes nearer to the positions"):
+        pi.identify_servo(pendulum(), other, free=["joint1.viscous"])
+    forced = pi.identify_servo(pendulum(), other, free=["joint1.viscous"], force=True)
+    assert "do not use these values" in str(forced.summary())
+
+
+def test_what_moves_nothing_stays_as_it_was_and_is_said(logs):
+    still = logs[0].frame.assign(**{"joint1.r": 0.0, "joint1.e": 0.0})
+    found = pi.identify_servo(pendulum(), still, free=["joint1.J_m"], force=True)
+    assert found.fit.unseen == ("joint1.J_m",)
+    assert "no position moves with them: joint1.J_m" in str(found.summary())

@@ -36,7 +36,9 @@ class Table:
         if key in self.data:
             return self.data[key]
         if default is None:
-            raise RobotError(f"{self.place(key)} is missing")
+            near = [other for other in self.data if str(other).lower() == key.lower()]
+            beside = f"; {self.place(str(near[0]))} is there, and capitals matter" if near else ""
+            raise RobotError(f"{self.place(key)} is missing{beside}")
         return default
 
     def text(self, key: str, default: str | None = None) -> str:

@@ -13,8 +13,8 @@ from pyident.checks.another_machine import another_machine
 from pyident.checks.balances import Balances, balances, samples
 from pyident.checks.better_channels import better_channels, constants, unexplained
 from pyident.checks.changes import changes
+from pyident.checks.channels.commands import commands
 from pyident.checks.channels.every_channel import channels
-from pyident.checks.commands import commands
 from pyident.checks.defect import Defect
 from pyident.checks.gravity import gravity
 from pyident.checks.scale import scale

@@ -114,7 +114,8 @@ def compared(
         slow = with_slow_noise(trial, replicas)
         beside = tuple(breakdown(trial.robot, data, slow, short, r) for r in (False, True))
         fails = fails.beside(_fails(trial.robot, beside, slow, short, errors, rules))
-    sentence = f"{fails.sentence(trial.tracks)} {in_simulation(trial, errors)}"
+    by_logs = trial.tracks or trial.robot.servo is not None  # whose fit is to positions anyway
+    sentence = f"{fails.sentence(by_logs)} {in_simulation(trial, errors)}"
     return Comparison(
         trial.robot.name,
         sentence,

@@ -46,7 +46,7 @@ class Fails:
         return Fails(self.values or slow.values, None) if slow.structure is None else self
 
     def sentence(self, tracks: bool) -> str:
-        """tracks: whether the simulations track the measured motion."""
+        """tracks: whether values that are fitted to these logs by themselves make simulations track them."""
         if self.where is None and self.doubted is not None:
             most = f"{_place(self.doubted)}: {self.doubted.ratio:.2g} times the floor"
             return f"Nothing stands out for certain; most is left at {most}, which slow noise may do as well."

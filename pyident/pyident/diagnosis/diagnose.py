@@ -9,6 +9,8 @@ what exceeds the floor is gone. Else the verdict is `unexplained` or `nothing_de
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
@@ -23,7 +25,7 @@ from pyident.diagnosis.late_torque import comes_late, held_alike, own_ways
 from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
-from pyident.diagnosis.search.found import Step
+from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
@@ -32,7 +34,7 @@ from pyident.diagnosis.search.wrong_description import with_descriptions
 from pyident.diagnosis.searched import UnsimulatedFitError, put_right, searched
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
-from pyident.regression.descriptions import DRIVE
+from pyident.regression.descriptions import DELAY, DRIVE, description_names
 from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
 
@@ -82,6 +84,31 @@ def diagnose(
     found = _as_far_as(found, steps)
     progress(1.0)
     return found
+
+
+def servo_delay_in(
+    robot: Robot,
+    logs: Sequence[Log],
+    open_pool: OpenPool,
+    heldout: Sequence[Log] = (),
+    progress: Progress = lambda _: None,
+    rules: Rules = RULES,
+) -> float:
+    """Time [s] by which a servo answers later than the robot file says, beside the laws that explain most.
+
+    0 where the logs do not tell. The others as in `diagnose`. Raises LogError.
+    """
+    search = searched(robot, logs, open_pool, progress, rules).resting_on(())
+    delays = [Candidate(DELAY, k) for k, _ in robot.numbered if DELAY in description_names(robot, k)]
+    if search.examination.setting.unfollowed or not delays:
+        return 0.0
+    given = [Step((Found(c, search.gain_of(c), 0.0, 1.0),), 1.0, ()) for c in delays]
+    selection = _selected(search, held_out(search, heldout), given)
+    beside = search.resting_on([c for c in selection.candidates if c not in delays])
+    told = [beside.gain_of(c) for c in delays]
+    sooner, precision = np.array([[g.coefficients[0], g.std[0] ** -2] for g in told]).T
+    mean = float(sooner @ precision / precision.sum())
+    return -mean if abs(mean) > rules.search.chance * precision.sum() ** -0.5 else 0.0
 
 
 def _as_far_as(found: Diagnosis, steps: Sequence[tuple[str, Callable[[Diagnosis], Diagnosis]]]) -> Diagnosis:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyident.logs.log import LogError
 from pyident.regression.machine.svd import svd
 from pyident.regression.reduced import Reduced, absent
 
@@ -66,6 +67,11 @@ def solve_weighted(reduced: Reduced) -> Solution:
     """
     solution = solve(reduced)
     free = solution.signal == 0
+    if free.all():
+        raise LogError(
+            "all torques of these logs are zero, which no parameters at all explain as well as any; a free "
+            "swing tells ratios alone: measure a torque, or let a drive move the joints"
+        )
     first = reduced.terms(solution.p)
     for _ in range(_ROUNDS):
         terms = reduced.terms(solution.p)

@@ -31,6 +31,7 @@ class Carried:
     consistent   the nearest that a body can have, in standard deviations
     far          how many standard deviations off
     rank         combinations of the ten that the logs determine
+    none_fits    whether no load at all lies within their common 95 % region
     """
 
     free: np.ndarray
@@ -39,10 +40,13 @@ class Carried:
     consistent: np.ndarray
     far: float
     rank: int
+    none_fits: bool
 
 
 def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
     """What the robot carries in the logs of `loaded`, and not in those of `empty`."""
+    from scipy.stats import chi2  # here: slow to import
+
     names, link = list(empty.reduced.columns), last_link(robot)
     scale = empty.solution.scale
     F = _determined(empty, loaded)
@@ -57,11 +61,13 @@ def carried(robot: Robot, empty: Identified, loaded: Identified) -> Carried:
     U, s, Vt = svd(A / size, full=True)
     rank = int((s > _ABSENT * s[0]).sum())
     spread = Vt[:rank].T / s[:rank] / size[:, None]
-    p, covariance = spread @ (U[:, :rank].T @ b), spread @ spread.T
+    told = U[:, :rank].T @ b  # a standard deviation each
+    p, covariance = spread @ told, spread @ spread.T
     absent = np.abs(Vt[rank:]).max(axis=0, initial=0.0) > _OPEN
     consistent, far = _nearest(p, covariance, absent)
     std = np.where(absent, np.inf, np.sqrt(np.diag(covariance)))
-    return Carried(p, std, covariance, consistent, far, rank)
+    none_fits = bool(told @ told < chi2.ppf(0.95, rank))
+    return Carried(p, std, covariance, consistent, far, rank, none_fits)
 
 
 def last_link(robot: Robot) -> list[str]:

@@ -127,7 +127,12 @@ def _without_type(name: str) -> str:
 
 
 def _of_the_load(words: list[str], kind: str | None) -> list[str]:
-    """A load is a torque, but in the name of a position or a speed it is the side that is measured."""
+    """A load is a torque, but in the name of a position or a speed it is the side that is measured.
+
+    The present load of a servo is its duty (Dynamixel, Feetech: parts of the largest).
+    """
+    if {"present", "load"} <= set(words):
+        return ["duty" if word == "load" else word for word in words]
     others = {_BARE.get(word) for word in words if len(word) > 1}
     moves = kind in _MOTIONS or bool(others & {"position", "velocity", "acceleration"})
     return ["link" if moves and word == "load" else word for word in words]

@@ -13,6 +13,8 @@ from pyident.logs.steps import repeated, unrounded
 from pyident.logs.turns import unwrapped, whole_turn
 from pyident.logs.units import without_unit
 
+_FEWEST = 4  # rows
+_LISTED = 5  # columns in a refusal
 _ANGLES = (".e", ".q", ".link", ".r")
 
 
@@ -53,8 +55,11 @@ def on_one_clock(raw: dict[str, np.ndarray], mapping: Mapping, source: str) -> t
         first, last = max(first, stamps[0]), min(last, stamps[-1])
         rate = (len(stamps) - 1) / (stamps[-1] - stamps[0])
         notes.append(f"{name} was recorded at {rate:.4g} Hz and brought to the clock of time")
+    if len(time) < _FEWEST:
+        rows = "1 row" if len(time) == 1 else f"{len(time)} rows"
+        raise LogError(f"{source}: it has {rows}, too few for any motion; record at least some seconds")
     inside = (time >= first) & (time <= last)
-    if inside.sum() < 4:
+    if inside.sum() < _FEWEST:
         raise LogError(f"{source}: the clocks of its columns do not overlap; check their units")
     return pd.DataFrame({name: beside[name][inside] for name in values}, index=rows[inside]), notes
 
@@ -102,6 +107,8 @@ def _column(raw: dict[str, np.ndarray], column: str, source: str) -> np.ndarray:
     bare, _ = without_unit(column)  # a file's own name may hold it, and is read without
     if column not in raw and bare not in raw:
         stem = re.split(r"[\[:.]", column)[0]
-        near = [name for name in raw if stem in name][:5] or list(raw)[:5]
-        raise LogError(f"{source}: there is no column {column}; there are {', '.join(near)} ...")
+        own = [name for name in raw if not any(name.endswith(f":{other}") for other in raw)]
+        near = [name for name in own if stem in name] or own
+        more = " ..." if len(near) > _LISTED else ""
+        raise LogError(f"{source}: there is no column {column}; there are {', '.join(near[:_LISTED])}{more}")
     return np.asarray(raw[column if column in raw else bare], dtype=float)

@@ -1,4 +1,4 @@
-"""Encoders in a log: the step in which a channel comes, and twists that are the difference of two of them."""
+"""Encoders in a log: a channel's step and noise, and twists that are the difference of two channels."""
 
 import numpy as np
 import pandas as pd
@@ -29,6 +29,11 @@ def resolution(x: np.ndarray) -> float:
     slow = float(np.quantile(changes, 0.01))
     few = changes[changes < (_FEW + 0.5) * slow]  # a text's rounding is a part of many steps
     return _exact(few, slow) or _common_divisor(np.sort(changes)[:_SMALLEST])
+
+
+def noise_of(x: np.ndarray) -> float:
+    """Standard deviation of a channel's white noise (x: (N,), in its unit), from its sixth differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(x, 6))) / np.sqrt(924))
 
 
 def _exact(changes: np.ndarray, step: float) -> float:

@@ -5,8 +5,9 @@ whose positions come nearest to the measured ones (robust least squares, as stic
 large). Intervals are a jackknife over the logs, linearised at the optimum: what a log leaves out moves.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from flexmodels.joint import parameter_name
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot
 from pyident.estimation.identify import finite
+from pyident.logs.encoders import noise_of
 from pyident.logs.log import Log, LogError
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.references import experiment_of
@@ -29,6 +31,8 @@ _ROUGH = 0.03  # [rad or m] error from which on it counts by its size and no lon
 _STEP = 1e-3  # finite difference, of a parameter's scale
 _ROUNDS = 30
 _FEWEST = 3  # logs of a jackknife
+_MEAN_OF_NORMAL = float(np.sqrt(2 / np.pi))  # absolute value, per standard deviation
+_USUAL = 0.8  # of what is still to be done is so after a round
 
 
 @dataclass(frozen=True)
@@ -46,19 +50,34 @@ class ClosedLoopFit:
     robot   has the values;  error: mean absolute one of each log [rad or m]
     std     1.96 of them are half a 95 % interval; infinite of a value on its bound; None with fewer than
             three logs
+    unmodelled   of each log the same error of a joint that stays at its command, or in its middle, whichever
+            is nearer: a simulation that comes no nearer tells nothing
+    noise        of each log the same error that its encoders make; less where they mostly stand
+    at_bound     names of values at the least that they may have;  unseen: of those that moved nothing
     """
 
     robot: Robot
     values: Mapping[str, float]
     std: Mapping[str, float] | None
     error: tuple[float, ...]
+    unmodelled: tuple[float, ...] = ()
+    noise: tuple[float, ...] = ()
+    at_bound: tuple[str, ...] = ()
+    unseen: tuple[str, ...] = ()
 
     def json(self) -> dict[str, Any]:
         parameters = {
             name: {"value": value, "std": finite(self.std[name]) if self.std else None}
             for name, value in self.values.items()
         }
-        return {"parameters": parameters, "mean_absolute_error": list(self.error)}
+        return {
+            "parameters": parameters,
+            "mean_absolute_error": list(self.error),
+            "unmodelled_error": list(self.unmodelled),
+            "noise_error": list(self.noise),
+            "at_bound": list(self.at_bound),
+            "unseen": list(self.unseen),
+        }
 
 
 def fit_closed_loop(
@@ -68,12 +87,14 @@ def fit_closed_loop(
     simulate: Simulate,
     rounds: int = _ROUNDS,
     groups: Sequence[Sequence[str]] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> ClosedLoopFit:
     """Change the `free` parameters until the simulation follows the logs.
 
     robot      its values are the start;  simulate   of this robot's FMU
     groups     names of `free` that are moved at once because each turns its own joint alone (stiff servos):
                a run per group instead of one per parameter. None: every parameter by itself.
+    progress   called with the share of the rounds that are behind
     Raises LogError, SimulationError.
     """
     from scipy.optimize import least_squares
@@ -89,7 +110,11 @@ def fit_closed_loop(
         values = dict(zip(free, p, strict=True))
         return np.concatenate([run.errors(simulate, [values])[0].ravel() for run in runs])
 
+    done = count()
+
     def jacobian(p: np.ndarray) -> np.ndarray:
+        if progress:
+            progress(1 - _USUAL ** next(done))
         return np.concatenate([slopes.of(run, simulate, p) for run in runs])
 
     begin = np.maximum(start, lower + 1e-9 * scale)
@@ -109,7 +134,15 @@ def fit_closed_loop(
         values,
         None if std is None else dict(zip(free, std.tolist(), strict=True)),
         tuple(float(np.abs(part).mean()) for part in parts),
+        tuple(run.unmodelled for run in runs),
+        tuple(run.noise for run in runs),
+        _named(free, np.asarray(best.x - lower < _STEP * scale)),
+        _named(free, ~np.asarray(best.jac).any(axis=0)),
     )
+
+
+def _named(free: Sequence[str], which: np.ndarray) -> tuple[str, ...]:
+    return tuple(name for name, taken in zip(free, which, strict=True) if taken)
 
 
 def replay_errors(
@@ -141,6 +174,18 @@ class _Run:
         settings = with_settings(robot, recording.settings)
         changed = {name: v for name, v in settable(settings).items() if v != settable(robot)[name]}
         return _Run(plan, recording.log.signals(channels), channels, changed)
+
+    @property
+    def unmodelled(self) -> float:
+        nearest = np.minimum(
+            np.abs(self.plan.reference - self.measured).mean(axis=0),
+            np.abs(self.measured - np.median(self.measured, axis=0)).mean(axis=0),
+        )
+        return float(nearest.mean())
+
+    @property
+    def noise(self) -> float:
+        return float(np.mean([_MEAN_OF_NORMAL * noise_of(x) for x in self.measured.T]))
 
     def errors(self, simulate: Simulate, sets: Sequence[Mapping[str, float]]) -> np.ndarray:
         """(sets, samples, joints), simulated − measured."""

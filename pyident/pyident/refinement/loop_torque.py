@@ -43,7 +43,7 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
     A log without references, or of a robot without loop, stays as it is. Raises LogError where the loop is
     known but the log does not tell what it did.
     """
-    bare = [log for log in logs if _lacks_torque(robot, log)]
+    bare = [log for log in logs if lacks_torque(robot, log)]
     if not bare or (robot.controller is None and robot.servo is None):
         return tuple(logs), ()
     made = [_servo_torque(robot, log) if robot.servo else _answer(robot, log) for log in bare]
@@ -54,7 +54,8 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
     return tuple(filled.get(id(log), log) for log in logs), notes
 
 
-def _lacks_torque(robot: Robot, log: Log) -> bool:
+def lacks_torque(robot: Robot, log: Log) -> bool:
+    """Whether a log has no torque and all references, of which the robot's loop makes one."""
     names = [torque_of(k) for k, _ in robot.numbered]
     references = [reference_of(k) for k, _ in robot.numbered]
     return not any(name in log.frame for name in names) and all(name in log.frame for name in references)

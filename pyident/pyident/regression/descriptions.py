@@ -20,9 +20,10 @@ from flexmodels.robot import Robot, RobotError
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.forces import as_they_are, link_forces_along
 from pyident.regression.loads.swinging_drive import NO_SPRINGS, Springs
-from pyident.regression.outside_file import BEND, GAIN, LAG, RATIO, Outside
+from pyident.regression.outside_file import ANSWER, BEND, GAIN, LAG, RATIO, Outside
 
 DRIVE = "drive_compliance"
+DELAY = "servo_delay"
 _STEP = 1e-6  # m, rad
 _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
@@ -45,6 +46,7 @@ class Description:
     causal    a negative correction would be ahead of its time, as no sensor is: named by its share
     relative  to the other joints': where there are none, bodies make up for it
     measured  of torques that are measured: a known controller logs the one that it commands, in time
+    served    of torques that follow from a servo's commands
     """
 
     name: str
@@ -58,6 +60,7 @@ class Description:
     whole: bool = False
     causal: bool = False
     measured: bool = False
+    served: bool = False
     relative: bool = False
     least: float = 0.0
     least_samples: float = 0.0
@@ -142,6 +145,17 @@ DESCRIPTIONS: Mapping[str, Description] = {
             least_samples=0.2,
         ),
         Description(
+            DELAY,
+            "how late the servo answers a command",
+            "s",
+            0.02,
+            ANSWER,
+            causal=True,
+            served=True,
+            least=5e-4,
+            least_samples=0.2,
+        ),
+        Description(
             DRIVE,
             "how far the drive bends under its load",
             "rad/(N m)",
@@ -181,7 +195,8 @@ def description_names(robot: Robot, joint: int) -> list[str]:
         for d in DESCRIPTIONS.values()
         if not (d.turning and own.kind != "revolute")
         and not (d.rigid and own.flexible)
-        and not (d.measured and robot.controller is not None)
+        and not (d.measured and (robot.controller is not None or robot.servo is not None))
+        and not (d.served and robot.servo is None)
         and not (d.relative and len(robot.joints) == 1)
         and not (d.whole and (joint != 1 or d.name.removesuffix("]")[-1] not in tilts))
     ]

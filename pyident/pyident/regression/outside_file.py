@@ -62,6 +62,17 @@ def _lag_said(joint: str, value: float, _: str) -> str:
     return f"the logged torque of {joint}, about {1e3 * abs(value):.2g} ms {'late' if value > 0 else 'early'}"
 
 
+def _answer_said(joint: str, value: float, _: str) -> str:
+    """A torque that seems early was computed with too short a delay."""
+    off = f"{1e3 * abs(value):.2g} ms too {'long' if value > 0 else 'short'}"
+    return f"the delay of {joint}'s servo, about {off}"
+
+
+def _answer_mended(k: int, value: float, _: str) -> str:
+    which = "lower" if value > 0 else "raise"
+    return f"{which} servo.delay by about {1e3 * abs(value):.2g} ms, in the robot file"
+
+
 def _bend_said(joint: str, value: float, unit: str) -> str:
     """How far a slider's belt stretches hangs on how much of the mass is its motor's, which no log tells."""
     if not unit.startswith("rad"):
@@ -159,6 +170,9 @@ LAG = Outside(
     "give joint{k}.tau the delay that `diagnose` finds, in the mapping of the log",
     lambda k, value, _: f"give joint{k}.tau a delay of about {value:.2g} s, in the mapping of the logs",
     _lag_said,
+)
+ANSWER = Outside(
+    _later, "change servo.delay by what `diagnose` finds, in the robot file", _answer_mended, _answer_said
 )
 BEND = Outside(
     _bent,

@@ -10,11 +10,12 @@ from pyident.estimation.estimator import reweighted, weighted
 from pyident.estimation.identify import Identified, near, of_the_same_arm, without_intervals
 from pyident.estimation.identify import identify as regress
 from pyident.estimation.residuals import torque_error
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.refinement.auxiliary_model import by_instruments
-from pyident.refinement.closed_loop import ServoLog, fit_closed_loop
+from pyident.refinement.closed_loop import ClosedLoopFit, ServoLog, fit_closed_loop
 from pyident.refinement.identifications import DEFAULT, IDENTIFICATIONS
 from pyident.refinement.instruments.logged import logged
+from pyident.refinement.loop_torque import lacks_torque
 from pyident.regression.machine.linear_algebra import one_thread
 from pyident.simulation.fmu_runs import runs_here, runs_in_threads
 from pyident.verbs.fitted import Fit, ServoFit
@@ -24,7 +25,9 @@ from pyident.verbs.inputs import (
     Model,
     Opened,
     checked_logs,
+    mapping_of,
     opened,
+    read_logs,
     robot_of,
     simulable,
 )
@@ -135,11 +138,56 @@ def identify_servo(
     if unknown:
         raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that can be identified")
     with runs_here(robot) as simulate:
-        found = fit_closed_loop(robot, recordings, names, simulate)
+        found = fit_closed_loop(robot, recordings, names, simulate, progress=progress)
     if progress:
         progress(1.0)
-    notes = tuple(note for log in read for note in log.notes)
+    if not force:
+        _refuse_unfollowed(robot, read[0], found)
+    notes = dict.fromkeys(note for log in read for note in log.notes)
     return ServoFit(found, tuple(log.source for log in read), (*notes, *doubts))
+
+
+def _refuse_unfollowed(robot: Robot, log: Log, found: ClosedLoopFit) -> None:
+    """Raises LogError where no simulation comes nearer to the logs than their commands do."""
+    if sum(found.error) >= sum(found.unmodelled):
+        raise LogError(
+            f"{log.source}: no simulation of robot {robot.name} comes nearer to the positions "
+            f"({found.error[0]:.3g}) than their commands do, or a joint at rest ({found.unmodelled[0]:.3g}); "
+            "check the log's columns, units, signs and clock, and what the robot file says of the servos; "
+            "--force (force=True) takes what was found"
+        )
+
+
+def with_found_drive(
+    robot: Robot,
+    logs: Logs,
+    mapping: Columns | None,
+    force: bool,
+    progress: Progress | None = None,
+) -> tuple[Robot, tuple[str, ...]]:
+    """The robot with what [servo] lists as `unknown` found in the logs first, and notes on it.
+
+    Its torques follow from these values where nobody logged any. The others as in `identify`.
+    """
+    if robot.servo is None or not robot.servo.free:
+        return robot, ()
+    if not all(lacks_torque(robot, log) for log in read_logs(robot, logs, mapping_of(mapping))):
+        return robot, ()
+    fit = identify_servo(robot, logs, mapping=mapping, force=force, progress=progress)
+    found = {name: fit.fit.values[name] for name in robot.servo.free}
+    said = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
+    notes = [
+        f"found in these logs first, as the robot file calls it unknown: {said}; all torques, and with them "
+        "the values of effects, are as large as that and the masses of the robot file make them"
+    ]
+    bound = [name for name in found if name in fit.fit.at_bound]
+    if bound:
+        notes.append(
+            f"{', '.join(bound)} came out at the least value that it may have: something that is missing "
+            "bends it, so that an effect named below may be another one's trace; if you know it, set it in "
+            "the robot file and take it out of unknown"
+        )
+    return with_settings(robot, found), tuple(notes)
 
 
 def _with_settings(

@@ -1,6 +1,6 @@
 """What `identify`, `refine` and `identify_servo` return."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 _FAR = 2.0  # times the estimate's error
 _COMBINATIONS = 4  # base parameters that a sentence writes out
+_HARDLY = 0.5  # of what a joint that stays at its command leaves: more is no simulation of it
+_FAR_FROM_NOISE = 3.0  # times: less may be noise that is not white
 
 
 @dataclass(frozen=True, repr=False)
@@ -203,20 +205,41 @@ class ServoFit(Result):
         frame = self.to_frame()
         columns = frame["value"].to_numpy(float), frame["std"].to_numpy(float), frame["unit"], frame.index
         rows = [(f"{v:.5g}", half_interval(s), u, str(n)) for v, s, u, n in zip(*columns, strict=True)]
-        lines = [
-            f"{log}: mean absolute position error {e:.3g} {self._of_motion()}"
-            for log, e in zip(self.logs, self.fit.error, strict=True)
-        ]
+        lines = [*self._followed(), *self._doubts()]
         if self.fit.std is None:
             lines.append("intervals need three logs or more: they are a jackknife over logs")
-        return Text(
-            "\n".join(
-                [
-                    table(("value", "± 95 %", "unit", "parameter"), rows, numbers=(0, 1)),
-                    *(wrapped(x, "  ") for x in lines),
-                ]
+        heads = ("value", "± 95 %", "unit", "parameter")
+        return Text("\n".join([table(heads, rows, numbers=(0, 1)), *(wrapped(x, "  ") for x in lines)]))
+
+    def _followed(self) -> Iterator[str]:
+        """A sentence on each log."""
+        known = self.fit.unmodelled or (float("nan"),) * len(self.logs)
+        for log, error, alone in zip(self.logs, self.fit.error, known, strict=True):
+            share = f", {100 * error / alone:.2g} % of what the commands alone leave" if alone > 0 else ""
+            yield f"{log}: mean absolute position error {error:.3g} {self._of_motion()}{share}"
+
+    def _doubts(self) -> Iterator[str]:
+        """Why the values should not be relied on as they are."""
+        fit = self.fit
+        if sum(fit.error) > _HARDLY * sum(fit.unmodelled) > 0:
+            yield (
+                "do not use these values: the simulation comes hardly nearer to the positions than their "
+                "commands do; check the logs' columns, units and clock, and what the robot file says of the "
+                "servos"
             )
-        )
+        elif max(fit.error) > _FAR_FROM_NOISE * max(fit.noise, default=0.0) > 0:
+            times = max(fit.error) / max(fit.noise)
+            yield (
+                f"that is {times:.2g} times the encoders' noise: an effect is missing, or a log's scale or "
+                "clock is wrong; pyident compare tells where, pyident diagnose what"
+            )
+        if fit.at_bound:
+            yield (
+                f"at the least value that it may have: {', '.join(fit.at_bound)}; an effect that is missing, "
+                "a log's scale or clock that is wrong, or too little motion to tell"
+            )
+        if fit.unseen:
+            yield f"as they were given, since no position moves with them: {', '.join(fit.unseen)}"
 
     def _of_motion(self) -> str:
         kinds = {"rad" if joint.kind == "revolute" else "m" for joint in self.robot.joints}

@@ -11,6 +11,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
+from pyident.diagnosis.diagnose import servo_delay_in
 from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
 from pyident.extension.add_effect import add_effect as extended
@@ -22,6 +23,7 @@ from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.denoised import within
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.processes.this_machine import processes_kept
+from pyident.verbs.fit import with_found_drive
 from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
@@ -87,14 +89,15 @@ def diagnose(
     draft        look for a formula where no law explains the residual (needs flexident[symbolic])
     The others as in `identify`. Raises RobotError, LogError, BuildError.
     """
-    read = given(_with_drive(model, parameters, allow_effects), logs, mapping, heldout, force)
+    known = _with_drive(model, parameters, allow_effects)
+    read, drive, rest = _with_loop(known, logs, mapping, heldout, force, progress or _silent)
     parts = split(read.logs, read.heldout)
     times = instants((*read.logs, *read.heldout), read.defects)
     (fitted, taken_up), (unseen, put_down) = (divided(logs, times) for logs in (parts.fitted, parts.unseen))
-    found = diagnosed(read.robot, fitted, FmuRuns, unseen, progress or _silent, draft)
-    told = _of_time(read.defects) if found.put_in_time else set()
-    checked = [note for note in read.notes if note not in told]
-    notes = (*checked, *taken_up, *put_down, *found.notes)
+    found = diagnosed(read.robot, fitted, FmuRuns, unseen, rest, draft)
+    said_again = _of_time(read.defects) if found.put_in_time else set()
+    checked = [note for note in read.notes if note not in said_again]
+    notes = (*drive, *checked, *taken_up, *put_down, *found.notes)
     return Diagnosed(replace(found, notes=notes), notes)
 
 
@@ -125,11 +128,11 @@ def add_effect(
     The others as in `identify`.
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
-    robot = _with_drive(model, parameters, allow_effects)
-    require_new(robot, joint, effect)  # before logs are read
-    read = given(robot, logs, mapping, heldout, force)
-    found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, progress or _silent)
-    return Added(found, read.notes)
+    known = _with_drive(model, parameters, allow_effects)
+    require_new(known, joint, effect)  # before logs are read
+    read, drive, rest = _with_loop(known, logs, mapping, heldout, force, progress or _silent)
+    found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, rest)
+    return Added(found, (*drive, *read.notes))
 
 
 def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:
@@ -152,6 +155,39 @@ def _arms(read: Given, outcome: Comparison) -> Iterator[MovingArm]:
         if not errors.missed:  # nothing was simulated
             continue
         yield moving(read.robot, log.source, log.frame, errors.time, errors.missed, over_floor)
+
+
+def _with_loop(
+    robot: Robot,
+    logs: Logs,
+    mapping: Columns | None,
+    heldout: Logs,
+    force: bool,
+    progress: Progress,
+) -> tuple[Given, tuple[str, ...], Progress]:
+    """What was read, with what is unknown of servos found in the logs; notes on that, and the progress that
+    is left.
+
+    A fit to positions has a delay that what is missing bends: it is asked for again beside laws that explain.
+    """
+    robot, notes = with_found_drive(robot, logs, mapping, force, _part(progress, 0.0, 0.1))
+    read = given(robot, logs, mapping, heldout, force)
+    if not notes:
+        return read, (), progress
+    if robot.servo is None or "delay" not in robot.servo.unknown:
+        return read, notes, _part(progress, 0.1, 1.0)
+    parts = split(read.logs, read.heldout)
+    late = servo_delay_in(read.robot, parts.fitted, FmuRuns, parts.unseen, _part(progress, 0.1, 0.4))
+    if late:
+        delay = max(robot.servo.delay + late, 0.0)
+        robot = with_settings(robot, {"servo.delay": delay})
+        read = given(robot, logs, mapping, heldout, force)
+        notes = (*notes, f"servo.delay {delay:.3g} leaves less of the equations, and is taken here")
+    return read, notes, _part(progress, 0.4, 1.0)
+
+
+def _part(progress: Progress, start: float, end: float) -> Progress:
+    return lambda share: progress(start + (end - start) * share)
 
 
 def _silent(_: float) -> None:

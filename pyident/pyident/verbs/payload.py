@@ -11,7 +11,7 @@ from flexmodels.link import LINK_PARAMETERS
 from flexmodels.robot import Robot
 from pyident.estimation.payload import Carried, carried, last_link
 from pyident.logs.log import LogError
-from pyident.verbs.fit import identify
+from pyident.verbs.fit import identify, with_found_drive
 from pyident.verbs.inputs import Columns, Logs, Model, robot_of
 from pyident.verbs.result import Result
 from pyident.verbs.terminal.table import table
@@ -104,6 +104,11 @@ class Payload(Result):
 
     def headline(self) -> str:
         x, y, z = self.centre
+        if self.carried.none_fits:
+            return (
+                f"these logs tell no load from none: link {self.model.last_link} would carry "
+                f"{self.mass:.2g} kg, within the interval of nothing"
+            )
         return f"link {self.model.last_link} carries {self.mass:.4g} kg at ({x:.4g}, {y:.4g}, {z:.4g}) m"
 
     def summary(self) -> Text:
@@ -151,7 +156,7 @@ def payload(
     model     as in `identify`;  empty, loaded   logs without and with the load, best of one motion
     The others as in `identify`. Raises RobotError, LogError.
     """
-    robot = robot_of(model, allow_effects=allow_effects)
+    robot, drive = with_found_drive(robot_of(model, allow_effects=allow_effects), empty, mapping, force)
     share = (
         (lambda done: progress(done / 2), lambda done: progress(0.5 + done / 2)) if progress else (None, None)
     )
@@ -168,4 +173,4 @@ def payload(
                 f"{'; '.join(one.notes) or 'they are too long to be held in memory, so give shorter ones'}"
             )
     load = carried(without.robot, without.identified, having.identified)
-    return Payload(robot, load, tuple(dict.fromkeys((*without.notes, *having.notes))))
+    return Payload(robot, load, tuple(dict.fromkeys((*drive, *without.notes, *having.notes))))

@@ -17,6 +17,8 @@ def test_places_are_paths():
     assert a.vector("v", 3) == (1.0, 2.0, 3.0)
     with pytest.raises(RobotError, match=r"^a\.z is missing$"):
         a.get("z")
+    with pytest.raises(RobotError, match=r"^a\.X is missing; a\.x is there, and capitals matter$"):
+        a.get("X")
     with pytest.raises(RobotError, match=r"^a\.v must be 2 numbers$"):
         a.vector("v", 2)
     with pytest.raises(RobotError, match=r"^a\.n\[2\]\.y must be a finite number, not 'three'"):

@@ -7,8 +7,9 @@ import numpy as np
 from flexmodels.coordinate import joint_number, motor_of, reference_of, torque_of
 from flexmodels.robot import Robot
 from pyident.checks.channels.jumps import jumps, spikes
-from pyident.checks.channels.quantisation import Runs, coarse, noise_of, runs, step_of
+from pyident.checks.channels.quantisation import Runs, coarse, runs, step_of
 from pyident.checks.defect import Defect, Severity
+from pyident.logs.encoders import noise_of
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS

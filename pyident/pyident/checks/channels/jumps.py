@@ -6,8 +6,9 @@ import numpy as np
 
 from flexmodels.coordinate import is_motor, joint_number, motor_of, reference_of
 from flexmodels.robot import Robot
-from pyident.checks.channels.quantisation import noise_of, step_of
+from pyident.checks.channels.quantisation import step_of
 from pyident.checks.defect import Defect
+from pyident.logs.encoders import noise_of
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS

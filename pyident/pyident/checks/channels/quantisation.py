@@ -9,6 +9,7 @@ from flexmodels.robot import Robot
 from pyident.checks.defect import Defect
 from pyident.conditioning.smooth_motion import all_reached
 from pyident.conditioning.weak_form import DERIVATIVES
+from pyident.logs.encoders import noise_of
 from pyident.logs.log import Log
 from pyident.rules.channel_checks import CHANNELS
 from pyident.rules.log_checks import LOG_CHECKS
@@ -68,8 +69,3 @@ def step_of(x: np.ndarray) -> float:
     step = float(np.median(real[: max(3, len(real) // 100)]))
     off = np.abs(gaps / step - np.round(gaps / step))
     return step if np.mean(off < 0.05) > 0.95 and np.median(np.round(gaps / step)) < 50 else 0.0
-
-
-def noise_of(x: np.ndarray) -> float:
-    """Standard deviation of a channel's white noise (x: (N,), in its unit), from its sixth differences."""
-    return float(1.4826 * np.median(np.abs(np.diff(x, 6))) / np.sqrt(924))

@@ -59,7 +59,8 @@ def _joints_of(
     columns: Mapping[str, np.ndarray], texts: Mapping[str, pd.Series], clock: str | None
 ) -> tuple[str, np.ndarray | None]:
     """The column that tells the joint of each row, and the joints (N,) that it tells; None: there is none."""
-    together = clock is not None and bool(np.mean(np.diff(columns[clock]) == 0) > _TOGETHER)
+    steps = np.diff(columns[clock]) if clock is not None else np.empty(0)
+    together = bool(np.sum(steps == 0) > _TOGETHER * len(steps))
     for name in (*texts, *columns):
         labels = _labels(name, columns, texts)
         if labels is None:

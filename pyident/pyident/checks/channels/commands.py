@@ -52,9 +52,10 @@ class _Driven:
 def _of_joint(log: Log, one: _Driven) -> Iterator[Defect]:
     r, e = reference_of(one.k), motor_of(one.k)
     if np.ptp(one.r) <= 1e-9 * max(float(np.abs(one.r).max()), 1e-300):
-        yield Defect("gross", "constant", r, f"{log.source}: {r} is {one.r[0]:.6g} throughout while {e} "
-                      f"moves over {np.ptp(one.e):.3g}; the commands were not recorded, or the servo was off: map "
-                      f"its switch to {switch_of(one.k)}")  # fmt: skip
+        yield Defect("gross", "constant", r,
+                     f"{log.source}: {r} is {one.r[0]:.6g} throughout while {e} moves "
+                     f"over {np.ptp(one.e):.3g}; the commands were not recorded, or the servo was "
+                      f"off: map its switch to {switch_of(one.k)}")  # fmt: skip
         return
     delays, correlation = _correlations(one, log.period)
     left = 1 - np.maximum(correlation, 0) ** 2  # of the position's variance, by a command so late

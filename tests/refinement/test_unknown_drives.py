@@ -1,0 +1,35 @@
+"""A servo whose torque constant and delay are guesses: found in the logs before all is judged by them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from servo_pendulum import guessed, stepped
+
+import pyident as pi
+
+
+def _logs(load: float = 0.0, spring: float = 0.0) -> list[pd.DataFrame]:
+    """Four of 8 s at 100 Hz, by Euler's method."""
+    logs, time = [], 1e-3 * np.arange(8000)
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        waves = [(rng.uniform(0.3, 0.8), rng.uniform(0.5, 5), rng.uniform(0, 6)) for _ in range(4)]
+        reference = sum((a * np.sin(w * time + p) for a, w, p in waves), 0 * time) * np.minimum(time, 1)
+        e = stepped(reference, load, spring)
+        logs.append(pd.DataFrame({"time": time, "joint1.r": reference, "joint1.e": e})[::10])
+    return [log.reset_index(drop=True) for log in logs]
+
+
+def test_guesses_are_no_reason_for_an_alarm():
+    found = pi.diagnose(guessed(), _logs())
+    assert found.verdict == "nothing_detectable"
+    assert any("found in these logs first" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "effect"), [({"load": 0.3}, "load_dependent_friction"), ({"spring": 0.25}, "joint_spring")]
+)
+def test_an_effect_that_bends_the_delay_is_named(hidden, effect):
+    found = pi.diagnose(guessed(), _logs(**hidden)).diagnosis
+    assert effect in [named.effect for named in found.findings[0].tie]
+    assert not {"torque_delay", "servo_delay"} & {n.effect for f in found.findings for n in f.tie}
