@@ -7,11 +7,14 @@ from hashlib import sha256
 import pytest
 from click.testing import CliRunner, Result
 from outcomes import ADDED, DIAGNOSIS, compared
+from servo_pendulum import pendulum
 
 import pyident as pi
-from flexmodels.files.robot_file import load_robot
+from flexmodels.files.robot_file import load_robot, save_robot
 from pyident.cli.main import main
 from pyident.greybox.residual import Shown
+from pyident.refinement.closed_loop import ClosedLoopFit
+from pyident.verbs.fitted import ServoFit
 from pyident.verbs.fmu.results import FmuDiagnosed
 from pyident.verbs.judged import Added, Diagnosed
 
@@ -70,6 +73,17 @@ def test_what_is_known_of_a_drive_goes_to_every_judge(run):
     words = ["add", "m.toml", "stribeck", "--joint", "1", "a.csv", "-o", "x.toml", "--set", "servo.kp=200"]
     _, asked = run("add_effect", Added(replace(ADDED, reason="no"), ()), *words)
     assert asked["parameters"] == {"servo.kp": 200.0}
+
+
+def test_what_is_known_of_one_log_goes_with_that_log(run, tmp_path):
+    save_robot(pendulum(), tmp_path / "stand.toml")
+    fit = ServoFit(ClosedLoopFit(pendulum(), {}, None, ()), (), ())
+    words = ["identify", str(tmp_path / "stand.toml"), "a.csv", "b.csv", "--set-in", "b.csv", "servo.kp=800"]
+    _, asked = run("identify_servo", fit, *words)
+    assert asked["settings"] == ({}, {"servo.kp": 800.0})
+    done, _ = run("identify_servo", fit, *words[:-2], "c.csv", "servo.kp=800")
+    assert done.exit_code == 2
+    assert "--set-in c.csv servo.kp: it is none of the logs" in done.output
 
 
 @pytest.mark.parametrize("verb", ["diagnose", "add"])

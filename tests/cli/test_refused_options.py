@@ -16,6 +16,7 @@ from pyident.simulation.fmu_runs import simulate_robot
     [
         (("identify", "--parameters", "k"), "--parameters and --interface belong to an FMU"),
         (("identify", "--set", "joint1.coulomb=1"), "--set belongs to an FMU as the model, or to a robot"),
+        (("identify", "--set-in", "log.csv", "servo.kp=1"), "--set-in belongs to a robot with a [servo]"),
         (
             ("identify", "--estimator", "oe", "--robust"),
             "--robust is the estimator irls; leave --estimator out",

@@ -15,6 +15,7 @@ from pyident.cli.common.any_model import (
 )
 from pyident.cli.common.outputs import PAGE, ROBOT, Output
 from pyident.cli.common.shared import (
+    assignments_in_logs,
     effects_option,
     force_option,
     json_option,
@@ -60,6 +61,7 @@ _TORQUES = "a fit to torques, and a robot with a [servo] is fitted to positions"
 @parameters_option
 @interface_option
 @set_option
+@assignments_in_logs
 @mapping_option
 @scheduler_option
 @force_option
@@ -78,6 +80,7 @@ def identify_command(
     names: Parameters,
     interface: Interface | None,
     parameters: dict[str, float],
+    in_logs: list[tuple[str, str, float]],
     mapping: str | None,
     force: bool,
     json_file: str | None,
@@ -88,7 +91,7 @@ def identify_command(
     the names of its inputs and outputs.
 
     A MODEL with a [servo] table is fitted in closed loop to positions alone; --set gives what is known of
-    its servos, such as servo.kp=400.
+    its servos, such as servo.kp=400, and --set-in what differs from log to log.
 
     \b
     Example: pyident identify four_link log.parquet -o identified.toml
@@ -96,6 +99,8 @@ def identify_command(
     """
     options = {"robust": robust, "refine": refine, "estimator": estimator is not None, "prior": prior}
     options |= {"holdout": holdout, "page": page}
+    if in_logs and (is_fmu(model) or pi.load_robot(model).servo is None):
+        raise click.UsageError("--set-in belongs to a robot with a [servo]")
     if is_fmu(model):
         refuse_robot_options(**options, output=output, mapping=mapping, force=force)
         fit = _fmu(model, logs, names, parameters, interface)
@@ -105,8 +110,9 @@ def identify_command(
         refuse_options(_TORQUES, **options)
         with progress_bar("fitting in closed loop") as progress:
             fit = pi.identify_servo(
-                model, logs, mapping=mapping, parameters=parameters, force=force, progress=progress
-            )
+                model, logs, mapping=mapping, parameters=parameters, settings=_settings(logs, in_logs),
+                force=force, progress=progress,
+            )  # fmt: skip
     elif parameters:
         raise click.UsageError("--set belongs to an FMU as the model, or to a robot with a [servo]")
     else:
@@ -121,6 +127,19 @@ def identify_command(
         fit.save_page(page)
         show(f"wrote {page}")
     write_json(json_file, fit.to_dict())
+
+
+def _settings(
+    logs: tuple[str, ...], in_logs: list[tuple[str, str, float]]
+) -> tuple[Mapping[str, float], ...]:
+    """What is known of each log alone; none where nothing is. Raises UsageError."""
+    for log, name, _ in in_logs:
+        if log not in logs:
+            raise click.UsageError(
+                f"--set-in {log} {name}: it is none of the logs; write it as it stands there"
+            )
+    each = ({name: value for log, name, value in in_logs if log == one} for one in logs)
+    return tuple(each) if in_logs else ()
 
 
 def _fmu(

@@ -64,6 +64,7 @@ def solve_weighted(reduced: Reduced) -> Solution:
     should cancel. It counts at the size that these terms have in the equally weighted solution, which fixes
     the weight's scale. A deformation that is mostly noise still gets too small a stiffness, as in every
     regression on noisy signals (`indirect` and `output_error` remove that), but no longer none.
+    Raises LogError where no equation has a right-hand side.
     """
     solution = solve(reduced)
     free = solution.signal == 0

@@ -32,6 +32,7 @@ _STEP = 1e-3  # finite difference, of a parameter's scale
 _ROUNDS = 30
 _FEWEST = 3  # logs of a jackknife
 _MEAN_OF_NORMAL = float(np.sqrt(2 / np.pi))  # absolute value, per standard deviation
+_AT_ONCE = 6.0  # times as far as in the samples before and after: no motion goes so
 _USUAL = 0.8  # of what is still to be done is so after a round
 
 
@@ -52,7 +53,8 @@ class ClosedLoopFit:
             three logs
     unmodelled   of each log the same error of a joint that stays at its command, or in its middle, whichever
             is nearer: a simulation that comes no nearer tells nothing
-    noise        of each log the same error that its encoders make; less where they mostly stand
+    noise        of each log the same error that the encoders make, and the unknown instants at which
+                 commands jump
     at_bound     names of values at the least that they may have;  unseen: of those that moved nothing
     """
 
@@ -135,9 +137,9 @@ def fit_closed_loop(
         None if std is None else dict(zip(free, std.tolist(), strict=True)),
         tuple(float(np.abs(part).mean()) for part in parts),
         tuple(run.unmodelled for run in runs),
-        tuple(run.noise for run in runs),
-        _named(free, np.asarray(best.x - lower < _STEP * scale)),
-        _named(free, ~np.asarray(best.jac).any(axis=0)),
+        tuple(max(one.encoders for one in runs) + run.jumps for run in runs),
+        _named(free, best.x - lower < _STEP * scale),
+        _named(free, np.linalg.norm(np.asarray(best.jac), axis=0) == 0),
     )
 
 
@@ -184,13 +186,31 @@ class _Run:
         return float(nearest.mean())
 
     @property
-    def noise(self) -> float:
+    def encoders(self) -> float:
+        """The error that their noise makes; less where they mostly stand."""
         return float(np.mean([_MEAN_OF_NORMAL * noise_of(x) for x in self.measured.T]))
+
+    @property
+    def jumps(self) -> float:
+        """What half a sample does where a command jumps between two of them."""
+        moved = np.abs(np.diff(self.measured, axis=0)).mean(axis=0)
+        return float(np.mean([_jumps(r) * m / 2 for r, m in zip(self.plan.reference.T, moved, strict=True)]))
 
     def errors(self, simulate: Simulate, sets: Sequence[Mapping[str, float]]) -> np.ndarray:
         """(sets, samples, joints), simulated − measured."""
         frames = simulate(self.plan, [{**self.settings, **p} for p in sets])
         return np.array([f[list(self.channels)].to_numpy() - self.measured for f in frames])
+
+
+def _jumps(command: np.ndarray) -> float:
+    """The share of a command's way (N,) that it goes from one sample to the next, between others at rest."""
+    way = np.abs(np.diff(command))
+    if len(way) < 5 or not way.any():
+        return 0.0
+    at_once = way[1:-3] + way[2:-2] + way[3:-1]  # what was resampled is smeared
+    beside = np.maximum(way[:-4], way[4:])
+    peak = (way[2:-2] >= way[1:-3]) & (way[2:-2] > way[3:-1]) & (at_once > _AT_ONCE * beside)
+    return float(at_once[peak].sum() / way.sum())
 
 
 @dataclass(frozen=True)

@@ -227,11 +227,12 @@ class ServoFit(Result):
                 "commands do; check the logs' columns, units and clock, and what the robot file says of the "
                 "servos"
             )
-        elif max(fit.error) > _FAR_FROM_NOISE * max(fit.noise, default=0.0) > 0:
-            times = max(fit.error) / max(fit.noise)
+        elif self._over_noise > _FAR_FROM_NOISE:
+            apart = ", or a gain was another one in some logs (--set-in)" if len(self.logs) > 1 else ""
             yield (
-                f"that is {times:.2g} times the encoders' noise: an effect is missing, or a log's scale or "
-                "clock is wrong; pyident compare tells where, pyident diagnose what"
+                f"that is {self._over_noise:.2g} times what the encoders' noise leaves: an effect is "
+                f"missing, or a log's scale or clock is wrong{apart}; pyident compare tells where, pyident "
+                "diagnose what"
             )
         if fit.at_bound:
             yield (
@@ -240,6 +241,12 @@ class ServoFit(Result):
             )
         if fit.unseen:
             yield f"as they were given, since no position moves with them: {', '.join(fit.unseen)}"
+
+    @property
+    def _over_noise(self) -> float:
+        """How many times what noise leaves the errors of all logs are, as one log bends what fits another."""
+        noise = sum(self.fit.noise)
+        return sum(self.fit.error) / noise if noise else 0.0
 
     def _of_motion(self) -> str:
         kinds = {"rad" if joint.kind == "revolute" else "m" for joint in self.robot.joints}

@@ -237,6 +237,21 @@ def assignments(flag: str, name: str, example: str, text: str) -> Callable[[Comm
     )
 
 
+def assignments_in_logs(command: Command) -> Command:
+    """`--set-in LOG NAME=VALUE`; (log, name, value) each in `in_logs`."""
+    return click.option(
+        "--set-in",
+        "in_logs",
+        nargs=2,
+        multiple=True,
+        metavar="LOG NAME=VALUE",
+        callback=lambda context, option, given: [
+            (log, *_assignment(one, "servo.kp=800")) for log, one in given
+        ],
+        help="The same of one LOG alone, such as another gain of its servos; repeatable.",
+    )(command)
+
+
 def _assignment(text: str, example: str) -> tuple[str, float]:
     name, _, value = text.partition("=")
     try:
