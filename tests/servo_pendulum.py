@@ -72,9 +72,11 @@ def guessed() -> Robot:
     return replace(robot, joints=(replace(robot.joints[0], values=values),), servo=servo)
 
 
-def stepped(reference: np.ndarray, load: float = 0.0, spring: float = 0.0, delay: int = 6) -> np.ndarray:
+def stepped(
+    reference: np.ndarray, load: float = 0.0, spring: float = 0.0, delay: int = 6, switched_off: int = 10**9
+) -> np.ndarray:
     """(N,) positions of that robot at 1 kHz, by Euler's method; kt 0.35, delay [ms], Coulomb friction that
-    grows with the weight by `load`, a spring [N m/rad], an encoder of 4096 counts."""
+    grows with the weight by `load`, a spring [N m/rad], an encoder of 4096 counts, off from [ms] on."""
     count, dt, inertia = 2 * np.pi / 4096, 1e-4, MASS * ARM**2 + ARMATURE
     e, de, measured, track = float(reference[0]), 0.0, 0.0, []
     for i in range(len(reference)):
@@ -82,7 +84,7 @@ def stepped(reference: np.ndarray, load: float = 0.0, spring: float = 0.0, delay
         track.append(measured)
         duty = np.clip(0.003 * 400 * (reference[max(i - delay, 0)] - measured), -1.0, 1.0)
         for _ in range(10):
-            torque = KT * (SUPPLY * duty - KT * de) / R
+            torque = KT * (SUPPLY * duty - KT * de) / R if i < switched_off else 0.0
             weight = -WEIGHT * np.sin(e) - spring * e
             hold = 0.03 + load * abs(weight)
             free = torque + weight - 0.01 * de

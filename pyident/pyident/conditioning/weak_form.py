@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmodels.coordinate import switch_of
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 from pyident.conditioning.filters import settling, without_phase
@@ -114,8 +115,20 @@ def condition(log: Log, robot: Robot) -> Conditioned:
     for rub in rubs(robot):  # noise keeps its sign for a few samples, too
         if stands(rub.of(positions), positions):
             masked.use[:, rub.rows] = 0.0
+    masked.use[switching(log, robot, REACH + 1, len(masked.use))] = 0.0
     free = tuple(k for k, name in enumerate(robot.torques) if name in log.up_to_constant)
     return replace(masked, free=free)
+
+
+def switching(log: Log, robot: Robot, reach: int, samples: int) -> np.ndarray:
+    """(samples,) in a log's middle: those near where a servo goes on or off, so that its torque jumps."""
+    near = np.zeros(len(log), bool)
+    for name in (switch_of(k) for k, _ in robot.numbered if switch_of(k) in log.frame):
+        on = log.frame[name].to_numpy(float) > 0.5
+        for at in np.flatnonzero(np.diff(on)).tolist():
+            near[max(at + 1 - reach, 0) : at + 1 + reach] = True
+    ends = (len(log) - samples) // 2
+    return near[ends : ends + samples]
 
 
 def condition_every_sample(log: Log, robot: Robot) -> Conditioned:

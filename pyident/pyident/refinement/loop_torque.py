@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodels.coordinate import feedforward_of, motor_of, reference_of, switch_of, torque_of
+from flexmodels.coordinate import feedforward_of, motor_of, reference_of, torque_of
 from flexmodels.effects import signals
 from flexmodels.robot import Robot
 from pyident.conditioning.samples import Conditioned
@@ -24,6 +24,7 @@ from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import controller_torque, recoverable
+from pyident.simulation.servo_torque import with_servo_torque
 
 _ROUNDS = 3  # a law of the torque needs its constant, and the constant the law's values
 UNSEEN = (  # with either kind of loop
@@ -46,7 +47,7 @@ def with_loop_torque(robot: Robot, logs: Sequence[Log]) -> tuple[tuple[Log, ...]
     bare = [log for log in logs if lacks_torque(robot, log)]
     if not bare or (robot.controller is None and robot.servo is None):
         return tuple(logs), ()
-    made = [_servo_torque(robot, log) if robot.servo else _answer(robot, log) for log in bare]
+    made = [with_servo_torque(robot, log) if robot.servo else _answer(robot, log) for log in bare]
     if robot.servo is None:
         made = _centred(robot, made)
     filled = {id(old): new for old, new in zip(bare, made, strict=True)}
@@ -59,16 +60,6 @@ def lacks_torque(robot: Robot, log: Log) -> bool:
     names = [torque_of(k) for k, _ in robot.numbered]
     references = [reference_of(k) for k, _ in robot.numbered]
     return not any(name in log.frame for name in names) and all(name in log.frame for name in references)
-
-
-def _servo_torque(robot: Robot, log: Log) -> Log:
-    assert robot.servo is not None
-    joints = [k for k, _ in robot.numbered]
-    reference, e = (log.signals([name(k) for k in joints]) for name in (reference_of, motor_of))
-    on = log.frame.reindex(columns=[switch_of(k) for k in joints]).fillna(1.0).to_numpy(float)
-    time = log.signals(["time"])[:, 0]
-    de = np.gradient(e, log.period, axis=0)
-    return _filled(log, robot, robot.servo.torque(reference, e, de, on, time))
 
 
 def _answer(robot: Robot, log: Log) -> Log:

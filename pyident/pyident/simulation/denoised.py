@@ -22,7 +22,7 @@ from pyident.conditioning.fading import faded
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
 from pyident.conditioning.torque_bends import telling
-from pyident.conditioning.weak_form import condition, condition_every_sample
+from pyident.conditioning.weak_form import condition, condition_every_sample, switching
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, band_top, equations
 
@@ -84,7 +84,9 @@ def within(robot: Robot, highest: float) -> Robot:
 
 
 def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], Conditioned]) -> Conditioned:
-    """Nor its ends, nor where a low pass blurs a step of the acceleration: a reversal of friction, a jerk."""
+    """Nor its ends, nor where a low pass blurs a step of the acceleration: a reversal of friction, a jerk, a
+    servo that goes on or off.
+    """
     if not denoises(robot):
         return faded(conditioned(log, robot))
     q, frame = log.signals(robot.coordinates), log.frame.copy()
@@ -94,6 +96,8 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     use = part.use.copy()
     for k, corner in enumerate(reach):
         use[:, k] *= telling(use[:, k] > 0, part.target[:, k], part.motion, k, corner, log.period)
-    ends = ends_of(len(use), [blurred(corner) for corner in reach])
+    spread = [blurred(corner) for corner in reach]
+    ends = ends_of(len(use), spread)
     use[:ends], use[-ends:] = 0.0, 0.0
+    use[switching(log, robot, max(spread), len(use))] = 0.0
     return replace(part, use=use)

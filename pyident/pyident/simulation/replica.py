@@ -24,6 +24,7 @@ from pyident.simulation.feedforward import carrying_torque
 from pyident.simulation.noise.noise_spectrum import NoiseSpectrum
 from pyident.simulation.recorded import AT_REST, Recorded, loop_of, recorded
 from pyident.simulation.sensors import Sensors, sensors_of
+from pyident.simulation.servo_torque import with_servo_torque
 from pyident.simulation.simulator import Simulator
 from pyident.simulation.stabilising import stabilising_controller
 
@@ -41,6 +42,7 @@ class Repeat:
     lead   samples of the plan before the log
     note   why it is not the robot's own loop, but a stand-in's along the measured motion; None where it is
     sensors   that read what a stand-in's loop does; None: noise goes through the robot's own
+    servos    the robot whose servos the log's torques are made by, from commands and positions; None: by none
     """
 
     log: Log
@@ -48,6 +50,7 @@ class Repeat:
     lead: int = 0
     note: str | None = None
     sensors: Sensors | None = None
+    servos: Robot | None = None
 
     def noisier(self, noise: Mapping[str, float], seed: int) -> Log:
         """The log itself with the noise of its sensors once more; noise: channel -> standard deviation."""
@@ -103,7 +106,10 @@ class Repeat:
         return self._made(self.sensors.read(_sensed(frame, self.plan, {}), noise, seed))
 
     def _made(self, frame: pd.DataFrame) -> Log:
-        return replace(self.log, frame=self.cut(frame), source=f"replica of {self.log.source}")
+        frame = self.cut(frame)
+        switches = {name: x.to_numpy() for name, x in self.log.frame.items() if str(name).endswith(".on")}
+        made = replace(self.log, frame=frame.assign(**switches), source=f"replica of {self.log.source}")
+        return made if self.servos is None else with_servo_torque(self.servos, made)
 
 
 def torque_spectra(made: Repeat | AlongMotion) -> Mapping[str, NoiseSpectrum]:
@@ -162,7 +168,7 @@ def with_sensors(robot: Robot, made: Sequence[Repeat]) -> tuple[Repeat, ...]:
 
 def _in_loop(robot: Robot, log: Log) -> Repeat:
     inputs = recorded(robot, log)
-    return Repeat(log, inputs.plan, inputs.lead)
+    return Repeat(log, inputs.plan, inputs.lead, servos=robot if log.by_servo else None)
 
 
 def _along(robot: Robot, log: Log, note: str) -> Repeat:
