@@ -22,8 +22,13 @@ def _logs(load: float = 0.0, spring: float = 0.0, off: tuple[int, ...] = ()) -> 
     return [log.reset_index(drop=True) for log in logs]
 
 
-def test_guesses_are_no_reason_for_an_alarm():
-    found = pi.diagnose(guessed(), _logs())
+@pytest.mark.parametrize("held", [False, True])
+def test_guesses_are_no_reason_for_an_alarm(held):
+    """held: the commands stay from sample to sample, as of a computer that sends one when it logs one."""
+    logs = _logs()
+    for log in logs if held else ():
+        log["joint1.e"] = stepped(np.repeat(log["joint1.r"].to_numpy(), 10))[::10]
+    found = pi.diagnose(guessed(), logs)
     assert found.verdict == "nothing_detectable"
     assert any("found in these logs first" in note for note in found.notes)
 

@@ -17,7 +17,7 @@ from scipy.fft import rfft
 from flexmodels.coordinate import motor_of, reference_of, torque_of
 from flexmodels.experiment import Experiment
 from flexmodels.robot import Robot
-from pyident.logs.encoders import second_encoders
+from pyident.logs.encoders import noise_of, second_encoders
 from pyident.logs.log import Log
 from pyident.simulation.along import AlongMotion
 from pyident.simulation.feedforward import carrying_torque
@@ -72,7 +72,7 @@ class Repeat:
         if self.sensors:
             return self._read(run(self.plan, parameters), noise, seed)
         added = self._drawn(noise, seed)
-        return self._made(with_noise(lambda made: run(made, parameters), self.plan, added))
+        return self._made(with_noise(lambda made: run(made, parameters), self.plan, added), seed)
 
     def replicas(
         self,
@@ -86,7 +86,7 @@ class Repeat:
             (frame,) = simulator.simulate_batch(self.plan, [parameters])
             return [self._read(frame, noise, seed) for seed in seeds]
         frames = simulator.simulate_batch(self.plan, [parameters], noise, seeds)
-        return [self._made(frame) for frame in frames]
+        return [self._made(frame, seed) for frame, seed in zip(frames, seeds, strict=True)]
 
     @cached_property
     def _seconds(self) -> dict[str, str]:
@@ -103,13 +103,20 @@ class Repeat:
     def _read(self, frame: pd.DataFrame, noise: Mapping[str, float], seed: int) -> Log:
         """A simulation without noise, as the sensors show it."""
         assert self.sensors is not None
-        return self._made(self.sensors.read(_sensed(frame, self.plan, {}), noise, seed))
+        return self._made(self.sensors.read(_sensed(frame, self.plan, {}), noise, seed), seed)
 
-    def _made(self, frame: pd.DataFrame) -> Log:
+    def _made(self, frame: pd.DataFrame, seed: int) -> Log:
         frame = self.cut(frame)
         switches = {name: x.to_numpy() for name, x in self.log.frame.items() if str(name).endswith(".on")}
         made = replace(self.log, frame=frame.assign(**switches), source=f"replica of {self.log.source}")
-        return made if self.servos is None else with_servo_torque(self.servos, made)
+        return made if self.servos is None else with_servo_torque(self.servos, self._commanded(made, seed))
+
+    def _commanded(self, log: Log, seed: int) -> Log:
+        """With commands that are off by their rounding, which is all that a log tells of them."""
+        rng, names = np.random.default_rng([seed, 2]), [n for n in map(str, log.frame) if n.endswith(".r")]
+        noise = {n: noise_of(self.log.frame[n].to_numpy(float)) for n in names}
+        off = {n: log.frame[n] + sigma * rng.standard_normal(len(log)) for n, sigma in noise.items()}
+        return replace(log, frame=log.frame.assign(**off))
 
 
 def torque_spectra(made: Repeat | AlongMotion) -> Mapping[str, NoiseSpectrum]:
@@ -133,7 +140,8 @@ def side_by_side(
         return [r._read(frames[id(r)], noise, seed) for r, seed in wanted]
     drawn = [(r, r._drawn(noise, seed)) for r, seed in wanted]
     frames = simulator.simulate_batch([_disturbed(r.plan, added) for r, added in drawn], [parameters])
-    return [r._made(_sensed(f, r.plan, added)) for f, (r, added) in zip(frames, drawn, strict=True)]
+    made = zip(frames, drawn, (seed for _, seed in wanted), strict=True)
+    return [r._made(_sensed(f, r.plan, added), seed) for f, (r, added), seed in made]
 
 
 def repeats(robot: Robot, logs: Sequence[Log]) -> tuple[Robot, tuple[Repeat, ...]]:
