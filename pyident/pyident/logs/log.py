@@ -50,16 +50,16 @@ class Log:
     source  what messages call it
     notes   what was done to it, a sentence each
     up_to_constant   torques that are known but for a constant of this log, which no equation may read
-    by_servo         whether its torques are what servos make of commands and positions
     after   time [s] that its recording had run before its first row
+    by_servo         whether its torques are what servos make of commands and positions
     """
 
     frame: pd.DataFrame
     source: str = "the log"
     notes: tuple[str, ...] = ()
     up_to_constant: tuple[str, ...] = ()
-    by_servo: bool = False
     after: float = 0.0
+    by_servo: bool = False
 
     def __post_init__(self) -> None:
         check(self.frame, self.source)

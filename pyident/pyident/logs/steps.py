@@ -16,6 +16,7 @@ _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that
 _SAME = 0.02  # of the resolution of stamps: what counts as the same step
 _SMOOTHER = 0.7  # times as rough: less is no chance, and more is noise that stamps add little to
 _ROUNDED = 1e-9  # of a position's range: less is of numbers, not of a motion
+_LATEST = 0.1  # s that a busy computer may stamp late
 _STAMPS = 9  # on either side of a long step, which tell whether it lasts
 _SHORT = 100  # samples, too few to tell
 _JUMPS = 8  # steps of the rarer kind: with fewer, samples may be missing
@@ -109,7 +110,7 @@ def _sampled_evenly(frame: pd.DataFrame, time: np.ndarray, period: float) -> np.
     number = _numbers(time, period)
     positions = [frame[n].to_numpy(float) for n in frame if is_motor(str(n))]
     even = np.polyval(np.polyfit(number, time - time[0], 1), number) + time[0]
-    if len(time) < _SHORT or np.abs(time - even).max() > WIDEST_GAP * period:
+    if len(time) < _SHORT or np.abs(time - even).max() > max(_LATEST, WIDEST_GAP * period):
         return None  # a clock that changes its pace
     rough = [(x, _roughness(time, x)) for x in positions]
     ratios = [_roughness(even, x) / r for x, r in rough if r > max(resolution(x), _ROUNDED * np.ptp(x))]

@@ -99,6 +99,7 @@ class Payload(Result):
             "axes": AXES,
             "rank": self.carried.rank,
             "standard_deviations_off": self.carried.far,
+            "within_noise_of_none": self.carried.none_fits,
             "notes": list(self.notes),
         }
 
