@@ -113,9 +113,10 @@ def test_commands_that_jump_between_samples_are_no_missing_effect():
     rng, time = np.random.default_rng(3), 1e-3 * np.arange(8000)
     poses = np.repeat(rng.uniform(-0.8, 0.8, 11), [613, 571, 847, 702, 689, 934, 588, 777, 641, 803, 835])
     shaken = 0.8 * np.sin(3 * time) * np.minimum(time, 1)
-    frames = [
-        pd.DataFrame({"time": time, "joint1.r": r, "joint1.e": stepped(r)})[::10] for r in (poses, shaken)
-    ]
-    found = pi.identify_servo(guessed(), [frame.reset_index(drop=True) for frame in frames])
+    logs = []
+    for r in (poses, shaken):
+        frame = pd.DataFrame({"time": time[::10], "joint1.r": r[::10], "joint1.e": stepped(r)[::10]})
+        logs.append(Log(frame, "log"))
+    found = pi.identify_servo(guessed(), logs)
     assert found.fit.noise[0] > 2 * found.fit.noise[1]
     assert "noise leaves" not in str(found.summary())

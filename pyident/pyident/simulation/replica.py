@@ -107,7 +107,7 @@ class Repeat:
 
     def _made(self, frame: pd.DataFrame, seed: int) -> Log:
         frame = self.cut(frame)
-        switches = {name: x.to_numpy() for name, x in self.log.frame.items() if str(name).endswith(".on")}
+        switches = {n: self.log.frame[n].to_numpy() for n in self.log.names if n.endswith(".on")}
         made = replace(self.log, frame=frame.assign(**switches), source=f"replica of {self.log.source}")
         return made if self.servos is None else with_servo_torque(self.servos, self._commanded(made, seed))
 
