@@ -34,6 +34,7 @@ from pyident.verbs.inputs import (
 
 Progress = Callable[[float], None]
 _ROBUST = "irls"
+_NEAR_ENOUGH = 10  # rounds: what a drive has is asked for again beside the laws that explain most
 
 
 @one_thread()
@@ -130,10 +131,7 @@ def identify_servo(
         raise RobotError(f"robot {robot.name} has no [servo]; describe its drives, or identify from torques")
     read, doubts = checked_logs(robot, logs, mapping, force)
     recordings = _with_settings(robot, read, settings)
-    names = list(free) or [
-        *robot.servo.free,
-        *(name for name in robot.parameters if name.partition(".")[2] not in LINK_PARAMETERS),
-    ]
+    names = list(free) or _free(robot)
     unknown = [name for name in names if name not in settable(robot)]
     if unknown:
         raise RobotError(f"robot {robot.name} has no parameter {unknown[0]} that can be identified")
@@ -167,20 +165,29 @@ def with_found_drive(
 ) -> tuple[Robot, tuple[str, ...]]:
     """The robot with what [servo] lists as `unknown` found in the logs first, and notes on it.
 
-    Its torques follow from these values where nobody logged any. The others as in `identify`.
+    Its torques follow from these values where nobody logged any. The slopes of all servos are taken at once, as
+    if each moved its own joint alone. The others as in `identify`.
     """
     if robot.servo is None or not robot.servo.free:
         return robot, ()
     if not all(lacks_torque(robot, log) for log in read_logs(robot, logs, mapping_of(mapping))):
         return robot, ()
-    fit = identify_servo(robot, logs, mapping=mapping, force=force, progress=progress)
-    found = {name: fit.fit.values[name] for name in robot.servo.free}
+    read, _ = checked_logs(robot, logs, mapping, force)
+    names, recordings = _free(robot), [ServoLog(log, {}) for log in read]
+    kinds = [kind for name in names if (kind := _kind(name))]
+    groups = [[name for name in names if _kind(name) == kind] for kind in dict.fromkeys(kinds)]
+    groups += [[name] for name in names if not _kind(name)]
+    with runs_here(robot) as simulate:
+        fit = fit_closed_loop(robot, recordings, names, simulate, _NEAR_ENOUGH, groups, progress)
+    if not force:
+        _refuse_unfollowed(robot, read[0], fit)
+    found = {name: fit.values[name] for name in robot.servo.free}
     said = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
     notes = [
         f"found in these logs first, as the robot file calls it unknown: {said}; all torques, and with them "
         "the values of effects, are as large as that and the masses of the robot file make them"
     ]
-    bound = [name for name in found if name in fit.fit.at_bound]
+    bound = [name for name in found if name in fit.at_bound]
     if bound:
         notes.append(
             f"{', '.join(bound)} came out at the least value that it may have: something that is missing "
@@ -188,6 +195,18 @@ def with_found_drive(
             "the robot file and take it out of unknown"
         )
     return with_settings(robot, found), tuple(notes)
+
+
+def _free(robot: Robot) -> list[str]:
+    """Every law at the joints and what [servo] lists as `unknown`."""
+    laws = [name for name in robot.parameters if name.partition(".")[2] not in LINK_PARAMETERS]
+    return laws if robot.servo is None else [*robot.servo.free, *laws]
+
+
+def _kind(name: str) -> str:
+    """What a parameter of a joint is, whichever joint; of no joint's own: empty."""
+    joint, _, kind = name.partition(".")
+    return kind if joint.startswith("joint") else ""
 
 
 def _with_settings(
