@@ -165,8 +165,8 @@ def with_found_drive(
 ) -> tuple[Robot, tuple[str, ...]]:
     """The robot with what [servo] lists as `unknown` found in the logs first, and notes on it.
 
-    Its torques follow from these values where nobody logged any. The slopes of all servos are taken at once, as
-    if each moved its own joint alone. The others as in `identify`.
+    Its torques follow from these values where nobody logged any. The slopes of all servos are taken at once,
+    as if each moved its own joint alone. The others as in `identify`.
     """
     if robot.servo is None or not robot.servo.free:
         return robot, ()
