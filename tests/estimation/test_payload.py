@@ -162,6 +162,7 @@ def test_no_payload_is_none(logs):
     none = pi.payload(robot, short, short)
     np.testing.assert_allclose(none.carried.free, 0, atol=1e-6)
     assert none.headline().startswith("these logs tell no load from none")
+    assert "from its joint" not in none.summary()
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -62,7 +62,7 @@ def diagnose(
     most = 0.8 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
     search = searched(robot, logs, open_pool, lambda share: progress(most * share), rules)
     search, found = _from_columns(
-        search.resting_on(()), heldout, open_pool, _part(progress, most, 0.8 - most)
+        search.resting_on(()), heldout, open_pool, part_of(progress, most, 0.8 - most)
     )
     if search.examination.setting.unfollowed:
         progress(1.0)
@@ -75,9 +75,9 @@ def diagnose(
         steps += [
             (
                 "motions that separate",
-                lambda d: with_experiments(search, d, open_pool, _part(progress, 0.85)),
+                lambda d: with_experiments(search, d, open_pool, part_of(progress, 0.85)),
             ),
-            ("motions that show", lambda d: with_revealing(search, d, open_pool, _part(progress, 0.95))),
+            ("motions that show", lambda d: with_revealing(search, d, open_pool, part_of(progress, 0.95))),
         ]
     else:
         found = replace(found, notes=(_ALONG, *found.notes))
@@ -122,7 +122,8 @@ def _as_far_as(found: Diagnosis, steps: Sequence[tuple[str, Callable[[Diagnosis]
     return found
 
 
-def _part(progress: Progress, start: float, width: float = 0.05) -> Progress:
+def part_of(progress: Progress, start: float, width: float = 0.05) -> Progress:
+    """Progress of what takes a share `width` of the whole, after `start` of it."""
     return lambda share: progress(start + width * share)
 
 
@@ -147,7 +148,7 @@ def _from_columns(
     """
     if search.examination.setting.unfollowed:
         return search, _unnamed(search, heldout)
-    search, held, selection = _in_time(search, heldout, open_pool, _part(progress, 0.0, 0.7))
+    search, held, selection = _in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
     beside = search.resting_on(selection.candidates)

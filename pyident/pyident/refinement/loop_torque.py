@@ -24,7 +24,7 @@ from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import generalised_forces
 from pyident.simulation.feedforward import controller_torque, recoverable
-from pyident.simulation.servo_torque import with_servo_torque
+from pyident.simulation.servo_torque import with_servo_torque, with_torque
 
 _ROUNDS = 3  # a law of the torque needs its constant, and the constant the law's values
 UNSEEN = (  # with either kind of loop
@@ -80,7 +80,7 @@ def _answer(robot: Robot, log: Log) -> Log:
     reference, e, added = (
         log.signals([name(k) for k in joints]) for name in (reference_of, motor_of, feedforward_of)
     )
-    return _filled(log, robot, controller_torque(robot.controller, reference, e) + added)
+    return with_torque(robot, log, controller_torque(robot.controller, reference, e) + added)
 
 
 def _centred(robot: Robot, logs: Sequence[Log]) -> list[Log]:
@@ -94,7 +94,8 @@ def _centred(robot: Robot, logs: Sequence[Log]) -> list[Log]:
         best = weighted(Problem(robot, tuple(parts)))
         missing = [_constants(best.problem.robot, part, best.solution.p) for part in parts]
         logs = [
-            _filled(log, robot, log.signals(robot.torques) + c) for log, c in zip(logs, missing, strict=True)
+            with_torque(robot, log, log.signals(robot.torques) + c)
+            for log, c in zip(logs, missing, strict=True)
         ]
         if not _reads_torque(robot):
             break
@@ -111,8 +112,3 @@ def _constants(robot: Robot, part: Conditioned, p: np.ndarray) -> np.ndarray:
     left = (generalised_forces(robot, part.motion, p) - part.target) * part.use
     joints = slice(0, len(robot.joints))
     return left.sum(axis=0)[joints] / np.maximum(part.use.sum(axis=0)[joints], 1.0)
-
-
-def _filled(log: Log, robot: Robot, torque: np.ndarray) -> Log:
-    columns = {torque_of(k): torque[:, k - 1] for k, _ in robot.numbered}
-    return replace(log, frame=log.frame.assign(**columns))

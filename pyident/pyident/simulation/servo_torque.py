@@ -17,5 +17,10 @@ def with_servo_torque(robot: Robot, log: Log) -> Log:
     on = log.frame.reindex(columns=[switch_of(k) for k in joints]).fillna(1.0).to_numpy(float)
     time = log.signals(["time"])[:, 0]
     torque = robot.servo.torque(reference, e, np.gradient(e, log.period, axis=0), on, time)
-    columns = {torque_of(k): torque[:, k - 1] for k in joints}
-    return replace(log, frame=log.frame.assign(**columns), by_servo=True)
+    return replace(with_torque(robot, log, torque), by_servo=True)
+
+
+def with_torque(robot: Robot, log: Log, torque: np.ndarray) -> Log:
+    """The log with other torques (N, joints) [N m or N]."""
+    columns = {torque_of(k): torque[:, k - 1] for k, _ in robot.numbered}
+    return replace(log, frame=log.frame.assign(**columns))

@@ -25,9 +25,7 @@ from pyident.verbs.inputs import (
     Model,
     Opened,
     checked_logs,
-    mapping_of,
     opened,
-    read_logs,
     robot_of,
     simulable,
 )
@@ -170,13 +168,14 @@ def with_found_drive(
     """
     if robot.servo is None or not robot.servo.free:
         return robot, ()
-    if not all(lacks_torque(robot, log) for log in read_logs(robot, logs, mapping_of(mapping))):
-        return robot, ()
     read, _ = checked_logs(robot, logs, mapping, force)
+    if not all(lacks_torque(robot, log) for log in read):
+        return robot, ()
     names, recordings = _free(robot), [ServoLog(log, {}) for log in read]
-    kinds = [kind for name in names if (kind := _kind(name))]
-    groups = [[name for name in names if _kind(name) == kind] for kind in dict.fromkeys(kinds)]
-    groups += [[name] for name in names if not _kind(name)]
+    alike: dict[str, list[str]] = {}
+    for name in names:
+        alike.setdefault(_kind(name), []).append(name)
+    groups = list(alike.values())
     with runs_here(robot) as simulate:
         fit = fit_closed_loop(robot, recordings, names, simulate, _NEAR_ENOUGH, groups, progress)
     if not force:
@@ -204,9 +203,9 @@ def _free(robot: Robot) -> list[str]:
 
 
 def _kind(name: str) -> str:
-    """What a parameter of a joint is, whichever joint; of no joint's own: empty."""
+    """What a parameter is, whichever joint has it; of no joint's own: its whole name."""
     joint, _, kind = name.partition(".")
-    return kind if joint.startswith("joint") else ""
+    return kind if joint.startswith("joint") else name
 
 
 def _with_settings(

@@ -11,7 +11,7 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
-from pyident.diagnosis.diagnose import servo_delay_in
+from pyident.diagnosis.diagnose import part_of, servo_delay_in
 from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
 from pyident.extension.add_effect import add_effect as extended
@@ -170,24 +170,20 @@ def _with_loop(
 
     A fit to positions has a delay that what is missing bends: it is asked for again beside laws that explain.
     """
-    robot, notes = with_found_drive(robot, logs, mapping, force, _part(progress, 0.0, 0.1))
+    robot, notes = with_found_drive(robot, logs, mapping, force, part_of(progress, 0.0, 0.1))
     read = given(robot, logs, mapping, heldout, force)
     if not notes:
         return read, (), progress
     if robot.servo is None or "delay" not in robot.servo.unknown:
-        return read, notes, _part(progress, 0.1, 1.0)
+        return read, notes, part_of(progress, 0.1, 0.9)
     parts = split(read.logs, read.heldout)
-    late = servo_delay_in(read.robot, parts.fitted, FmuRuns, parts.unseen, _part(progress, 0.1, 0.4))
+    late = servo_delay_in(read.robot, parts.fitted, FmuRuns, parts.unseen, part_of(progress, 0.1, 0.3))
     if late:
         delay = max(robot.servo.delay + late, 0.0)
         robot = with_settings(robot, {"servo.delay": delay})
         read = given(robot, logs, mapping, heldout, force)
         notes = (*notes, f"servo.delay {delay:.3g} leaves less of the equations, and is taken here")
-    return read, notes, _part(progress, 0.4, 1.0)
-
-
-def _part(progress: Progress, start: float, end: float) -> Progress:
-    return lambda share: progress(start + (end - start) * share)
+    return read, notes, part_of(progress, 0.4, 0.6)
 
 
 def _silent(_: float) -> None:

@@ -121,7 +121,8 @@ class Payload(Result):
         ]
         heads = ("value", "± 95 %", "of a body", "unit", "added")
         axes = "turn with the link and are parallel to the base's in the zero pose"
-        lines = [f"{self.headline()}, from its joint, in axes that {axes} (a URDF's link may have others)"]
+        frame = f"from its joint, in axes that {axes} (a URDF's link may have others)"
+        lines = [self.headline() if one.none_fits else f"{self.headline()}, {frame}"]
         if self.carried.rank < len(LINK_PARAMETERS):
             lines.append(self._undetermined())
         if self.carried.far > _STRANGE:
