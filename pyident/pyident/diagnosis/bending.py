@@ -13,11 +13,12 @@ where they take most of what is missing at each, and held-out logs show them far
 there may be less: noise of the motors' motion, which a resonance enlarges, lessens whatever is fitted to it.
 """
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 
 from flexmodels.robot import Robot
 from pyident.conditioning.standing import standing_in
@@ -35,7 +36,9 @@ _LAST_ROUNDS = 6
 _DRIVES = 4  # of a robot, that are fitted together
 _SLOWEST, _PER_SWING, _FREQUENCIES = 1.0, 8, 20  # Hz; samples; to look at between
 _DAMPING = (0.02, 0.1)  # ratios
-_LOOKS = 16  # at other springs, of each drive
+_LOOKS = 6  # steps towards other springs
+_WITHIN, _STEP = 1.5, 1e-3  # of logarithms of compliances and dampings
+_LINKS = 0.9  # of an inertia that a motor may have of it, at most
 _RIVALS, _NEAR = 3, 0.5  # drives that are fitted, and the part of the most that their own equation tells
 _RESTS = 0.02  # of a compliance
 _ALIKE = 4.0  # times: so far may the size of a swing be from that of the spring that makes it
@@ -75,11 +78,15 @@ def about_bends(search: Search) -> Search | None:
     still = standing_in([log.part.motion for log in ex.logs], len(search.robot.joints))
     joints = [c.joint for c in described(search.robot, still) if c.effect == DRIVE]
     best, lacking = _Fit(search.robot, {}, 0.0), float(search.lacking.sum())
-    least = search.rules.part * lacking
-    while len(best.drives) < min(_DRIVES, len(joints)) and lacking - best.energy > least:
+    bins = sum(log.y.shape[1] for log in ex.logs)
+    chance = search.rules.chance * math.sqrt(
+        2 * bins * np.sum(ex.raised**-4.0)
+    )  # of noise, over raised floors
+    while len(best.drives) < min(_DRIVES, len(joints)) and lacking - best.energy > chance:
         further = _further(search, best, [k for k in joints if k not in best.drives])
-        taken, left = further.energy - best.energy, lacking - best.energy
-        if taken < max(least, search.rules.explained[0] * left):
+        (joint,) = further.drives.keys() - best.drives
+        left = min(lacking - best.energy, search.lacking[joint - 1])
+        if further.energy - best.energy < max(chance, search.rules.explained[0] * left):
             break
         best = further
     if not best.drives:
@@ -204,31 +211,44 @@ def _scanned(search: Search, fit: _Fit, joint: int) -> _Fit:
 
 
 def _sought(search: Search, fit: _Fit) -> _Fit:
-    """The fit with springs about its own that take most of all equations.
+    """The fit with springs about its own that leave least of all equations, beside drives that only sag.
 
-    What is slow tells the size of a swing alone, which is that of the spring that makes it: where they differ
-    by a factor, that counts as a loss.
+    Of what inertia follows a motor, how much is its own is sought with them: it decides how far a link swings.
     """
-
-    def at(x: np.ndarray) -> _Fit:
-        pairs = np.exp(x.reshape(-1, 2)).tolist()
-        springs = {k: Spring(*pair) for k, pair in zip(fit.swings, pairs, strict=True)}
-        return replace(fit, drives={**fit.drives, **springs})
-
-    def left(x: np.ndarray) -> float:
-        tried = at(x)
-        found = gain(search.base, joined(_columns(search, tried)), np.zeros(len(fit.drives)))
-        told = dict(zip(fit.drives, found.coefficients, strict=True))
-        odd = sum(np.log(max(told[k] / s.compliance, 1e-3)) ** 2 for k, s in tried.swings.items())
-        return -found.energy * (1 - search.rules.part * odd)
-
-    sizes = np.array([astuple(spring) for spring in fit.swings.values()])
-    if (sizes <= 0).any():
+    springs = fit.swings
+    if any(spring.compliance <= 0 or spring.damping <= 0 for spring in springs.values()):
         return fit  # a spring that pushes is none
-    start = np.log(sizes).ravel()
-    simplex = start + np.vstack([np.zeros(len(start)), np.diag(np.tile([0.2, 0.7], len(fit.swings)))])
-    options = {"initial_simplex": simplex, "maxfev": _LOOKS * len(fit.swings), "fatol": 1.0, "xatol": 0.01}
-    return at(minimize(left, start, method="Nelder-Mead", options=options).x)
+    logs = search.examination.logs
+    base = _beside(search, replace(fit, drives={k: s for k, s in fit.drives.items() if k not in springs}))
+    inertias = [typical_inertia(fit.robot, logs[0].part.motion, k) for k in springs]
+
+    def at(x: np.ndarray) -> Springs:
+        rows = zip(springs, inertias, x.reshape(-1, 3).tolist(), strict=True)
+        return {k: Spring(math.exp(c), math.exp(z), share * J) for k, J, (c, z, share) in rows}
+
+    def left(x: np.ndarray) -> np.ndarray:
+        changed = _changed(search, fit.robot, at(x))
+        imitated = sum(np.tensordot(c, own, 2) for c, own in zip(changed, base.basis, strict=True))
+        each = zip(base.residual, changed, base.basis, strict=True)
+        return np.concatenate([(r - c + own @ imitated).ravel() for r, c, own in each])
+
+    told = zip(springs.values(), inertias, strict=True)
+    start = np.array([(math.log(s.compliance), math.log(s.damping), s.rotor / J) for s, J in told])
+    lowest = start + [-_WITHIN, -_WITHIN, -np.inf]
+    highest = np.column_stack([start[:, :2] + _WITHIN, np.maximum(start[:, 2], _LINKS) + _RESTS])
+    ends = lowest.ravel(), highest.ravel()
+    found = least_squares(left, start.ravel(), bounds=ends, diff_step=_STEP, max_nfev=_LOOKS)
+    return replace(fit, drives={**fit.drives, **at(found.x)})
+
+
+def _changed(search: Search, robot: Robot, springs: Springs) -> list[np.ndarray]:
+    """Per log (n, E): what links that swing change in the equations."""
+    out = []
+    for log, level in zip(search.examination.logs, search.levels, strict=True):
+        change = swung(robot, log.part.motion, springs)
+        used = np.array([log.part.used(row, own) for row, own in enumerate(change)])
+        out.append(log.band.transform(used.T).T / level)
+    return out
 
 
 def _beside(search: Search, fit: _Fit) -> Base:

@@ -14,7 +14,7 @@ from pyident.diagnosis.searched import searched
 from pyident.logs.log import Log
 
 PACE, STEP = 8.0, 0.0025  # of sines up to 2.9 Hz; s
-COMPLIANCE = {1: 4.5e-4, 2: 5.5e-4}  # rad/(N m): links swing at 4 to 5 Hz
+COMPLIANCE = {1: 4.5e-4, 2: 5.5e-4, 3: 2e-3}  # rad/(N m): links swing at 4 to 5 Hz
 DAMPING = 0.04
 
 
@@ -63,7 +63,7 @@ def swinging(seed: int, compliance: dict[int, float]) -> Log:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("joints", [(2,), (1, 2)])
+@pytest.mark.parametrize("joints", [(2,), (1, 2), (1, 2, 3)])
 def test_drives_are_named_with_their_springs(joints):
     compliance = {k: COMPLIANCE[k] for k in joints}
     logs = [swinging(seed, compliance) for seed in range(3)]

@@ -5,7 +5,9 @@ for, which is linear in the lag b and its rates where it is small (Spong 1987):
 
     F(q, q̇, q̈) − F_q b − F_v ḃ − M b̈ = K b + D ḃ
 
-with F the loads of links that follow their motors and F_q, F_v, M = F_a their slopes. Slowly, b is F / K;
+with F the loads of links that follow their motors and F_q, F_v, M = F_a their slopes. A link that follows its
+motor does not tell how much of both inertias is the motor's, which does not lag: J of it is taken from M, and
+J q̈ from F. Slowly, b is F / K;
 near √(K / M) a link swings. Links of one arm swing together: M has all pairs of drives that bend. Between
 samples b̈ is taken as a parabola (Numerov), right to the fourth order of the step; where a link swings too
 fast for that, as a straight line, which is stable at any step.
@@ -33,10 +35,14 @@ _slopes: Recent[np.ndarray] = Recent(32)
 
 @dataclass(frozen=True)
 class Spring:
-    """A drive's compliance [rad/(N m), m/N], and the damping ratio of its link on it, inf: it only sags."""
+    """A drive's compliance [rad/(N m), m/N], and the damping ratio of its link on it, inf: it only sags.
+
+    rotor   inertia [kg m², kg] that a fit without springs gave to the link and that the motor has
+    """
 
     compliance: float
     damping: float
+    rotor: float = 0.0
 
     @property
     def swings(self) -> bool:
@@ -63,8 +69,11 @@ def as_values(springs: Springs) -> tuple[tuple[str, float], ...]:
 
 def from_values(values: Sequence[tuple[str, float]]) -> Springs:
     """Of `as_values`."""
-    pairs = zip(values[::2], values[1::2], strict=True)
-    return {int(name.partition(".")[0]): Spring(c, z) for (name, c), (_, z) in pairs}
+    found: dict[int, dict[str, float]] = {}
+    for name, value in values:
+        joint, _, of = name.partition(".")
+        found.setdefault(int(joint), {})[of] = value
+    return {joint: Spring(**told) for joint, told in found.items()}
 
 
 def carries(robot: Robot, motion: Motion, joint: int) -> bool:
@@ -83,11 +92,14 @@ def swung(robot: Robot, motion: Motion, springs: Springs) -> np.ndarray:
     They begin as links that lag slowly; 0 where springs do not hold them. Joints must carry something, as
     `carries` says.
     """
-    joints = list(springs)
-    slopes = np.stack([_slopes_at(robot, motion, k) for k in joints], axis=1)  # (3, S, n, N)
-    load = carried_loads(robot, motion)[:, [k - 1 for k in joints]]
+    own = [k - 1 for k in springs]
+    slopes = np.stack([_slopes_at(robot, motion, k) for k in springs], axis=1)  # (3, S, n, N)
+    load = carried_loads(robot, motion)[:, own]
+    rotors = np.array([spring.rotor for spring in springs.values()])
+    slopes[2, np.arange(len(own)), own] -= rotors[:, None]
+    load = load - rotors * motion.ddq[:, own]
     step = float(np.median(np.diff(np.asarray(motion.time))))
-    rates = _lags(slopes[:, :, [k - 1 for k in joints]], load, list(springs.values()), step)
+    rates = _lags(slopes[:, :, own], load, list(springs.values()), step)
     return -np.einsum("rsit,rts->it", slopes, rates)
 
 
