@@ -78,10 +78,7 @@ def about_bends(search: Search) -> Search | None:
     still = standing_in([log.part.motion for log in ex.logs], len(search.robot.joints))
     joints = [c.joint for c in described(search.robot, still) if c.effect == DRIVE]
     best, lacking = _Fit(search.robot, {}, 0.0), float(search.lacking.sum())
-    bins = sum(log.y.shape[1] for log in ex.logs)
-    chance = search.rules.chance * math.sqrt(
-        2 * bins * np.sum(ex.raised**-4.0)
-    )  # of noise, over raised floors
+    chance = float((search.rules.chance / ex.raised.max()) ** 2)  # energy that noise gives to a column
     while len(best.drives) < min(_DRIVES, len(joints)) and lacking - best.energy > chance:
         further = _further(search, best, [k for k in joints if k not in best.drives])
         (joint,) = further.drives.keys() - best.drives
@@ -213,7 +210,7 @@ def _scanned(search: Search, fit: _Fit, joint: int) -> _Fit:
 def _sought(search: Search, fit: _Fit) -> _Fit:
     """The fit with springs about its own that leave least of all equations, beside drives that only sag.
 
-    Of what inertia follows a motor, how much is its own is sought with them: it decides how far a link swings.
+    Of the inertia that follows a motor, how much is its own is sought as well: it decides how links swing.
     """
     springs = fit.swings
     if any(spring.compliance <= 0 or spring.damping <= 0 for spring in springs.values()):
@@ -234,7 +231,7 @@ def _sought(search: Search, fit: _Fit) -> _Fit:
 
     told = zip(springs.values(), inertias, strict=True)
     start = np.array([(math.log(s.compliance), math.log(s.damping), s.rotor / J) for s, J in told])
-    lowest = start + [-_WITHIN, -_WITHIN, -np.inf]
+    lowest = start - [_WITHIN, _WITHIN, np.inf]
     highest = np.column_stack([start[:, :2] + _WITHIN, np.maximum(start[:, 2], _LINKS) + _RESTS])
     ends = lowest.ravel(), highest.ravel()
     found = least_squares(left, start.ravel(), bounds=ends, diff_step=_STEP, max_nfev=_LOOKS)
