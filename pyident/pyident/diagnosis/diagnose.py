@@ -18,8 +18,8 @@ from pyident.conditioning.alignment import HELD, NOTHING, Alignment, OwnWay
 from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.standing_out import unsettled
-from pyident.diagnosis.bending import about_bends, swinging
 from pyident.diagnosis.conclusion import conclusion
+from pyident.diagnosis.drives.bending import about_bends, swinging
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.late_torque import comes_late, held_alike, own_ways
 from pyident.diagnosis.misaligned import delay_beside

@@ -14,7 +14,7 @@ from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, unbiased, workers_of
-from pyident.diagnosis.bending import links_swing
+from pyident.diagnosis.drives.bending import links_swing
 from pyident.diagnosis.misaligned import alignment_of
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.estimation.identify import relative_error

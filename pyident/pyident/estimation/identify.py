@@ -15,7 +15,7 @@ from pyident.estimation.held_masses import ALIKE, held_masses, unlike
 from pyident.estimation.least_squares import Solution, residual_squares
 from pyident.estimation.physical import consistent, lower_bounds
 from pyident.logs.disk import LogFile
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.regression.reduced import Reduced
 from pyident.rules.confidence import CONFIDENCE, LEVEL
@@ -143,6 +143,19 @@ def near(found: Identified, prior: Robot) -> Identified:
     note = f"what the data leave open stays near {prior.name}"
     note += f"; they say nothing of {', '.join(kept)}" if kept else ""
     return replace(found, notes=(*found.notes, note, *notes, *_unlike(found, prior)))
+
+
+def with_motors(found: Identified, inertias: Mapping[str, float], prior: Robot | None) -> Identified:
+    """The same solution, its model written with motor inertias by name that something else than it tells.
+
+    What it tells itself stays; and all does where no bodies that can exist go with them.
+    """
+    known = {name: J for name, J in inertias.items() if found.support.get(name) == "combination"}
+    try:
+        p = consistent(found.robot, found.reduced, found.solution, prior, known=known)
+    except LogError:
+        return found
+    return replace(found, robot=found.robot.with_parameters(dict(zip(found.reduced.columns, p, strict=True))))
 
 
 def soft_hinges(names: Sequence[str], solution: Solution, prior: Robot) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """Flexible hinges that a log says nothing about are locked for the identification."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from flexmodels.coordinate import deformation_of
@@ -16,10 +16,7 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
         present = [i for i in joint.deformations if all(deformation_of(k, i) in log.names for log in logs)]
         if joint.flexible and 1 not in present:
             joints[k - 1] = _without(joint, flexible=False)
-            notes.append(
-                f"joint {k}: no link-side encoder (joint{k}.eps[1]), so its flexible hinge is locked; its "
-                f"stiffness and damping cannot be told, nor its motor inertia from the inertia that it moves"
-            )
+            notes.append(locked_note(k))
         elif joint.flexible and len(present) < len(joint.deformations):
             joints[k - 1] = _without(joint, flexible=True)
             notes.append(
@@ -27,6 +24,27 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
                 f"here; k[2], k[3], d[2] and d[3] cannot be told"
             )
     return replace(robot, joints=tuple(joints)), notes
+
+
+def locked_note(joint: int) -> str:
+    """What is said of a joint, from 1, whose hinge is locked."""
+    return (
+        f"joint {joint}: no link-side encoder (joint{joint}.eps[1]), so its flexible hinge is locked; its "
+        f"stiffness and damping cannot be told, nor its motor inertia from the inertia that it moves"
+    )
+
+
+def unlocked(robot: Robot, hinges: Mapping[int, Mapping[str, float]]) -> Robot:
+    """The robot with hinges that twist, by joint with their `k[1]` and `d[1]`."""
+    joints = list(robot.joints)
+    for k, values in hinges.items():
+        own = {
+            **joints[k - 1].values,
+            "stiffness": {"k[1]": values["k[1]"]},
+            "damping": {"d[1]": values["d[1]"]},
+        }
+        joints[k - 1] = replace(joints[k - 1], flexible=True, bends=False, values=own)
+    return replace(robot, joints=tuple(joints))
 
 
 def _without(joint: Joint, flexible: bool) -> Joint:

@@ -41,6 +41,7 @@ def consistent(
     solution: Solution,
     prior: Robot | None = None,
     within: float | None = None,
+    known: Mapping[str, float] | None = None,
 ) -> np.ndarray:
     """Parameters (P,) under the physical bounds, as few standard deviations from the solution as possible.
 
@@ -48,6 +49,7 @@ def consistent(
     there is none by small size.
 
     within   factor of the prior's masses in which those of the links are held; None: they are free
+    known    parameters that have just these values; None: none has
     Raises LogError when the solver finds no such parameters.
     """
     import cvxpy as cp
@@ -61,6 +63,8 @@ def consistent(
     ]
     for name, least in bounds.items():
         limits.append(x[names.index(name)] >= least / units[names.index(name)])
+    for name, value in (known or {}).items():
+        limits.append(x[names.index(name)] == value / units[names.index(name)])
     for name, (least, most) in masses.items():
         limits += [p[names.index(name)] >= least, p[names.index(name)] <= most]
     u, t = cp.Variable(solution.rank), cp.Variable(solution.null.shape[1])

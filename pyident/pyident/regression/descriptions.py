@@ -24,6 +24,7 @@ from pyident.regression.outside_file import ANSWER, BEND, GAIN, LAG, RATIO, Outs
 
 DRIVE = "drive_compliance"
 DELAY = "servo_delay"
+LATE = "torque_lag"
 _STEP = 1e-6  # m, rad
 _AXES = "xyz"
 _PLACE = re.compile(r"(?:joint(\d+)\.)?([a-z_]+(?:\[[xyz]\])?)")
@@ -134,7 +135,7 @@ DESCRIPTIONS: Mapping[str, Description] = {
             "torque_gain", "the gain of the logged torque", "1", 1.0, GAIN, relative=True, least=0.01
         ),
         Description(
-            "torque_lag",
+            LATE,
             "how late the logged torque comes",
             "s",
             0.02,

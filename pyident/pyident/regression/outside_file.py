@@ -9,7 +9,7 @@ from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.regression.loads.bodies import carried_loads
 from pyident.regression.loads.forces import as_they_are, link_forces_along
-from pyident.regression.loads.swinging_drive import Springs, carries, swung
+from pyident.regression.loads.swinging_drive import Springs, carry, swung
 from pyident.regression.regressor import generalised_forces
 
 _SLOPE = 0.2  # of a torque: beyond it the wrong one has bent all that its column is made of
@@ -124,7 +124,7 @@ def _bent(robot: Robot, motion: Motion, k: int, about: Springs) -> dict[int, np.
         return {k - 1: np.zeros(len(load))}
     own = about.get(k)
     if own is not None and own.swings:
-        if not all(carries(robot, motion, joint) for joint in about):
+        if not carry(robot, motion, about):
             return {k - 1: np.zeros(len(load))}
         others = {joint: spring for joint, spring in about.items() if joint != k}
         change = swung(robot, motion, about)

@@ -3,12 +3,14 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from flexmodels.coordinate import of_joint
 from flexmodels.link import LINK_PARAMETERS
 from flexmodels.named_values import settable, with_settings
 from flexmodels.robot import Robot, RobotError
 from pyident.estimation.estimator import reweighted, weighted
-from pyident.estimation.identify import Identified, near, of_the_same_arm, without_intervals
+from pyident.estimation.identify import Identified, near, of_the_same_arm, with_motors, without_intervals
 from pyident.estimation.identify import identify as regress
+from pyident.estimation.lock_unlogged import unlocked
 from pyident.estimation.residuals import torque_error
 from pyident.logs.log import Log, LogError
 from pyident.refinement.auxiliary_model import by_instruments
@@ -24,6 +26,7 @@ from pyident.verbs.inputs import (
     Logs,
     Model,
     Opened,
+    as_rigid,
     checked_logs,
     opened,
     robot_of,
@@ -63,7 +66,8 @@ def identify(
     force     take logs that the checks call grossly wrong; else they raise LogError, and lesser doubts are
               in `notes`
     progress  called with the fraction done
-    Hinges that the logs say nothing of are locked, which `notes` says. Raises RobotError, LogError.
+    Hinges that no log holds are locked, which `notes` says, but for those whose stiffness the robot has and
+    whose motors feel how their links swing: `notes` tells their values. Raises RobotError, LogError.
     """
     if robust and estimator not in (DEFAULT, _ROBUST):
         raise RobotError(
@@ -71,13 +75,15 @@ def identify(
         )
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
-    read = opened(robot, logs, mapping, heldout, force)
+    read, hinges = _on_springs(robot, opened(robot, logs, mapping, heldout, force))
     found = _identified(read, _ROBUST if robust else estimator, progress, cad)
+    if hinges:
+        found = with_motors(found, {of_joint(k, "J_m"): own["J_m"] for k, own in hinges.items()}, cad)
     taken = logged if by_instruments(found) else None
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
         progress(1.0)
-    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad)
+    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad, unlocked(found.robot, hinges))
 
 
 def refine(
@@ -194,6 +200,21 @@ def with_found_drive(
             "the robot file and take it out of unknown"
         )
     return with_settings(robot, found), tuple(notes)
+
+
+def _on_springs(robot: Robot, read: Opened) -> tuple[Opened, dict[int, dict[str, float]]]:
+    """What was read, its torques as rigid drives need them, and by joint the hinges that motors feel in the
+    logs; none of logs on disk.
+    """
+    from pyident.diagnosis.drives import unseen  # what a diagnosis needs, for robots that bend alone
+
+    fitted = [log for log in read.logs if isinstance(log, Log)]
+    if len(fitted) < len(read.logs) or not unseen.unseen(robot, read.robot):
+        return read, {}
+    drives = unseen.found(robot, read.robot, fitted)
+    if drives is None:
+        return read, {}
+    return as_rigid(read, drives.rigid, drives.springs, drives.notes(fitted[0])), drives.hinges(fitted[0])
 
 
 def _free(robot: Robot) -> list[str]:

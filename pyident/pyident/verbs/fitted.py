@@ -36,6 +36,7 @@ class Fit(Result):
     logs        that it was fitted to
     heldout     log -> joint -> error of the written model's torque [%], of logs that it was not fitted to
     prior       near which the model is written where the data leave it open
+    hinged      the robot with hinges that its motors feel; None: as it was identified
     """
 
     identified: "Identified"
@@ -43,11 +44,12 @@ class Fit(Result):
     logs: tuple["Log | LogFile", ...] = ()
     heldout: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     prior: "Robot | None" = None
+    hinged: "Robot | None" = None
 
     @property
     def robot(self) -> "Robot":
         """The robot with its new, physically consistent parameters."""
-        return self.identified.robot
+        return self.hinged or self.identified.robot
 
     def save(self, path: str | Path) -> Path:
         """Write the robot file. Raises RobotError."""
@@ -63,7 +65,7 @@ class Fit(Result):
         from pyident.report.identification import write_identification
 
         logs = [log for log in self.logs if isinstance(log, Log)]
-        left = joint_residuals(self.robot, logs) if logs else []
+        left = joint_residuals(self.identified.robot, logs) if logs else []
         return write_identification(Path(path), self.identified, self.notes, left, self.heldout, self.prior)
 
     def to_frame(self) -> "pd.DataFrame":
@@ -92,7 +94,11 @@ class Fit(Result):
 
         heldout = {source: told_errors(error) for source, error in self.heldout.items()}
         told = {"relative_error_heldout_percent": heldout} if heldout else {}
-        return self.identified.json() | told | {"notes": list(self.notes)}
+        found = self.identified.json()
+        for name in sorted(set(self.robot.parameters) - set(found["parameters"])):
+            value, unit = self.robot.parameters[name], self.robot.units[name]
+            found["parameters"][name] = {"value": value, "std": None, "unit": unit, "identifiable": "alone"}
+        return found | told | {"notes": list(self.notes)}
 
     def headline(self) -> str:
         found = self.identified

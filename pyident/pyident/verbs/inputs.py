@@ -1,9 +1,10 @@
 """What a caller gives: a model and logs in any of their forms; every verb reads both here."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Mapping as Named
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 
@@ -15,7 +16,7 @@ from pyident.checks.check_log import checked
 from pyident.checks.defect import Defect
 from pyident.conditioning.own_cutoff import with_own_cutoff
 from pyident.conditioning.standing import standing
-from pyident.estimation.lock_unlogged import locked
+from pyident.estimation.lock_unlogged import locked, locked_note
 from pyident.logs.averaged import averaged
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
@@ -53,6 +54,9 @@ class Opened:
     logs: tuple[Log | LogFile, ...]
     heldout: tuple[Log, ...]
     notes: tuple[str, ...]
+
+
+_Read = TypeVar("_Read", Given, Opened)
 
 
 def read_log(
@@ -152,6 +156,16 @@ def opened(
     known = {id(old): new for old, new in zip(in_memory, whole, strict=True)}
     fitted = tuple(known.get(id(log), log) for log in read)
     return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *modelled))
+
+
+def as_rigid(read: _Read, rigid: Callable[[Log], Log], joints: Iterable[int], notes: Iterable[str]) -> _Read:
+    """What was read, its logs in memory as `rigid` makes them, with notes in place of those on hinges of
+    joints, from 1, that are locked.
+    """
+    dropped = {locked_note(k) for k in joints}
+    logs = tuple(rigid(log) if isinstance(log, Log) else log for log in read.logs)
+    kept = (note for note in read.notes if note not in dropped)
+    return replace(read, logs=logs, heldout=tuple(map(rigid, read.heldout)), notes=(*notes, *kept))
 
 
 def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:

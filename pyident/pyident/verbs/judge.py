@@ -12,6 +12,7 @@ from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.diagnosis.diagnose import part_of, servo_delay_in
+from pyident.diagnosis.drives import unseen
 from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
 from pyident.extension.add_effect import add_effect as extended
@@ -24,7 +25,7 @@ from pyident.simulation.denoised import within
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.processes.this_machine import processes_kept
 from pyident.verbs.fit import with_found_drive
-from pyident.verbs.inputs import Columns, Given, Logs, Model, given, robot_of
+from pyident.verbs.inputs import Columns, Given, Logs, Model, as_rigid, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
 Progress = Callable[[float], None]
@@ -50,7 +51,8 @@ def compare(
     The others as in `identify`. Raises RobotError, LogError, BuildError.
     """
     told = progress or _silent
-    read = given(robot_of(model, parameters, allow_effects), logs, mapping, force=force)
+    robot = robot_of(model, parameters, allow_effects)
+    read = _on_stated_springs(robot, given(robot, logs, mapping, force=force))
     outcome = compared(read.robot, read.logs, FmuRuns, lambda share: told(0.5 * share))
     apart = alignment_in(read.robot, read.logs, FmuRuns) if outcome.tracks and outcome.where else NOTHING
     if apart.needed:
@@ -173,7 +175,7 @@ def _with_loop(
     robot, notes = with_found_drive(robot, logs, mapping, force, part_of(progress, 0.0, 0.1))
     read = given(robot, logs, mapping, heldout, force)
     if not notes:
-        return read, (), progress
+        return _on_found_springs(robot, read), (), progress
     if robot.servo is None or "delay" not in robot.servo.unknown:
         return read, notes, part_of(progress, 0.1, 0.9)
     parts = split(read.logs, read.heldout)
@@ -184,6 +186,28 @@ def _with_loop(
         read = given(robot, logs, mapping, heldout, force)
         notes = (*notes, f"servo.delay {delay:.3g} leaves less of the equations, and is taken here")
     return read, notes, part_of(progress, 0.4, 0.6)
+
+
+def _on_found_springs(robot: Robot, read: Given) -> Given:
+    """What was read, its torques as rigid drives need them where logs show how links swing on hinges of the
+    robot's file that no log holds.
+    """
+    fitted = split(read.logs, read.heldout).fitted
+    drives = unseen.found(robot, read.robot, fitted)
+    return as_rigid(read, drives.rigid, drives.springs, drives.notes(fitted[0])) if drives else read
+
+
+def _on_stated_springs(robot: Robot, read: Given) -> Given:
+    """The same with the springs that a model has, which is held against the logs."""
+    drives = unseen.stated(robot, read.robot, read.logs[0])
+    if drives is None:
+        return read
+    said = ", ".join(map(str, drives.springs))
+    note = (
+        f"no link-side encoder at joint {said}: torques are taken as rigid drives need them, by the model's "
+        "hinges, bodies and motors"
+    )
+    return as_rigid(read, drives.rigid, drives.springs, [note])
 
 
 def _silent(_: float) -> None:

@@ -11,10 +11,11 @@ from six_axis_logs import COULOMB, ROTOR, VISCOUS, arm
 from studies.rigid_arm.arm import Motion, moved, recorded, torque_noise
 
 from flexmodels.files.robot_file import load_robot
-from pyident.diagnosis import bending
 from pyident.diagnosis.base.candidates import drive
-from pyident.diagnosis.bending import about_bends
 from pyident.diagnosis.diagnose import concluded
+from pyident.diagnosis.drives import bending
+from pyident.diagnosis.drives.bending import about_bends
+from pyident.diagnosis.drives.springs import Fit, sought
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.measured import worth_name
 from pyident.diagnosis.searched import searched
@@ -115,7 +116,7 @@ def test_compliances_of_large_bends_are_those_of_the_springs(springs):
 def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypatch):
     """Of an arm whose second drive bends the third's own equation had told most, and it got the name."""
     scanned, fitted = {1: 40.0, 2: 90.0, 3: 100.0}, {2: 200.0, 3: 110.0}
-    fit = bending._Fit(arm(), {}, 0.0)
+    fit = Fit(arm(), {}, 0.0)
 
     def told(_, fit, k):
         return replace(fit, drives={k: Spring(1e-5, 0.1)}, energy=scanned[k])
@@ -126,7 +127,7 @@ def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypa
 
     monkeypatch.setattr(bending, "_with_sag", lambda _, fit, k: replace(fit, drives={3: None}))
     monkeypatch.setattr(bending, "_scanned", told)
-    monkeypatch.setattr(bending, "_settled", settled)
+    monkeypatch.setattr(bending, "settled", settled)
     monkeypatch.setattr(
         bending, "_unless_much_more", lambda _, sag, swings: max(swings, key=lambda f: f.energy)
     )
@@ -136,5 +137,5 @@ def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypa
 
 def test_a_spring_that_pushes_is_not_looked_about():
     nothing: Any = None
-    fit = bending._Fit(arm(), {2: Spring(-1e-6, 0.1)}, 0.0)
-    assert bending._sought(nothing, fit) is fit
+    fit = Fit(arm(), {2: Spring(-1e-6, 0.1)}, 0.0)
+    assert sought(nothing, fit) is fit

@@ -30,6 +30,7 @@ _STEP = 1e-6  # rad and m, and per second
 _LEAST = 0.05  # of the median inertia: bodies that were fitted badly may have less, or none, in some poses
 _FOLLOWED = 3.0  # (ω h)²: up to 6 such a parabola is stable
 _FARTHEST = 1.0  # rad, m: a spring too soft to hold its link, beyond all that is linear
+_RUNG = 1e-3  # rad, and per second: what links begin to ring with
 _slopes: Recent[np.ndarray] = Recent(32)
 
 
@@ -76,9 +77,11 @@ def from_values(values: Sequence[tuple[str, float]]) -> Springs:
     return {joint: Spring(**told) for joint, told in found.items()}
 
 
-def carries(robot: Robot, motion: Motion, joint: int) -> bool:
-    """Whether a log has times, and the robot's own bodies an inertia at a joint, from 1, along its motion."""
-    return motion.time is not None and len(motion.q) > 2 and typical_inertia(robot, motion, joint) > 0
+def carry(robot: Robot, motion: Motion, springs: Springs) -> bool:
+    """Whether a log has times, and the robot's own bodies an inertia on every spring along its motion."""
+    if motion.time is None or len(motion.q) <= 2:
+        return False
+    return all(typical_inertia(robot, motion, k) > spring.rotor for k, spring in springs.items())
 
 
 def typical_inertia(robot: Robot, motion: Motion, joint: int) -> float:
@@ -89,18 +92,32 @@ def typical_inertia(robot: Robot, motion: Motion, joint: int) -> float:
 def swung(robot: Robot, motion: Motion, springs: Springs) -> np.ndarray:
     """(n, N) what the links' torques change by where they swing on their drives' springs, by joint, from 1.
 
-    They begin as links that lag slowly; 0 where springs do not hold them. Joints must carry something, as
-    `carries` says.
+    They begin as links that lag slowly; 0 where springs do not hold them. Springs must carry something, as
+    `carry` says.
     """
-    own = [k - 1 for k in springs]
-    slopes = np.stack([_slopes_at(robot, motion, k) for k in springs], axis=1)  # (3, S, n, N)
-    load = carried_loads(robot, motion)[:, own]
+    slopes, swing = _swing(robot, motion, springs)
+    load = carried_loads(robot, motion)[:, [k - 1 for k in springs]]
     rotors = np.array([spring.rotor for spring in springs.values()])
-    slopes[2, np.arange(len(own)), own] -= rotors[:, None]
-    load = load - rotors * motion.ddq[:, own]
-    step = float(np.median(np.diff(np.asarray(motion.time))))
-    rates = _lags(slopes[:, :, own], load, list(springs.values()), step)
+    load = load - rotors * motion.ddq[:, [k - 1 for k in springs]]
+    first = load[:2] * [spring.compliance for spring in springs.values()]
+    rates = swing.lags(load[:, :, None], first[:, :, None])[..., 0] if swing else np.zeros((3, *load.shape))
     return -np.einsum("rsit,rts->it", slopes, rates)
+
+
+def ringing(robot: Robot, motion: Motion, springs: Springs) -> np.ndarray:
+    """(2 S, n, N) what the links' torques change by where each begins to ring, by a lag and by a rate.
+
+    Springs must carry something, as `carry` says.
+    """
+    slopes, swing = _swing(robot, motion, springs)
+    N, S = len(motion.q), len(springs)
+    if swing is None:
+        return np.zeros((2 * S, slopes.shape[2], N))
+    first = np.zeros((2, S, 2 * S))
+    for i in range(S):
+        first[:, i, i], first[1, i, S + i] = _RUNG, _RUNG * swing.h
+    rates = swing.lags(np.zeros((N, S, 2 * S)), first)
+    return -np.einsum("rsit,rtsk->kit", slopes, rates)
 
 
 def _slopes_at(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
@@ -118,47 +135,63 @@ def _slopes_at(robot: Robot, motion: Motion, joint: int) -> np.ndarray:
     return _slopes.of((robot, motion), made, joint)
 
 
-def _lags(slopes: np.ndarray, load: np.ndarray, springs: Sequence[Spring], h: float) -> np.ndarray:
-    """(3, N, S): lags of S links and their rates, 0 where springs do not hold them.
+@dataclass(frozen=True)
+class _Swing:
+    """b̈ + damped ḃ + stiff b = masses⁻¹ load, of S links: matrices (N, S, S), at steps h."""
 
-    slopes   (3, S, S, N), by the first joint of the second's torque
+    stiff: np.ndarray
+    damped: np.ndarray
+    masses: np.ndarray
+    h: float
+
+    def lags(self, load: np.ndarray, first: np.ndarray) -> np.ndarray:
+        """(3, N, S, R): lags and their rates under loads (N, S, R) from the two of `first` (2, S, R) on.
+
+        0 where springs do not hold them.
+        """
+        force = np.linalg.solve(self.masses, load)
+        with np.errstate(over="ignore", invalid="ignore"):
+            lag = self._numerov(force, first)
+        if not np.all(np.abs(lag) < _FARTHEST):
+            return np.zeros((3, *load.shape))
+        rate = np.gradient(lag, self.h, axis=0)
+        return np.array([lag, rate, force - self.stiff @ lag - self.damped @ rate])
+
+    def _numerov(self, force: np.ndarray, first: np.ndarray) -> np.ndarray:
+        N, S, R = force.shape
+        stiff, damped, h = self.stiff, self.damped, self.h
+        inner = 10 if np.abs(stiff).max() * h * h < _FOLLOWED else 2  # beside 1 at the outer ones
+        weight = h * h / (inner + 2)
+        A, B, eye = weight * stiff, damped[1:-1] * h / 2, np.eye(S)
+        right = np.concatenate([first, (force[2:] + inner * force[1:-1] + force[:-2]) * weight])
+        lower, upper = 3 * S - 1, S - 1
+        banded = np.zeros((lower + upper + 1, N * S))
+        blocks = ((0, eye + A[2:] + B), (1, inner * A[1:-1] - 2 * eye), (2, eye + A[:-2] - B))
+        for back, block in (*blocks, (None, np.broadcast_to(eye, (2, S, S)))):
+            rows = np.arange(2, N) if back is not None else np.arange(2)
+            for i, j in np.ndindex(S, S):
+                at = (rows - (back or 0)) * S + j
+                banded[upper + rows * S + i - at, at] = block[:, i, j]
+        whole = right.reshape(N * S, R)
+        return solve_banded((lower, upper), banded, whole, check_finite=False).reshape(N, S, R)
+
+
+def _swing(robot: Robot, motion: Motion, springs: Springs) -> tuple[np.ndarray, _Swing | None]:
+    """(3, S, n, N) slopes of the links' torques by lags and their rates; and how links swing.
+
+    None: of bodies that no robot has.
     """
-    F_q, F_v, M = (own.transpose(2, 1, 0) for own in slopes)  # (N, S, S)
-    K = np.array([1 / spring.compliance for spring in springs])
+    own = [k - 1 for k in springs]
+    slopes = np.stack([_slopes_at(robot, motion, k) for k in springs], axis=1)
+    slopes[2, np.arange(len(own)), own] -= np.array([spring.rotor for spring in springs.values()])[:, None]
+    F_q, F_v, M = (rate.transpose(2, 1, 0) for rate in slopes[:, :, own])  # (N, S, S)
+    K = np.array([1 / spring.compliance for spring in springs.values()])
     M, own = M.copy(), np.arange(len(K))
     middle = np.median(M[:, own, own], axis=0)
     M[:, own, own] = np.maximum(M[:, own, own], _LEAST * middle)
-    D = 2 * np.array([s.damping for s in springs]) * np.sqrt(middle * K)
+    D = 2 * np.array([s.damping for s in springs.values()]) * np.sqrt(middle * K)
     try:
         stiff, damped = np.linalg.solve(M, F_q + np.diag(K)), np.linalg.solve(M, F_v + np.diag(D))
-        force = np.linalg.solve(M, load[:, :, None])[:, :, 0]
-        with np.errstate(over="ignore", invalid="ignore"):
-            lag = _numerov(stiff, damped, force, load / K, h)
-    except np.linalg.LinAlgError:  # of bodies that no robot has
-        return np.zeros((3, *load.shape))
-    if not np.all(np.abs(lag) < _FARTHEST):
-        return np.zeros((3, *load.shape))
-    rate = np.gradient(lag, h, axis=0)
-    acceleration = force - np.einsum("nij,nj->ni", stiff, lag) - np.einsum("nij,nj->ni", damped, rate)
-    return np.array([lag, rate, acceleration])
-
-
-def _numerov(
-    stiff: np.ndarray, damped: np.ndarray, force: np.ndarray, first: np.ndarray, h: float
-) -> np.ndarray:
-    """(N, S) b of b̈ + damped ḃ + stiff b = force, at steps h; it begins with two of `first`."""
-    N, S = force.shape
-    inner = 10 if np.abs(stiff).max() * h * h < _FOLLOWED else 2  # beside 1 at the outer ones
-    weight = h * h / (inner + 2)
-    A, B, eye = weight * stiff, damped[1:-1] * h / 2, np.eye(S)
-    right = first.copy()
-    right[2:] = (force[2:] + inner * force[1:-1] + force[:-2]) * weight
-    lower, upper = 3 * S - 1, S - 1
-    banded = np.zeros((lower + upper + 1, N * S))
-    blocks = ((0, eye + A[2:] + B), (1, inner * A[1:-1] - 2 * eye), (2, eye + A[:-2] - B))
-    for back, block in (*blocks, (None, np.broadcast_to(eye, (2, S, S)))):
-        rows = np.arange(2, N) if back is not None else np.arange(2)
-        for i, j in np.ndindex(S, S):
-            at = (rows - (back or 0)) * S + j
-            banded[upper + rows * S + i - at, at] = block[:, i, j]
-    return solve_banded((lower, upper), banded, right.ravel(), check_finite=False).reshape(N, S)
+    except np.linalg.LinAlgError:
+        return slopes, None
+    return slopes, _Swing(stiff, damped, M, float(np.median(np.diff(np.asarray(motion.time)))))

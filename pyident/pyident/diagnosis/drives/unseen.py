@@ -1,0 +1,170 @@
+"""Drives that bend by the robot's file, in logs of their motors alone.
+
+Without a link-side encoder the hinge of such a drive is locked, and what its link does on the spring is a
+residual. But a link that swings is felt by its motor: the spring, its damping and how much of the inertia is
+the motor's are sought in the logs, from what the file says of the spring, beside a delay of every torque. The
+torques are then put right for what the links do, and all else is asked of a robot whose drives are rigid.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmodels.coordinate import of_joint
+from flexmodels.robot import Robot
+from pyident.conditioning.motion import Motion
+from pyident.conditioning.samples import Conditioned
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.base.projection import residuals_of, solve_base
+from pyident.diagnosis.drives.springs import Fit, Whitened, fitted_whole, inertias_at, like_links, sought
+from pyident.logs.log import Log
+from pyident.regression.descriptions import LATE, description_names
+from pyident.regression.loads.swinging_drive import Spring, Springs, carry, ringing, swung
+from pyident.regression.regressor import residual_of
+from pyident.regression.spectrum import Equations, all_over, floors, levels_of
+from pyident.simulation.denoised import denoised_equations, denoised_every_sample, denoises, unfiltered
+
+_WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
+_ROUNDS = 12  # of springs, parameters and weights
+_RESTS = 0.005  # of a compliance
+_DAMPED = (0.01, 0.3)  # ratios to begin with
+_CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
+
+
+@dataclass(frozen=True)
+class UnseenDrives:
+    """A robot of rigid drives, and the springs on which its links swing, by joint."""
+
+    robot: Robot
+    springs: Springs
+
+    def rigid(self, log: Log) -> Log:
+        """The log with the torques that rigid drives would have needed; as it is where no spring carries."""
+        part = denoised_every_sample(unfiltered(self.robot, [log]), log)
+        motion = part.motion
+        if not carry(self.robot, motion, self.springs):
+            return log
+        change = swung(self.robot, motion, self.springs)
+        change += self._rung(part, change)
+        time = log.frame["time"].to_numpy(float)
+        if motion.tau_before is not None:  # equations take a mean of two, half a sample late
+            time = time + log.period / 2
+        rigid = {
+            name: log.frame[name] - np.interp(time, np.asarray(motion.time), own, 0.0, 0.0)
+            for name, own in zip(self.robot.torques, change, strict=True)
+        }
+        return replace(log, frame=log.frame.assign(**rigid))
+
+    def _rung(self, part: Conditioned, change: np.ndarray) -> np.ndarray:
+        """(n, N) what links change that ring as the log begins, by what is left beside the change (n, N)."""
+        left = residual_of(self.robot, part, np.array(list(self.robot.linear_parameters.values())))
+        rung = ringing(self.robot, part.motion, self.springs)
+        X = np.array([part.all_used(own.T) for own in rung]).reshape(len(rung), -1)
+        size = np.linalg.lstsq(X.T, (left - part.all_used(change.T)).ravel(), rcond=None)[0]
+        return np.tensordot(size, rung, 1)
+
+    def hinges(self, log: Log) -> dict[int, dict[str, float]]:
+        """By joint its `k[1]`, `d[1]` and `J_m`; damping by the inertia that its link has along a log."""
+        motion, told = _motion(self.robot, log), {}
+        for k, spring in self.springs.items():
+            links, whole = inertias_at(self.robot, motion, k)
+            behind, K = links - spring.rotor, 1 / spring.compliance
+            D = 2 * spring.damping * math.sqrt(behind * K)
+            told[k] = {"k[1]": K, "d[1]": D, "J_m": whole - behind}
+        return told
+
+    def notes(self, log: Log) -> Iterator[str]:
+        """A sentence on each joint's, as found in logs, of which one is given."""
+        for k, own in self.hinges(log).items():
+            yield (
+                f"joint {k}: no link-side encoder; by what its motor feels of how its link swings, its hinge "
+                f"has k[1] = {own['k[1]']:.4g} N.m/rad and d[1] = {own['d[1]']:.2g} N.m.s/rad, and its motor "
+                f"J_m = {own['J_m']:.3g} kg.m2 (no intervals); torques are taken as rigid drives need them"
+            )
+
+
+def unseen(whole: Robot, robot: Robot) -> list[int]:
+    """Joints, from 1, whose hinges a robot's file gives a stiffness, and the robot of its logs has locked.
+
+    None where a loop is known, in which replicas would be simulated with rigid drives.
+    """
+    if not denoises(robot) or whole.servo or robot.closures or robot.passive:
+        return []
+    pairs = zip(whole.joints, robot.joints, strict=True)
+    locked = [k for k, (file, own) in enumerate(pairs, start=1) if file.flexible and not own.flexible]
+    turning = [k for k in locked if whole.joints[k - 1].kind == "revolute"]
+    return [k for k in turning if whole.parameters.get(of_joint(k, "k[1]"), 0.0) > 0]
+
+
+def stated(whole: Robot, robot: Robot, log: Log) -> UnseenDrives | None:
+    """The springs of a robot's file with its own bodies and motors; None where it has none."""
+    springs = _of_file(whole, robot, _motion(robot, log), lambda links, _: links)
+    return UnseenDrives(robot, springs) if springs else None
+
+
+def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | None:
+    """The springs of a robot's file as logs show them, beside a rigid robot that is fitted with them.
+
+    What the logs do not tell of a spring stays near what the file says of it; bodies and motors of the file
+    are never used. None where springs take nothing of what rigid drives leave. Raises LogError.
+    """
+    if not unseen(whole, robot):
+        return None
+    plain = unfiltered(robot, logs)
+    data = denoised_equations(plain, logs)
+    w = _over(data, _levels(data))
+    plain = _with(plain, w.base.p)
+    known = _of_file(whole, plain, data[0].part.motion, like_links)
+    if not known:
+        return None
+    lags = [Candidate(LATE, k) for k, _ in plain.numbered if LATE in description_names(plain, k)]
+    fit = Fit(plain, known, beside=tuple(lags), rings=True)
+    for _ in range(_ROUNDS):
+        before = fit.springs
+        fit, left = fitted_whole(w, sought(w, fit, known))
+        left = [r * level for r, level in zip(left, w.levels, strict=True)]
+        w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
+        if max(abs(math.log(s.compliance / before[k].compliance)) for k, s in fit.springs.items()) < _RESTS:
+            break
+    fit, _ = fitted_whole(w, fit)
+    drives = UnseenDrives(replace(fit.robot, settings=robot.settings), fit.springs)
+    shown = fit.energy > _CHANCE * len(known) and carry(fit.robot, data[0].part.motion, fit.springs)
+    return drives if shown else None
+
+
+def _of_file(whole: Robot, robot: Robot, motion: Motion, behind: Callable[[float, float], float]) -> Springs:
+    """The springs of a robot's file, by joint, with what is `behind` each of the inertias that it has."""
+    springs = {}
+    for k in unseen(whole, robot):
+        links, both = inertias_at(robot, motion, k)
+        K, J = whole.parameters[of_joint(k, "k[1]")], behind(links, both)
+        if both <= 0 or J <= 0:
+            return {}
+        ratio = whole.parameters.get(of_joint(k, "d[1]"), 0.0) / (2 * math.sqrt(J * K))
+        springs[k] = Spring(1 / K, float(np.clip(ratio, *_DAMPED)), links - J)
+    return springs
+
+
+def _levels(data: Sequence[Equations]) -> list[np.ndarray]:
+    """Per log (n, E) what the equations of rigid drives leave, smooth over frequencies."""
+    bands = [e.band for e in data]
+    levels = [np.ones_like(e.y) for e in data]
+    for _ in range(_WEIGHTINGS):
+        left = [r * at for r, at in zip(residuals_of(all_over(data, levels)), levels, strict=True)]
+        levels = levels_of(floors(bands, left, len(data)), data)
+    return levels
+
+
+def _over(data: Sequence[Equations], levels: list[np.ndarray]) -> Whitened:
+    logs = all_over(data, levels)
+    return Whitened(logs, levels, solve_base(logs))
+
+
+def _motion(robot: Robot, log: Log) -> Motion:
+    return denoised_every_sample(unfiltered(robot, [log]), log).motion
+
+
+def _with(robot: Robot, p: np.ndarray) -> Robot:
+    return robot.with_parameters(dict(zip(robot.linear_parameters, p.tolist(), strict=True)))

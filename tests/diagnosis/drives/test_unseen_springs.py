@@ -1,0 +1,126 @@
+"""A hinge that nobody logs, found by what its motor feels: a pendulum on a spring, integrated by SciPy."""
+
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+
+import pyident as pi
+from flexmodels.files.robot_file import load_robot
+from pyident.diagnosis.drives.unseen import found, stated, unseen
+from pyident.estimation.lock_unlogged import locked
+from pyident.logs.log import Log
+
+MASS, ARM, INERTIA, ROTOR = 10.0, 0.4, 2.1, 3.0  # kg, m, kg m2 about the joint
+K, D = 5300.0, 6.3  # the link swings at 8 Hz
+COULOMB, VISCOUS = 5.0, 8.0
+FILE = """
+name = "pendulum"
+gravity = [0.0, 0.0, -9.81]
+tip = [0.0, 0.0, -0.8]
+
+[[joint]]
+origin = [0.0, 0.0, 1.0]
+x = [0.0, 1.0, 0.0]
+y = [1.0, 0.0, 0.0]
+J_m = 2.4
+coulomb = 6.0
+viscous = 7.0
+k = [4200.0]
+d = [8.0]
+
+[[link]]
+m = 12.0
+com = [0.0, 0.0, -0.45]
+J_com = [0.5, 0.6, 0.2]
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "pendulum.toml"
+    path.write_text(FILE)
+    return path
+
+
+@cache
+def logged(seed: int, bends: bool = True, ripple: float = 0.0) -> Log:
+    """Its motor goes by sines up to 12 Hz; what the link began with has died down when the log begins."""
+    rng, time = np.random.default_rng(seed), np.arange(0, 20, 0.004)
+    w = 2 * np.pi * np.geomspace(0.35, 12, 25)
+    size, phase = 0.4 * (w[0] / w) ** 2, rng.uniform(0, 2 * np.pi, 25)
+
+    def motor(t, order=0):
+        return (size * w**order) @ np.sin(np.multiply.outer(w, t) + (phase + order * np.pi / 2)[:, None])
+
+    e, speed, pull = motor(time), motor(time, 1), MASS * 9.81 * ARM
+    carried = INERTIA * motor(time, 2) + pull * np.sin(e)
+    if bends:
+        course = CubicSpline(fine := np.arange(-6, 20.01, 5e-4), np.array([motor(fine), motor(fine, 1)]).T)
+
+        def rate(t, x):
+            q, v = course(t)
+            return [x[1], (K * (q - x[0]) + D * (v - x[1]) - pull * math.sin(x[0])) / INERTIA]
+
+        found = solve_ivp(rate, (-6, 20), course(-6), t_eval=time, rtol=1e-7, atol=1e-9, method="DOP853")
+        carried = K * (e - found.y[0]) + D * (speed - found.y[1])
+    tau = (
+        ROTOR * motor(time, 2)
+        + COULOMB * np.sign(speed)
+        + VISCOUS * speed
+        + ripple * np.sin(40 * e)
+        + carried
+    )
+    frame = {"joint1.e": e + rng.normal(0, 1e-6, len(e)), "joint1.tau": tau + rng.normal(0, 0.2, len(e))}
+    return Log(pd.DataFrame({"time": time, **frame}), f"log {seed}")
+
+
+def test_stiffness_damping_and_rotor_are_those_of_the_machine(file):
+    whole, logs = load_robot(file), [logged(0), logged(1)]
+    rigid, _ = locked(whole, logs)
+    assert unseen(whole, rigid) == [1]
+    drives = found(whole, rigid, logs)
+    assert drives is not None
+    told = drives.hinges(logs[0])[1]
+    assert told["k[1]"] == pytest.approx(K, rel=0.02)
+    assert told["d[1]"] == pytest.approx(D, rel=0.2)
+    assert told["J_m"] == pytest.approx(ROTOR, rel=0.03)
+
+
+def test_the_identified_model_has_its_hinge_and_the_error_falls_to_the_noise(file, tmp_path):
+    fit = pi.identify(file, [logged(0), logged(1)], heldout=logged(2))
+    values = fit.robot.parameters
+    assert values["joint1.k[1]"] == pytest.approx(K, rel=0.02)
+    assert values["joint1.J_m"] == pytest.approx(ROTOR, rel=0.03)
+    assert fit.to_dict()["parameters"]["joint1.k[1]"]["value"] == values["joint1.k[1]"]
+    assert any("k[1] = " in note for note in fit.notes)
+    (left,) = fit.heldout.values()
+    assert left["all"] < 1.0  # %, of noise 0.4; rigid drives leave 66
+    again = load_robot(fit.save(tmp_path / "identified.toml"))
+    log = logged(2)
+    rigid, _ = locked(again, [log])
+    drives = stated(again, rigid, log)
+    assert drives is not None
+    assert np.std(drives.rigid(log).frame["joint1.tau"] - log.frame["joint1.tau"]) > 1.0
+
+
+@pytest.mark.parametrize(("ripple", "verdict"), [(0.0, "nothing_detectable"), (1.5, "missing_effect")])
+def test_what_else_a_model_lacks_is_found_beside_springs(file, ripple, verdict):
+    logs = [logged(seed, ripple=ripple) for seed in range(2)]
+    diagnosis = pi.diagnose(file, logs, heldout=logged(2, ripple=ripple))
+    assert diagnosis.to_dict()["verdict"] == verdict
+    if ripple:
+        assert diagnosis.to_dict()["findings"][0]["tie"][0]["effect"] == "torque_ripple"
+
+
+def test_a_drive_that_hardly_bends_stays_locked(file):
+    whole, logs = load_robot(file), [logged(0, bends=False)]
+    rigid, notes = locked(whole, logs)
+    drives = found(whole, rigid, logs)
+    assert drives is None
+    assert len(notes) == 1
