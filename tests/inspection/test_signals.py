@@ -17,6 +17,7 @@ from pyident.inspection.inspect_log import inspect_log
 from pyident.inspection.motion import with_motion_units, with_velocities_found
 from pyident.inspection.nameless import nameless
 from pyident.inspection.proposal import Proposal
+from pyident.logs.foreign import import_log
 from pyident.logs.log import LogError
 
 RATE = 100.0
@@ -269,3 +270,15 @@ def test_a_servo_needs_no_column_of_torque(driven, asked, tmp_path):
     )
     questions = inspect_log([tmp_path / "a.csv"], robot).questions
     assert any("torque" in question for question in questions) == asked
+
+
+def test_deformations_under_their_own_names_are_taken_as_they_are(tmp_path):
+    """A proposal that leaves them out makes a robot whose hinges nobody logged."""
+    time = np.arange(0, 4, 0.01)
+    e = np.sin(time)
+    table = {"time": time, "joint1.e": e, "joint1.eps[1]": 1e-3 * np.cos(time), "joint1.tau": 20 * np.cos(e)}
+    pd.DataFrame(table).to_csv(tmp_path / "a.csv", index=False)
+    found = inspect_log([tmp_path / "a.csv"])
+    assert not any("eps" in question for question in found.questions)
+    log = import_log([tmp_path / "a.csv"], found.mapping)
+    np.testing.assert_allclose(log.frame["joint1.eps[1]"], table["joint1.eps[1]"], atol=1e-12)

@@ -58,8 +58,8 @@ class Channel:
     @property
     def name(self) -> str | None:
         """Our name for it, None where it is no signal of a log."""
-        if self.signal == "time":
-            return "time"
+        if self.signal in ("time", "deformation"):
+            return "time" if self.signal == "time" else self.column
         kinds = {
             "position": {"joint": "joint{}.e", "motor": "motor{}.q", "link": "joint{}.link"},
             "reference": {"joint": "joint{}.r", "motor": "joint{}.r", "link": "joint{}.r"},

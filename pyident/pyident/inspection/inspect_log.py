@@ -227,7 +227,7 @@ def _asked(c: Channel, robot: Robot | None) -> Channel:
         return replace(c, sure=False, doubt=f"{c.doubt}; and {asked}" if c.doubt else asked)
     if c.doubt or c.sure:
         return c
-    if c.signal == "switch":
+    if c.signal in ("switch", "deformation"):
         return replace(c, sure=True)
     if c.signal in ("torque", "feedforward") and c.unit is not None:
         return replace(c, sure=True)

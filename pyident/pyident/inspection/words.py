@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
+from flexmodels.coordinate import divided, is_deformation
 from pyident.logs.units import KINDS, known_unit
 
 Signal = Literal["time", "position", "reference", "velocity", "acceleration", "torque", "feedforward",
-                 "current", "voltage", "switch", "other", "unknown"]  # fmt: skip
+                 "current", "voltage", "switch", "deformation", "other", "unknown"]  # fmt: skip
 Side = Literal["joint", "motor", "link"]
 
 _WORDS: dict[str, str] = {
@@ -78,7 +79,9 @@ class Meaning:
 
 
 def meaning(name: str, joints: tuple[str, ...] = ()) -> Meaning:
-    """Of a column's name; joints: names of the robot's joints, which may be part of it."""
+    """Of a column's name, also of our own; joints: names of the robot's joints, which may be part of it."""
+    if is_deformation(name):
+        return Meaning("deformation", divided(name)[0], "link", "rad")
     joint, rest = _joint(_without_type(_ADDRESS.sub(" ", name)), joints)
     words = [word.lower() for part in _SPLIT.split(rest) for word in _CAMEL.split(part) if word]
     words = [part for word in words for part in _parts(word)]
