@@ -16,7 +16,7 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.base_parameters import BaseParameter
 from pyident.estimation.identify import impossible
 from pyident.estimation.least_squares import residual_squares, solve_weighted
-from pyident.estimation.physical import consistent, lower_bounds
+from pyident.estimation.physical import _without_rounding, consistent, lower_bounds
 from pyident.logs.log import Log, LogError
 from pyident.regression.equations import Problem
 from pyident.regression.regressor import regressor
@@ -145,3 +145,12 @@ def test_a_sum_of_masses_below_zero_is_told():
     assert "the logs ask for link3.m + 1 link4.m = -1.9 ± 0.02: a wrong sign" in told[0]
     chance = [BaseParameter(masses, -0.04, 0.01), BaseParameter(masses, -1.9, np.nan)]
     assert impossible(cast(Any, SimpleNamespace(base=chance))) == ()
+
+
+def test_a_body_that_a_solver_leaves_a_little_below_zero_is_made_one():
+    """A file with such a body was written, and refused when it was read."""
+    names = [f"link1.{name}" for name in LINK_PARAMETERS]
+    inertia = {"link1.m": 52.0, "link1.J[xx]": 31.5, "link1.J[yy]": 31.5, "link1.J[zz]": -2e-7}
+    p = _without_rounding(np.array([inertia.get(name, 0.0) for name in names]), names, 1)
+    assert dict(zip(names, p, strict=True))["link1.J[zz]"] >= 0
+    np.testing.assert_allclose(p, [inertia.get(name, 0.0) for name in names], atol=1e-6)

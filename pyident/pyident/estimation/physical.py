@@ -87,7 +87,20 @@ def consistent(
         raise LogError(f"{_NONE}: the solver gave up; {_CURE}") from None
     if p.value is None:
         raise LogError(f"{_NONE}: the problem is {problem.status}; {_CURE}")
-    return np.maximum(np.asarray(p.value), [bounds.get(name, -np.inf) for name in names])
+    found = np.maximum(np.asarray(p.value), [bounds.get(name, -np.inf) for name in names])
+    return _without_rounding(found, names, len(robot.links))
+
+
+def _without_rounding(p: np.ndarray, names: list[str], links: int) -> np.ndarray:
+    """p (P,) with bodies as large as they must be to exist, which a solver keeps to its tolerance alone."""
+    p = p.copy()
+    for k in range(1, links + 1):
+        at = {name: names.index(f"link{k}.{name}") for name in LINK_PARAMETERS}
+        least = np.linalg.eigvalsh(_pseudo_inertia(p[list(at.values())]))[0]
+        if least < 0:
+            p[at["m"]] -= least
+            p[[at["J[xx]"], at["J[yy]"], at["J[zz]"]]] -= 2 * least
+    return p
 
 
 def _units(robot: Robot, reduced: Reduced, solution: Solution) -> np.ndarray:

@@ -125,24 +125,12 @@ def sought(w: Whitened, fit: Fit, known: Springs = NO_SPRINGS) -> Fit:
     return replace(fit, drives={**fit.drives, **_springs_at(found.x.reshape(-1, 3), inertias)})
 
 
-def fitted_whole(w: Whitened, fit: Fit) -> tuple[Fit, list[np.ndarray]]:
-    """The fit with parameters fitted beside all that its links do on their springs, and per log (n, E) the
-    rest that is left.
-
-    The springs' size is theirs; what else is fitted with them has the size that leaves least.
-    """
-    whole = _changed(w, fit.robot, fit.swings)
-    X: Columns = [{row: own[:, None] for row, own in enumerate(log)} for log in whole]
-    p = w.base.p - taken_over(w.base, X) @ np.ones(1)
+def left_beside(w: Whitened, fit: Fit) -> list[np.ndarray]:
+    """Per log (n, E): what is left beside what links do on springs, and what else is fitted with them."""
     rest = replace(w.base, residual=_rest(w, w.base, fit.robot, fit.swings))
     others = _columns(w, replace(fit, drives={}))
     others += [_ringing(w, fit)] if fit.rings else []
-    if others:
-        further = joined(others)
-        p = p - taken_over(rest, further) @ gain(rest, further).coefficients
-        rest = extended(rest, further)
-    robot = fit.robot.with_parameters(dict(zip(fit.robot.linear_parameters, p.tolist(), strict=True)))
-    return replace(fit, robot=robot, energy=w.base.energy - rest.energy), rest.residual
+    return extended(rest, joined(others)).residual if others else rest.residual
 
 
 def fitted_beside(w: Whitened, fit: Fit) -> tuple[Fit, dict[int, float]]:

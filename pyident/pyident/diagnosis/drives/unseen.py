@@ -18,7 +18,8 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import residuals_of, solve_base
-from pyident.diagnosis.drives.springs import Fit, Whitened, fitted_whole, inertias_at, like_links, sought
+from pyident.diagnosis.drives.springs import Fit, Whitened, inertias_at, left_beside, like_links, sought
+from pyident.estimation.identify import identify
 from pyident.logs.log import Log
 from pyident.regression.descriptions import LATE, description_names
 from pyident.regression.loads.swinging_drive import Spring, Springs, carry, ringing, swung
@@ -115,7 +116,7 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     plain = unfiltered(robot, logs)
     data = denoised_equations(plain, logs)
     w = _over(data, _levels(data))
-    plain = _with(plain, w.base.p)
+    plain = identify(plain, logs).robot
     known = _of_file(whole, plain, data[0].part.motion, like_links)
     if not known:
         return None
@@ -123,15 +124,16 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     fit = Fit(plain, known, beside=tuple(lags), rings=True)
     for _ in range(_ROUNDS):
         before = fit.springs
-        fit, left = fitted_whole(w, sought(w, fit, known))
-        left = [r * level for r, level in zip(left, w.levels, strict=True)]
+        fit = sought(w, fit, known)
+        rigid = UnseenDrives(fit.robot, fit.springs).rigid
+        fit = replace(fit, robot=identify(plain, [rigid(log) for log in logs]).robot)
+        left = [r * level for r, level in zip(left_beside(w, fit), w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
         if max(abs(math.log(s.compliance / before[k].compliance)) for k, s in fit.springs.items()) < _RESTS:
             break
-    fit, _ = fitted_whole(w, fit)
-    drives = UnseenDrives(replace(fit.robot, settings=robot.settings), fit.springs)
-    shown = fit.energy > _CHANCE * len(known) and carry(fit.robot, data[0].part.motion, fit.springs)
-    return drives if shown else None
+    taken = w.base.energy - sum(float(np.square(r).sum()) for r in left_beside(w, fit))
+    shown = taken > _CHANCE * len(known) and carry(fit.robot, data[0].part.motion, fit.springs)
+    return UnseenDrives(replace(fit.robot, settings=robot.settings), fit.springs) if shown else None
 
 
 def _of_file(whole: Robot, robot: Robot, motion: Motion, behind: Callable[[float, float], float]) -> Springs:
@@ -164,7 +166,3 @@ def _over(data: Sequence[Equations], levels: list[np.ndarray]) -> Whitened:
 
 def _motion(robot: Robot, log: Log) -> Motion:
     return denoised_every_sample(unfiltered(robot, [log]), log).motion
-
-
-def _with(robot: Robot, p: np.ndarray) -> Robot:
-    return robot.with_parameters(dict(zip(robot.linear_parameters, p.tolist(), strict=True)))

@@ -149,9 +149,12 @@ class _Swing:
 
         0 where springs do not hold them.
         """
-        force = np.linalg.solve(self.masses, load)
-        with np.errstate(over="ignore", invalid="ignore"):
-            lag = self._numerov(force, first)
+        try:
+            force = np.linalg.solve(self.masses, load)
+            with np.errstate(over="ignore", invalid="ignore"):
+                lag = self._numerov(force, first)
+        except np.linalg.LinAlgError:  # of bodies that no robot has
+            return np.zeros((3, *load.shape))
         if not np.all(np.abs(lag) < _FARTHEST):
             return np.zeros((3, *load.shape))
         rate = np.gradient(lag, self.h, axis=0)
