@@ -49,6 +49,7 @@ _ROUNDS = 8
 _NEAR = 3  # round from which on the steps are Newton's: there the simulation's own columns are measured
 _SETTLED = 0.2  # of a standard deviation: change at which the rounds end
 _UNSETTLED = 1.0  # of one that the last round still changes: intervals then do not hold
+_ASTRAY = 1.5  # times what a regression leaves: an estimate that has not settled is none
 _HELD = (
     "all torques are held from their sample until the next, and were taken so before all was fitted: the "
     'model that is written says derivative = "hat" under [processing]'
@@ -132,15 +133,9 @@ def _identified(
         solution = with_covariance(last.logs, last.rows, last.equations, last.solution)
     except (SimulationError, NotFollowedError) as error:
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
-        name = best.estimator if robot.settings.processing.filters else START
-        note = f"{_why(error)}; the estimate is that of {name} and has no intervals"
-        said = (*notes, note, *best.notes, *hardly_told(best.base))
-        found = replace(without_intervals(best), estimator=name, notes=said)
-        return found, None
+        return _of_start(robot, best, _why(error), notes), None
     late = None
     away = last.largest(last.gap) if driven(robot) else 0.0
-    if away > _UNSETTLED:
-        notes = (*notes, _unsettled(away))
     if before is not None:
         solution = replace(solution, covariance=solution.covariance + before[1].variance)
     elif not driven(robot):
@@ -154,6 +149,9 @@ def _identified(
         notes = (*notes, *found.notes, *disagreements(found))
     else:
         notes = (*notes, *impossible(found))
+    if away > _UNSETTLED and found.relative_error["all"] > _ASTRAY * best.relative_error["all"]:
+        return _of_start(robot, best, _astray(found, best), notes), None
+    notes = (*notes, _unsettled(away)) if away > _UNSETTLED else notes
     fast = ringing(found.robot, [d.part.motion for d in start.data], max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
@@ -162,6 +160,23 @@ def _identified(
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
     found = without_intervals(found) if away > _UNSETTLED else found
     return replace(found, estimator=NAME, notes=notes), late
+
+
+def _of_start(robot: Robot, best: Identified, why: str, notes: Sequence[str]) -> Identified:
+    """The estimate from which simulations lead nowhere, without intervals, and why it is that."""
+    name = best.estimator if robot.settings.processing.filters else START
+    note = f"{why}; the estimate is that of {name} and has no intervals"
+    said = (*notes, note, *best.notes, *hardly_told(best.base))
+    return replace(without_intervals(best), estimator=name, notes=said)
+
+
+def _astray(found: Identified, best: Identified) -> str:
+    """Why an estimate that had not settled is none."""
+    left, before = (f"{of.relative_error['all']:.3g} %" for of in (found, best))
+    return (
+        f"instruments of simulations lead away from these logs ({left} of the torques are left, a regression "
+        f"leaves {before}), as where the [controller] of the robot file does not drive this machine"
+    )
 
 
 def robot_by_instruments(

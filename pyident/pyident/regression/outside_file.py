@@ -176,11 +176,15 @@ ANSWER = Outside(
 )
 BEND = Outside(
     _bent,
-    "log where the link is, by an encoder behind the drive, or make joint{k} flexible",
+    "log where the link is, by an encoder behind the drive, or give joint{k} a hinge that `identify` finds",
     lambda k, value, unit: (
         "log where the link is, by an encoder behind the drive"
-        + (f", and make joint{k} flexible" if unit.startswith("rad") else "")
-        + (f", with about {1 / value:.2g} N m/rad" if unit.startswith("rad") and value > 0 else "")
+        + (
+            f", or give joint{k} a hinge, with k = [{1 / value:.2g}] in the robot file: `identify` then finds its "
+            "stiffness and damping, and the inertia of its motor"
+            if unit.startswith("rad") and value > 0
+            else ""
+        )
     ),
     _bend_said,
 )
