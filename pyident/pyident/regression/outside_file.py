@@ -80,6 +80,17 @@ def _bend_said(joint: str, value: float, unit: str) -> str:
     return f"that {joint} is rigid: its drive bends, by about {value:.2g} {unit}"
 
 
+def _bend_mended(k: int, value: float, unit: str) -> str:
+    """Of a revolute joint a hinge is found by its motor, too."""
+    encoder = "log where the link is, by an encoder behind the drive"
+    if not unit.startswith("rad") or value <= 0:
+        return encoder
+    return (
+        f"{encoder}, or give joint{k} a hinge, with k = [{1 / value:.2g}] in the robot file: `identify` then "
+        "finds its stiffness and damping, and the inertia of its motor"
+    )
+
+
 def _torque(robot: Robot, motion: Motion, k: int) -> np.ndarray:
     """(N,) of joint k, by the robot's own parameters."""
     p = np.array(list(robot.linear_parameters.values()))
@@ -177,14 +188,6 @@ ANSWER = Outside(
 BEND = Outside(
     _bent,
     "log where the link is, by an encoder behind the drive, or give joint{k} a hinge that `identify` finds",
-    lambda k, value, unit: (
-        "log where the link is, by an encoder behind the drive"
-        + (
-            f", or give joint{k} a hinge, with k = [{1 / value:.2g}] in the robot file: `identify` then finds its "
-            "stiffness and damping, and the inertia of its motor"
-            if unit.startswith("rad") and value > 0
-            else ""
-        )
-    ),
+    _bend_mended,
     _bend_said,
 )
