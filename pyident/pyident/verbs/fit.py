@@ -75,15 +75,15 @@ def identify(
         )
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
-    read, hinges = _on_springs(robot, opened(robot, logs, mapping, heldout, force))
+    read = _on_springs(robot, opened(robot, logs, mapping, heldout, force))
     found = _identified(read, _ROBUST if robust else estimator, progress, cad)
-    if hinges:
-        found = with_motors(found, {of_joint(k, "J_m"): own["J_m"] for k, own in hinges.items()}, cad)
+    if read.hinges:
+        found = with_motors(found, {of_joint(k, "J_m"): own["J_m"] for k, own in read.hinges.items()}, cad)
     taken = logged if by_instruments(found) else None
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
         progress(1.0)
-    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad, unlocked(found.robot, hinges))
+    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad, unlocked(found.robot, read.hinges))
 
 
 def refine(
@@ -202,19 +202,20 @@ def with_found_drive(
     return with_settings(robot, found), tuple(notes)
 
 
-def _on_springs(robot: Robot, read: Opened) -> tuple[Opened, dict[int, dict[str, float]]]:
-    """What was read, its torques as rigid drives need them, and by joint the hinges that motors feel in the
-    logs; none of logs on disk.
+def _on_springs(robot: Robot, read: Opened) -> Opened:
+    """What was read, its torques as rigid drives need them where motors feel in the logs how links swing.
+
+    Logs on disk stay as they are.
     """
     from pyident.diagnosis.drives import unseen  # what a diagnosis needs, for robots that bend alone
 
     fitted = [log for log in read.logs if isinstance(log, Log)]
     if len(fitted) < len(read.logs) or not unseen.unseen(robot, read.robot):
-        return read, {}
+        return read
     drives = unseen.found(robot, read.robot, fitted)
     if drives is None:
-        return read, {}
-    return as_rigid(read, drives.rigid, drives.springs, drives.notes(fitted[0])), drives.hinges(fitted[0])
+        return read
+    return as_rigid(read, drives.rigid, drives.hinges(fitted[0]), drives.notes(fitted[0]))
 
 
 def _free(robot: Robot) -> list[str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Mapping as Named
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -32,18 +32,23 @@ Model = Robot | str | Path
 Data = Log | LogFile | pd.DataFrame | str | Path
 Logs = Data | Sequence[Data]
 Columns = Mapping | str | Path
+Hinges = Named[int, Named[str, float]]
 
 
 @dataclass(frozen=True)
 class Given:
     """A robot as far as its logs can tell of it, the logs, those held out, notes on all of them and their
-    defects."""
+    defects.
+
+    hinges   by joint, from 1, the `k[1]`, `d[1]` and `J_m` that its motor tells, as rigid drives have none
+    """
 
     robot: Robot
     logs: tuple[Log, ...]
     heldout: tuple[Log, ...]
     notes: tuple[str, ...]
     defects: tuple[Defect, ...]
+    hinges: Hinges = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,7 @@ class Opened:
     logs: tuple[Log | LogFile, ...]
     heldout: tuple[Log, ...]
     notes: tuple[str, ...]
+    hinges: Hinges = field(default_factory=dict)
 
 
 _Read = TypeVar("_Read", Given, Opened)
@@ -158,14 +164,13 @@ def opened(
     return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *modelled))
 
 
-def as_rigid(read: _Read, rigid: Callable[[Log], Log], joints: Iterable[int], notes: Iterable[str]) -> _Read:
-    """What was read, its logs in memory as `rigid` makes them, with notes in place of those on hinges of
-    joints, from 1, that are locked.
-    """
-    dropped = {locked_note(k) for k in joints}
+def as_rigid(read: _Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Iterable[str]) -> _Read:
+    """What was read, its logs in memory as `rigid` makes them, notes in place of those on locked hinges."""
+    dropped = {locked_note(k) for k in hinges}
     logs = tuple(rigid(log) if isinstance(log, Log) else log for log in read.logs)
+    heldout = tuple(map(rigid, read.heldout))
     kept = (note for note in read.notes if note not in dropped)
-    return replace(read, logs=logs, heldout=tuple(map(rigid, read.heldout)), notes=(*notes, *kept))
+    return replace(read, logs=logs, heldout=heldout, notes=(*notes, *kept), hinges=hinges)
 
 
 def read_logs(robot: Robot, logs: Logs, mapping: Mapping | None) -> list[Log]:

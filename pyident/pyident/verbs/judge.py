@@ -12,9 +12,11 @@ from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.diagnosis.diagnose import part_of, servo_delay_in
-from pyident.diagnosis.drives import unseen
+from pyident.diagnosis.drives.unseen import found as springs_found
+from pyident.diagnosis.drives.unseen import stated as springs_stated
 from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
+from pyident.estimation.lock_unlogged import unlocked
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.divide import divided, instants
 from pyident.extension.extended_robot import require_new
@@ -24,7 +26,7 @@ from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.denoised import within
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.processes.this_machine import processes_kept
-from pyident.verbs.fit import with_found_drive
+from pyident.verbs.fit import identify, with_found_drive
 from pyident.verbs.inputs import Columns, Given, Logs, Model, as_rigid, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
@@ -134,7 +136,11 @@ def add_effect(
     require_new(known, joint, effect)  # before logs are read
     read, drive, rest = _with_loop(known, logs, mapping, heldout, force, progress or _silent)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, rest)
-    return Added(found, (*drive, *read.notes))
+    written = found.robot
+    if read.hinges and found.accepted:
+        again = identify(unlocked(written, read.hinges), logs, mapping=mapping, heldout=heldout, force=force)
+        written = replace(again.robot, name=written.name)
+    return Added(found, (*drive, *read.notes), written)
 
 
 def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:
@@ -193,13 +199,15 @@ def _on_found_springs(robot: Robot, read: Given) -> Given:
     robot's file that no log holds.
     """
     fitted = split(read.logs, read.heldout).fitted
-    drives = unseen.found(robot, read.robot, fitted)
-    return as_rigid(read, drives.rigid, drives.springs, drives.notes(fitted[0])) if drives else read
+    drives = springs_found(robot, read.robot, fitted)
+    if drives is None:
+        return read
+    return as_rigid(read, drives.rigid, drives.hinges(fitted[0]), drives.notes(fitted[0]))
 
 
 def _on_stated_springs(robot: Robot, read: Given) -> Given:
     """The same with the springs that a model has, which is held against the logs."""
-    drives = unseen.stated(robot, read.robot, read.logs[0])
+    drives = springs_stated(robot, read.robot, read.logs[0])
     if drives is None:
         return read
     said = ", ".join(map(str, drives.springs))
@@ -207,7 +215,7 @@ def _on_stated_springs(robot: Robot, read: Given) -> Given:
         f"no link-side encoder at joint {said}: torques are taken as rigid drives need them, by the model's "
         "hinges, bodies and motors"
     )
-    return as_rigid(read, drives.rigid, drives.springs, [note])
+    return as_rigid(read, drives.rigid, drives.hinges(read.logs[0]), [note])
 
 
 def _silent(_: float) -> None:

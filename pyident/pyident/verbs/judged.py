@@ -135,15 +135,14 @@ class Diagnosed(Result):
 
 @dataclass(frozen=True, repr=False)
 class Added(Result):
-    """A robot with one more effect, and whether held-out data bear it out."""
+    """A robot with one more effect, and whether held-out data bear it out.
+
+    robot   with the effect, fitted, also where it is refused; and with hinges that its motors tell
+    """
 
     extended: "Extended"
     notes: tuple[str, ...]
-
-    @property
-    def robot(self) -> "Robot":
-        """The robot with the effect, fitted; also where it is refused."""
-        return self.extended.robot
+    robot: "Robot"
 
     @property
     def accepted(self) -> bool:

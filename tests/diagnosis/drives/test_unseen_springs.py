@@ -124,3 +124,14 @@ def test_a_drive_that_hardly_bends_stays_locked(file):
     drives = found(whole, rigid, logs)
     assert drives is None
     assert len(notes) == 1
+
+
+def test_a_law_is_added_and_the_written_model_keeps_its_hinge(file, tmp_path):
+    logs = [logged(seed, ripple=1.5) for seed in range(2)]
+    added = pi.add_effect(file, "torque_ripple", 1, logs, heldout=logged(2, ripple=1.5))
+    assert added.accepted
+    again = load_robot(added.save(tmp_path / "better.toml")).parameters
+    assert again["joint1.k[1]"] == pytest.approx(K, rel=0.02)
+    assert again["joint1.J_m"] == pytest.approx(ROTOR, rel=0.05)
+    ripple = np.hypot(again["joint1.torque_ripple.sine"], again["joint1.torque_ripple.cosine"])
+    assert ripple == pytest.approx(1.5, rel=0.1)

@@ -29,7 +29,7 @@ from pyident.simulation.denoised import denoised_equations, denoised_every_sampl
 
 _WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
 _ROUNDS = 12  # of springs, parameters and weights
-_RESTS = 0.005  # of a compliance
+_RESTS, _RESTS_DAMPED = 0.005, 0.05  # of a compliance, of a damping
 _DAMPED = (0.01, 0.3)  # ratios to begin with
 _CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
 
@@ -129,11 +129,16 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
         fit = replace(fit, robot=identify(plain, [rigid(log) for log in logs]).robot)
         left = [r * level for r, level in zip(left_beside(w, fit), w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
-        if max(abs(math.log(s.compliance / before[k].compliance)) for k, s in fit.springs.items()) < _RESTS:
+        if all(_rests(spring, before[k]) for k, spring in fit.springs.items()):
             break
     taken = w.base.energy - sum(float(np.square(r).sum()) for r in left_beside(w, fit))
     shown = taken > _CHANCE * len(known) and carry(fit.robot, data[0].part.motion, fit.springs)
     return UnseenDrives(replace(fit.robot, settings=robot.settings), fit.springs) if shown else None
+
+
+def _rests(spring: Spring, before: Spring) -> bool:
+    stiffer, quieter = spring.compliance / before.compliance, spring.damping / before.damping
+    return abs(math.log(stiffer)) < _RESTS and abs(math.log(quieter)) < _RESTS_DAMPED
 
 
 def _of_file(whole: Robot, robot: Robot, motion: Motion, behind: Callable[[float, float], float]) -> Springs:

@@ -191,6 +191,8 @@ def _swing(robot: Robot, motion: Motion, springs: Springs) -> tuple[np.ndarray, 
     K = np.array([1 / spring.compliance for spring in springs.values()])
     M, own = M.copy(), np.arange(len(K))
     middle = np.median(M[:, own, own], axis=0)
+    if (middle <= 0).any():
+        return slopes, None
     M[:, own, own] = np.maximum(M[:, own, own], _LEAST * middle)
     D = 2 * np.array([s.damping for s in springs.values()]) * np.sqrt(middle * K)
     try:
