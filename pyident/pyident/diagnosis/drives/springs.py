@@ -127,9 +127,10 @@ def sought(w: Whitened, fit: Fit, known: Springs = NO_SPRINGS) -> Fit:
 
 def left_beside(w: Whitened, fit: Fit) -> list[np.ndarray]:
     """Per log (n, E): what is left beside what links do on springs, and what else is fitted with them."""
-    rest = replace(w.base, residual=_rest(w, w.base, fit.robot, fit.swings))
-    others = _columns(w, replace(fit, drives={}))
-    others += [_ringing(w, fit)] if fit.rings else []
+    rest, others = w.base, _columns(w, replace(fit, drives={}))
+    if fit.swings:
+        rest = replace(rest, residual=_rest(w, rest, fit.robot, fit.swings))
+        others += [_ringing(w, fit)] if fit.rings else []
     return extended(rest, joined(others)).residual if others else rest.residual
 
 

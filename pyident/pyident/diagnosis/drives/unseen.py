@@ -20,7 +20,7 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import residuals_of, solve_base
 from pyident.diagnosis.drives.springs import Fit, Whitened, inertias_at, left_beside, like_links, sought
 from pyident.estimation.identify import identify
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.regression.descriptions import LATE, description_names
 from pyident.regression.loads.swinging_drive import Spring, Springs, carry, ringing, swung
 from pyident.regression.regressor import residual_of
@@ -101,6 +101,8 @@ def unseen(whole: Robot, robot: Robot) -> list[int]:
 
 def stated(whole: Robot, robot: Robot, log: Log) -> UnseenDrives | None:
     """The springs of a robot's file with its own bodies and motors; None where it has none."""
+    if not unseen(whole, robot):
+        return None
     springs = _of_file(whole, robot, _motion(robot, log), lambda links, _: links)
     return UnseenDrives(robot, springs) if springs else None
 
@@ -109,7 +111,8 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     """The springs of a robot's file as logs show them, beside a rigid robot that is fitted with them.
 
     What the logs do not tell of a spring stays near what the file says of it; bodies and motors of the file
-    are never used. None where springs take nothing of what rigid drives leave. Raises LogError.
+    are never used. Springs that take no more than noise gives are left out; None where none takes more, or no
+    bodies that can exist go with them. Raises LogError.
     """
     if not unseen(whole, robot):
         return None
@@ -126,14 +129,27 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
         before = fit.springs
         fit = sought(w, fit, known)
         rigid = UnseenDrives(fit.robot, fit.springs).rigid
-        fit = replace(fit, robot=identify(plain, [rigid(log) for log in logs]).robot)
+        try:
+            fit = replace(fit, robot=identify(plain, [rigid(log) for log in logs]).robot)
+        except LogError:
+            return None
         left = [r * level for r, level in zip(left_beside(w, fit), w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
         if all(_rests(spring, before[k]) for k, spring in fit.springs.items()):
             break
-    taken = w.base.energy - sum(float(np.square(r).sum()) for r in left_beside(w, fit))
-    shown = taken > _CHANCE * len(known) and carry(fit.robot, data[0].part.motion, fit.springs)
-    return UnseenDrives(replace(fit.robot, settings=robot.settings), fit.springs) if shown else None
+    springs = _shown(w, fit) if carry(fit.robot, data[0].part.motion, fit.springs) else {}
+    return UnseenDrives(replace(fit.robot, settings=robot.settings), springs) if springs else None
+
+
+def _shown(w: Whitened, fit: Fit) -> Springs:
+    """Springs without each of which more is left than noise makes."""
+
+    def left(springs: Springs) -> float:
+        return sum(float(np.square(r).sum()) for r in left_beside(w, replace(fit, drives=springs)))
+
+    whole, each = left(fit.springs), fit.springs.items()
+    without = {k: {j: other for j, other in each if j != k} for k, _ in each}
+    return {k: spring for k, spring in each if left(without[k]) - whole > _CHANCE}
 
 
 def _rests(spring: Spring, before: Spring) -> bool:
