@@ -16,16 +16,25 @@ from flexmodels.coordinate import of_joint
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
+from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import residuals_of, solve_base
 from pyident.diagnosis.drives.springs import Fit, Whitened, inertias_at, left_beside, like_links, sought
-from pyident.estimation.identify import identify
+from pyident.estimation.estimator import weighted
+from pyident.estimation.identify import identified
 from pyident.logs.log import Log, LogError
 from pyident.regression.descriptions import LATE, description_names
+from pyident.regression.equations import Problem
 from pyident.regression.loads.swinging_drive import Spring, Springs, carry, ringing, swung
 from pyident.regression.regressor import residual_of
 from pyident.regression.spectrum import Equations, all_over, floors, levels_of
-from pyident.simulation.denoised import denoised_equations, denoised_every_sample, denoises, unfiltered
+from pyident.simulation.denoised import (
+    denoised,
+    denoised_equations,
+    denoised_every_sample,
+    denoises,
+    unfiltered,
+)
 
 _WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
 _ROUNDS = 12  # of springs, parameters and weights
@@ -116,40 +125,64 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     """
     if not unseen(whole, robot):
         return None
-    plain = unfiltered(robot, logs)
-    data = denoised_equations(plain, logs)
+    # a low pass blurs axes that stand most of the time, whose motion keeps its noise then
+    for motion in (denoised, lambda robot, log: condition(log, robot)):
+        told = _told(whole, unfiltered(robot, logs), logs, motion)
+        if told is not None:
+            return UnseenDrives(replace(told.robot, settings=robot.settings), told.springs)
+    return None
+
+
+def _told(
+    whole: Robot, robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Conditioned]
+) -> UnseenDrives | None:
+    """The same of a robot without filter, whose bodies are fitted to logs as `motion` conditions them."""
+    data = denoised_equations(robot, logs)
     w = _over(data, _levels(data))
-    plain = identify(plain, logs).robot
-    known = _of_file(whole, plain, data[0].part.motion, like_links)
+    own = _fitted(robot, logs, motion)
+    known = _of_file(whole, own, data[0].part.motion, like_links)
     if not known:
         return None
-    lags = [Candidate(LATE, k) for k, _ in plain.numbered if LATE in description_names(plain, k)]
-    fit = Fit(plain, known, beside=tuple(lags), rings=True)
+    lags = [Candidate(LATE, k) for k, _ in robot.numbered if LATE in description_names(robot, k)]
+    fit = Fit(own, known, beside=tuple(lags), rings=True)
     for _ in range(_ROUNDS):
         before = fit.springs
         fit = sought(w, fit, known)
-        rigid = UnseenDrives(fit.robot, fit.springs).rigid
         try:
-            fit = replace(fit, robot=identify(plain, [rigid(log) for log in logs]).robot)
+            rigid = UnseenDrives(fit.robot, fit.springs).rigid
+            fit = replace(fit, robot=_fitted(robot, [rigid(log) for log in logs], motion))
         except LogError:
             return None
-        left = [r * level for r, level in zip(left_beside(w, fit), w.levels, strict=True)]
+        left = left_beside(w, fit)
+        if _energy(left) > w.base.energy:
+            return None
+        left = [r * level for r, level in zip(left, w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
         if all(_rests(spring, before[k]) for k, spring in fit.springs.items()):
             break
     springs = _shown(w, fit) if carry(fit.robot, data[0].part.motion, fit.springs) else {}
-    return UnseenDrives(replace(fit.robot, settings=robot.settings), springs) if springs else None
+    return UnseenDrives(fit.robot, springs) if springs else None
+
+
+def _energy(left: Sequence[np.ndarray]) -> float:
+    return sum(float(np.square(r).sum()) for r in left)
 
 
 def _shown(w: Whitened, fit: Fit) -> Springs:
     """Springs without each of which more is left than noise makes."""
 
     def left(springs: Springs) -> float:
-        return sum(float(np.square(r).sum()) for r in left_beside(w, replace(fit, drives=springs)))
+        return _energy(left_beside(w, replace(fit, drives=springs)))
 
     whole, each = left(fit.springs), fit.springs.items()
     without = {k: {j: other for j, other in each if j != k} for k, _ in each}
     return {k: spring for k, spring in each if left(without[k]) - whole > _CHANCE}
+
+
+def _fitted(robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Conditioned]) -> Robot:
+    """The rigid robot whose bodies can exist that goes with logs as `motion` conditions them."""
+    best = weighted(Problem(robot, tuple(motion(robot, log) for log in logs)))
+    return identified(robot, best.reduced, best.solution).robot
 
 
 def _rests(spring: Spring, before: Spring) -> bool:
