@@ -38,7 +38,7 @@ from pyident.simulation.denoised import (
 
 _WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
 _ROUNDS = 12  # of springs, parameters and weights
-_RESTS, _RESTS_DAMPED = 0.005, 0.05  # of a compliance, of a damping
+_RESTS = 0.01  # of what is left at a frequency, on average
 _DAMPED = (0.01, 0.3)  # ratios to begin with
 _CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
 
@@ -146,8 +146,7 @@ def _told(
     lags = [Candidate(LATE, k) for k, _ in robot.numbered if LATE in description_names(robot, k)]
     fit = Fit(own, known, beside=tuple(lags), rings=True)
     for _ in range(_ROUNDS):
-        before = fit.springs
-        fit = sought(w, fit, known)
+        fit, before = sought(w, fit, known), w.levels
         try:
             rigid = UnseenDrives(fit.robot, fit.springs).rigid
             fit = replace(fit, robot=_fitted(robot, [rigid(log) for log in logs], motion))
@@ -158,7 +157,7 @@ def _told(
             return None
         left = [r * level for r, level in zip(left, w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
-        if all(_rests(spring, before[k]) for k, spring in fit.springs.items()):
+        if all(np.abs(np.log(a / b)).mean() < _RESTS for a, b in zip(w.levels, before, strict=True)):
             break
     springs = _shown(w, fit) if carry(fit.robot, data[0].part.motion, fit.springs) else {}
     return UnseenDrives(fit.robot, springs) if springs else None
@@ -183,11 +182,6 @@ def _fitted(robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Co
     """The rigid robot whose bodies can exist that goes with logs as `motion` conditions them."""
     best = weighted(Problem(robot, tuple(motion(robot, log) for log in logs)))
     return identified(robot, best.reduced, best.solution).robot
-
-
-def _rests(spring: Spring, before: Spring) -> bool:
-    stiffer, quieter = spring.compliance / before.compliance, spring.damping / before.damping
-    return abs(math.log(stiffer)) < _RESTS and abs(math.log(quieter)) < _RESTS_DAMPED
 
 
 def _of_file(whole: Robot, robot: Robot, motion: Motion, behind: Callable[[float, float], float]) -> Springs:
