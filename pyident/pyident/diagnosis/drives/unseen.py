@@ -37,9 +37,10 @@ from pyident.simulation.denoised import (
 )
 
 _WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
-_ROUNDS = 12  # of springs, parameters and weights
+_ROUNDS = 15  # of springs, parameters and weights
 _RESTS = 0.01  # of what is left at a frequency, on average
 _DAMPED = (0.01, 0.3)  # ratios to begin with
+_SWINGS = 0.1  # of a damping ratio: beyond, springs may take what something else has left
 _CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
 
 
@@ -125,24 +126,42 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     """
     if not unseen(whole, robot):
         return None
-    # a low pass blurs axes that stand most of the time, whose motion keeps its noise then
-    for motion in (denoised, lambda robot, log: condition(log, robot)):
-        told = _told(whole, unfiltered(robot, logs), logs, motion)
-        if told is not None:
-            return UnseenDrives(replace(told.robot, settings=robot.settings), told.springs)
-    return None
+    told = []
+    for motion in (denoised, _as_logged):
+        own, left = _told(whole, unfiltered(robot, logs), logs, motion)
+        if own is not None:
+            told.append((left, own))
+        if own is not None and _all_swing(own, unseen(whole, robot)):
+            break  # a low pass blurs axes that stand most of the time; their motion keeps its noise then
+    if not told:
+        return None
+    _, best = min(told, key=lambda pair: pair[0])
+    return UnseenDrives(replace(best.robot, settings=robot.settings), best.springs)
+
+
+def _all_swing(drives: UnseenDrives, joints: Sequence[int]) -> bool:
+    """Whether links of joints, from 1, all swing more than once."""
+    return set(drives.springs) == set(joints) and all(s.damping < _SWINGS for s in drives.springs.values())
+
+
+def _as_logged(robot: Robot, log: Log) -> Conditioned:
+    return condition(log, robot)
 
 
 def _told(
     whole: Robot, robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Conditioned]
-) -> UnseenDrives | None:
-    """The same of a robot without filter, whose bodies are fitted to logs as `motion` conditions them."""
+) -> tuple[UnseenDrives | None, float]:
+    """The same of a robot without filter, whose bodies are fitted to logs as `motion` conditions them.
+
+    And the mean logarithm of what is left. None also where rounds do not come to rest.
+    """
+    nothing = None, math.inf
     data = denoised_equations(robot, logs)
     w = _over(data, _levels(data))
     own = _fitted(robot, logs, motion)
     known = _of_file(whole, own, data[0].part.motion, like_links)
     if not known:
-        return None
+        return nothing
     lags = [Candidate(LATE, k) for k, _ in robot.numbered if LATE in description_names(robot, k)]
     fit = Fit(own, known, beside=tuple(lags), rings=True)
     for _ in range(_ROUNDS):
@@ -151,16 +170,19 @@ def _told(
             rigid = UnseenDrives(fit.robot, fit.springs).rigid
             fit = replace(fit, robot=_fitted(robot, [rigid(log) for log in logs], motion))
         except LogError:
-            return None
+            return nothing
         left = left_beside(w, fit)
         if _energy(left) > w.base.energy:
-            return None
+            return nothing
         left = [r * level for r, level in zip(left, w.levels, strict=True)]
         w = _over(data, levels_of(floors([e.band for e in data], left, len(data)), data))
         if all(np.abs(np.log(a / b)).mean() < _RESTS for a, b in zip(w.levels, before, strict=True)):
             break
+    else:
+        return nothing
     springs = _shown(w, fit) if carry(fit.robot, data[0].part.motion, fit.springs) else {}
-    return UnseenDrives(fit.robot, springs) if springs else None
+    level = float(np.mean([np.log(at).mean() for at in w.levels]))
+    return (UnseenDrives(fit.robot, springs), level) if springs else nothing
 
 
 def _energy(left: Sequence[np.ndarray]) -> float:
