@@ -136,11 +136,11 @@ def add_effect(
     require_new(known, joint, effect)  # before logs are read
     read, drive, rest = _with_loop(known, logs, mapping, heldout, force, progress or _silent)
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, rest)
-    written = found.robot
-    if read.hinges and found.accepted:
-        again = identify(unlocked(written, read.hinges), logs, mapping=mapping, heldout=heldout, force=force)
-        written = replace(again.robot, name=written.name)
-    return Added(found, (*drive, *read.notes), written)
+    if not (read.hinges and found.accepted):
+        return Added(found, (*drive, *read.notes))
+    whole = unlocked(found.robot, read.hinges)
+    again = identify(whole, logs, mapping=mapping, heldout=heldout, force=force).robot
+    return Added(found, (*drive, *read.notes), replace(again, name=found.robot.name))
 
 
 def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:

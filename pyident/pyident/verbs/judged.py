@@ -137,12 +137,17 @@ class Diagnosed(Result):
 class Added(Result):
     """A robot with one more effect, and whether held-out data bear it out.
 
-    robot   with the effect, fitted, also where it is refused; and with hinges that its motors tell
+    hinged   the robot with the effect and hinges that its motors feel; None: it has none of these
     """
 
     extended: "Extended"
     notes: tuple[str, ...]
-    robot: "Robot"
+    hinged: "Robot | None" = None
+
+    @property
+    def robot(self) -> "Robot":
+        """The robot with the effect, fitted; also where it is refused."""
+        return self.hinged or self.extended.robot
 
     @property
     def accepted(self) -> bool:

@@ -127,6 +127,7 @@ def test_drives_that_tell_nearly_as_much_are_fitted_before_one_is_taken(monkeypa
 
     monkeypatch.setattr(bending, "_with_sag", lambda _, fit, k: replace(fit, drives={3: None}))
     monkeypatch.setattr(bending, "_scanned", told)
+    monkeypatch.setattr(bending, "_whitened", lambda search: search)
     monkeypatch.setattr(bending, "settled", settled)
     monkeypatch.setattr(
         bending, "_unless_much_more", lambda _, sag, swings: max(swings, key=lambda f: f.energy)
