@@ -26,6 +26,7 @@ from pyident.verbs.inputs import (
     Logs,
     Model,
     Opened,
+    Read,
     as_rigid,
     checked_logs,
     opened,
@@ -75,7 +76,10 @@ def identify(
         )
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
-    read = _on_springs(robot, opened(robot, logs, mapping, heldout, force))
+    read = opened(robot, logs, mapping, heldout, force)
+    in_memory = [log for log in read.logs if isinstance(log, Log)]
+    if len(in_memory) == len(read.logs):
+        read = on_springs(robot, read, in_memory)
     found = _identified(read, _ROBUST if robust else estimator, progress, cad)
     if read.hinges:
         found = with_motors(found, {of_joint(k, "J_m"): own["J_m"] for k, own in read.hinges.items()}, cad)
@@ -83,7 +87,8 @@ def identify(
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
     if progress:
         progress(1.0)
-    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad, unlocked(found.robot, read.hinges))
+    hinged = unlocked(found.robot, read.hinges) if read.hinges else None
+    return Fit(found, (*read.notes, *found.notes), read.logs, errors, cad, hinged)
 
 
 def refine(
@@ -202,20 +207,17 @@ def with_found_drive(
     return with_settings(robot, found), tuple(notes)
 
 
-def _on_springs(robot: Robot, read: Opened) -> Opened:
-    """What was read, its torques as rigid drives need them where motors feel in the logs how links swing.
-
-    Logs on disk stay as they are.
+def on_springs(robot: Robot, read: Read, fitted: Sequence[Log]) -> Read:
+    """What was read, its torques as rigid drives need them where logs show how links swing on hinges of the
+    robot's file that no log holds; fitted: the logs that are to show it. Raises LogError.
     """
     from pyident.diagnosis.drives import unseen  # what a diagnosis needs, for robots that bend alone
 
-    fitted = [log for log in read.logs if isinstance(log, Log)]
-    if len(fitted) < len(read.logs) or not unseen.unseen(robot, read.robot):
-        return read
-    drives = unseen.found(robot, read.robot, fitted)
+    drives = unseen.found(robot, read.robot, fitted) if unseen.unseen(robot, read.robot) else None
     if drives is None:
         return read
-    return as_rigid(read, drives.rigid, drives.hinges(fitted[0]), drives.notes(fitted[0]))
+    hinges = drives.hinges(fitted[0])
+    return as_rigid(read, drives.rigid, hinges, unseen.hinge_notes(hinges))
 
 
 def _free(robot: Robot) -> list[str]:

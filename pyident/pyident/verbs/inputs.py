@@ -62,7 +62,7 @@ class Opened:
     hinges: Hinges = field(default_factory=dict)
 
 
-_Read = TypeVar("_Read", Given, Opened)
+Read = TypeVar("Read", Given, Opened)
 
 
 def read_log(
@@ -164,7 +164,7 @@ def opened(
     return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *modelled))
 
 
-def as_rigid(read: _Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Iterable[str]) -> _Read:
+def as_rigid(read: Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Iterable[str]) -> Read:
     """What was read, its logs in memory as `rigid` makes them, notes in place of those on locked hinges."""
     dropped = {locked_note(k) for k in hinges}
     logs = tuple(rigid(log) if isinstance(log, Log) else log for log in read.logs)

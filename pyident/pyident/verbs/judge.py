@@ -12,7 +12,6 @@ from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
 from pyident.diagnosis.diagnose import part_of, servo_delay_in
-from pyident.diagnosis.drives.unseen import found as springs_found
 from pyident.diagnosis.drives.unseen import stated as springs_stated
 from pyident.diagnosis.notes import apart as kept_apart
 from pyident.diagnosis.searched import alignment_in
@@ -26,7 +25,7 @@ from pyident.report.moving_arm import MovingArm, moving
 from pyident.simulation.denoised import within
 from pyident.simulation.fmu_runs import FmuRuns
 from pyident.simulation.processes.this_machine import processes_kept
-from pyident.verbs.fit import identify, with_found_drive
+from pyident.verbs.fit import identify, on_springs, with_found_drive
 from pyident.verbs.inputs import Columns, Given, Logs, Model, as_rigid, given, robot_of
 from pyident.verbs.judged import Added, Compared, Diagnosed
 
@@ -181,7 +180,7 @@ def _with_loop(
     robot, notes = with_found_drive(robot, logs, mapping, force, part_of(progress, 0.0, 0.1))
     read = given(robot, logs, mapping, heldout, force)
     if not notes:
-        return _on_found_springs(robot, read), (), progress
+        return on_springs(robot, read, split(read.logs, read.heldout).fitted), (), progress
     if robot.servo is None or "delay" not in robot.servo.unknown:
         return read, notes, part_of(progress, 0.1, 0.9)
     parts = split(read.logs, read.heldout)
@@ -194,19 +193,8 @@ def _with_loop(
     return read, notes, part_of(progress, 0.4, 0.6)
 
 
-def _on_found_springs(robot: Robot, read: Given) -> Given:
-    """What was read, its torques as rigid drives need them where logs show how links swing on hinges of the
-    robot's file that no log holds.
-    """
-    fitted = split(read.logs, read.heldout).fitted
-    drives = springs_found(robot, read.robot, fitted)
-    if drives is None:
-        return read
-    return as_rigid(read, drives.rigid, drives.hinges(fitted[0]), drives.notes(fitted[0]))
-
-
 def _on_stated_springs(robot: Robot, read: Given) -> Given:
-    """The same with the springs that a model has, which is held against the logs."""
+    """What was read, its torques as rigid drives need them by the springs of the model."""
     drives = springs_stated(robot, read.robot, read.logs[0])
     if drives is None:
         return read

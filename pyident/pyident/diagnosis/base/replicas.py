@@ -13,7 +13,7 @@ from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import residuals_of
 from pyident.diagnosis.base.setting import Setting, replicas_of
 from pyident.logs.log import Log
-from pyident.regression.spectrum import Band, all_over, floors, levels_of
+from pyident.regression.spectrum import Band, Equations, all_over, floors, levels_of
 from pyident.simulation.denoised import denoised_equations, denoises
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Simulator
@@ -73,11 +73,20 @@ def left_of(setting: Setting, logs: Sequence[Log]) -> tuple[list[Band], list[np.
     """
     flat = 1 / np.maximum(setting.solution.weights, 1e-300)
     found = denoised_equations(setting.robot, logs)
-    bands, left = [e.band for e in found], []
-    levels = [flat[:, None]] * len(found)
-    rounds = _WEIGHTINGS if denoises(setting.robot) else 0
-    for last in (*[False] * rounds, True):
-        left = [r * at for r, at in zip(residuals_of(all_over(found, levels)), levels, strict=True)]
-        if not last:
-            levels = levels_of(floors(bands, left, len(bands)), found)
-    return bands, left
+    levels: list[np.ndarray] = [flat[:, None]] * len(found)
+    if denoises(setting.robot):
+        levels = levels_by_rest(found, levels)
+    return [e.band for e in found], _left_over(found, levels)
+
+
+def levels_by_rest(data: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Per log (n, E) what a regression of equations leaves at each frequency, in rounds from levels on."""
+    found = list(levels)
+    for _ in range(_WEIGHTINGS):
+        found = levels_of(floors([e.band for e in data], _left_over(data, found), len(data)), data)
+    return found
+
+
+def _left_over(data: Sequence[Equations], levels: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Per log (n, E) what a regression over levels leaves, itself not over them."""
+    return [r * at for r, at in zip(residuals_of(all_over(data, levels)), levels, strict=True)]

@@ -7,7 +7,7 @@ torques are then put right for what the links do, and all else is asked of a rob
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,8 @@ from pyident.conditioning.motion import Motion
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.base.projection import residuals_of, solve_base
+from pyident.diagnosis.base.projection import solve_base
+from pyident.diagnosis.base.replicas import levels_by_rest
 from pyident.diagnosis.drives.springs import Fit, Whitened, inertias_at, left_beside, like_links, sought
 from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import identified
@@ -36,7 +37,6 @@ from pyident.simulation.denoised import (
     unfiltered,
 )
 
-_WEIGHTINGS = 2  # rounds of what a rigid robot leaves at each frequency
 _ROUNDS = 15  # of springs, parameters and weights
 _RESTS = 0.01  # of what is left at a frequency, on average
 _DAMPED = (0.01, 0.3)  # ratios to begin with
@@ -86,14 +86,15 @@ class UnseenDrives:
             told[k] = {"k[1]": K, "d[1]": D, "J_m": whole - behind}
         return told
 
-    def notes(self, log: Log) -> Iterator[str]:
-        """A sentence on each joint's, as found in logs, of which one is given."""
-        for k, own in self.hinges(log).items():
-            yield (
-                f"joint {k}: no link-side encoder; by what its motor feels of how its link swings, its hinge "
-                f"has k[1] = {own['k[1]']:.4g} N.m/rad and d[1] = {own['d[1]']:.2g} N.m.s/rad, and its motor "
-                f"J_m = {own['J_m']:.3g} kg.m2 (no intervals); torques are taken as rigid drives need them"
-            )
+
+def hinge_notes(hinges: Mapping[int, Mapping[str, float]]) -> Iterator[str]:
+    """A sentence on each joint's hinge, as found in logs."""
+    for k, own in hinges.items():
+        yield (
+            f"joint {k}: no link-side encoder; by what its motor feels of how its link swings, its hinge "
+            f"has k[1] = {own['k[1]']:.4g} N.m/rad and d[1] = {own['d[1]']:.2g} N.m.s/rad, and its motor "
+            f"J_m = {own['J_m']:.3g} kg.m2 (no intervals); torques are taken as rigid drives need them"
+        )
 
 
 def unseen(whole: Robot, robot: Robot) -> list[int]:
@@ -126,9 +127,12 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     """
     if not unseen(whole, robot):
         return None
+    plain = unfiltered(robot, logs)
+    data = denoised_equations(plain, logs)
+    begun = _over(data, levels_by_rest(data, [np.ones_like(e.y) for e in data]))
     told = []
     for motion in (denoised, _as_logged):
-        own, left = _told(whole, unfiltered(robot, logs), logs, motion)
+        own, left = _told(whole, plain, logs, data, begun, motion)
         if own is not None:
             told.append((left, own))
         if own is not None and _all_swing(own, unseen(whole, robot)):
@@ -149,15 +153,20 @@ def _as_logged(robot: Robot, log: Log) -> Conditioned:
 
 
 def _told(
-    whole: Robot, robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Conditioned]
+    whole: Robot,
+    robot: Robot,
+    logs: Sequence[Log],
+    data: Sequence[Equations],
+    w: Whitened,
+    motion: Callable[[Robot, Log], Conditioned],
 ) -> tuple[UnseenDrives | None, float]:
     """The same of a robot without filter, whose bodies are fitted to logs as `motion` conditions them.
 
     And the mean logarithm of what is left. None also where rounds do not come to rest.
+
+    data   equations of the logs;  w: the same over what rigid drives leave
     """
     nothing = None, math.inf
-    data = denoised_equations(robot, logs)
-    w = _over(data, _levels(data))
     own = _fitted(robot, logs, motion)
     known = _of_file(whole, own, data[0].part.motion, like_links)
     if not known:
@@ -217,16 +226,6 @@ def _of_file(whole: Robot, robot: Robot, motion: Motion, behind: Callable[[float
         ratio = whole.parameters.get(of_joint(k, "d[1]"), 0.0) / (2 * math.sqrt(J * K))
         springs[k] = Spring(1 / K, float(np.clip(ratio, *_DAMPED)), links - J)
     return springs
-
-
-def _levels(data: Sequence[Equations]) -> list[np.ndarray]:
-    """Per log (n, E) what the equations of rigid drives leave, smooth over frequencies."""
-    bands = [e.band for e in data]
-    levels = [np.ones_like(e.y) for e in data]
-    for _ in range(_WEIGHTINGS):
-        left = [r * at for r, at in zip(residuals_of(all_over(data, levels)), levels, strict=True)]
-        levels = levels_of(floors(bands, left, len(data)), data)
-    return levels
 
 
 def _over(data: Sequence[Equations], levels: list[np.ndarray]) -> Whitened:
