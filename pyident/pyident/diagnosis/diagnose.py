@@ -14,14 +14,14 @@ import numpy as np
 from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import HELD, NOTHING, Alignment, OwnWay
+from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.drives.bending import about_bends, swinging
 from pyident.diagnosis.friction_by_log import friction_by_log
-from pyident.diagnosis.late_torque import comes_late, held_alike, own_ways
+from pyident.diagnosis.late_torque import comes_late, held_alike, less_left, own_ways
 from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
@@ -193,22 +193,11 @@ def _in_time(
                 again = put_right(search.examination.setting, further, open_pool)
             except UnsimulatedFitError:  # it stays as it was
                 continue
-            if apart is _each_its_way and not _less_left(search, again, further.own):
+            if apart is _each_its_way and not less_left(search, again, further, selection.candidates):
                 continue
             search, held = again, held_out(again, heldout)
             selection = _selected(search, held)
     return search, held, selection
-
-
-def _less_left(search: Search, again: Search, ways: Sequence[OwnWay]) -> bool:
-    """Whether logs that were put right leave far less at joints whose torques had come by more than a hold.
-
-    A burst that a move took to where equations are left out is there again once these are chosen anew.
-    """
-    most, held = 1 - search.rules.explained[0], HELD * search.examination.setting.period
-    before, after = (view.resting_on(()).lacking for view in (search, again))
-    rows = [way.joint - 1 for way in ways if abs(way.behind) > held]
-    return all(after[row] <= most * before[row] for row in rows)
 
 
 def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:

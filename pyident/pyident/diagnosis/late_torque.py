@@ -7,18 +7,19 @@ taken as before a low pass of a drive's, and the time or the corner is sought th
 equation, over a floor that went the same way. It has to leave hardly anything of what exceeds the floor
 there, far less than the laws do, and every log by itself has to tell the same.
 
-A digital loop holds a torque until the next one, so that it acts half a sample after it is logged. Where a
-law or an error says so of one torque, this is put right, too.
+A digital loop holds a torque until the next one, so that it acts half a sample after it is logged, or less
+where not every sample is logged. Where a law or an error says so of one torque, this is put right, too.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import HELD, LATEST, NOTHING, Alignment, OwnWay
 from pyident.diagnosis.base.candidates import Candidate, law_of
@@ -51,7 +52,8 @@ def own_ways(search: Search, named: Sequence[Candidate]) -> tuple[OwnWay, ...]:
 
 
 def held_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """That all torques of a flexible robot are held, where one of them is named late by half a sample.
+    """That all torques of a flexible robot are held, where one of them is named early by half a sample or
+    less.
 
     One loop holds them all. The fit says so, too, unless it is bent by what is missing at another joint.
     """
@@ -59,11 +61,28 @@ def held_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
     known = driven(setting.robot) or setting.alignment.needed
     if not setting.simulates or known:
         return NOTHING
-    beside = search.resting_on(named)
-    late = [c for c in named if comes_late(search.robot, c)]
-    early = (_early(beside.without(c), c) for c in late)
-    found = (Alignment.by_clock(setting.robot, time, setting.period) for time in early)
-    return next((way for way in found if way.held), NOTHING)
+    held = list(_held_times(search.resting_on(named), named).values())
+    return Alignment.by_clock(setting.robot, held[0], setting.period) if held else NOTHING
+
+
+def less_left(search: Search, again: Search, further: Alignment, named: Sequence[Candidate]) -> bool:
+    """Whether logs of which more was put right leave far less at joints whose torques had come by more than a
+    hold; and, where all torques are held, at all joints whose torque is not named late by more.
+
+    A burst that a move took to where equations are left out is there again once these are chosen anew.
+    """
+    search = search.resting_on(())
+    before, after = search.lacking, again.resting_on(()).lacking
+    most, held = 1 - search.rules.explained[0], HELD * search.examination.setting.period
+    moved = [way.joint - 1 for way in further.own if abs(way.behind) > held]
+    if (after[moved] > most * before[moved]).any():
+        return False
+    if further == replace(NOTHING, own=further.own):
+        return True
+    late = {c.joint for c in named if comes_late(search.robot, c)}
+    late -= _held_times(search.resting_on(named), named).keys()
+    rows = [row for row, c in enumerate(search.robot.coordinates) if joint_number(c) not in late]
+    return bool(after[rows].sum() <= most * before[rows].sum())
 
 
 def time_of(beside: Search, joint: int, slope: float) -> float:
@@ -87,12 +106,18 @@ def _held(beside: Search) -> dict[int, OwnWay]:
 
     beside   rests on what was named
     """
-    period, found = max(e.band.period for e in beside.examination.logs), {}
-    for late in [c for c in beside.chosen if comes_late(beside.robot, c)]:
-        early = _early(beside.without(late), late)
-        if 0 < early <= HELD * period:
-            found[late.joint] = OwnWay(late.joint, -early)
-    return found
+    times = _held_times(beside, beside.chosen)
+    return {joint: OwnWay(joint, -early) for joint, early in times.items()}
+
+
+def _held_times(beside: Search, named: Sequence[Candidate]) -> dict[int, float]:
+    """By joint the time [s] by which a torque is named early, of those that are by no more than a hold.
+
+    beside   rests on what was named
+    """
+    early = {c.joint: _early(beside.without(c), c) for c in named if comes_late(beside.robot, c)}
+    period = beside.examination.setting.period
+    return {joint: time for joint, time in early.items() if 0 < time <= HELD * period}
 
 
 def _early(beside: Search, late: Candidate) -> float:

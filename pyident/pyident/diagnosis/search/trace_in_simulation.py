@@ -23,7 +23,7 @@ from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.residual_over_floor import energy, whitened
 from pyident.diagnosis.base.setting import Setting, replicas_of, set_up, unbiased
 from pyident.diagnosis.search.search import Search
-from pyident.logs.log import Log
+from pyident.logs.log import Log, LogError
 from pyident.regression.spectrum import Floor
 from pyident.simulation.replica import Repeat, repeat_like
 from pyident.simulation.simulator import OpenPool, Simulator
@@ -101,16 +101,16 @@ class _Judge:
         self.other = _elsewhere(self.setting.robot, self.heldout, ex.floor, ex.base.p)
 
     def trace(self, candidate: Candidate) -> Trace | None:
-        """None where the model with the law cannot be simulated."""
-        setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
-        others = tuple(repeat_like(setting.simulated, setting.robot, log) for log in self.heldout)
+        """None where the model with the law cannot be simulated, or no bodies that can exist go with it."""
         try:
+            setting = set_up(with_law(self.setting.simulated, candidate), self.setting.logs)
+            others = tuple(repeat_like(setting.simulated, setting.robot, log) for log in self.heldout)
             with self.open_pool(setting.simulated) as workers:
                 setting = unbiased(setting, workers, _ROUNDS, _PROBES)
                 arguments = setting, self.setting.robot, self.floors, others
                 job = workers.submit(_signatures, *arguments, range(_REPLICAS))
                 own, other, energies = zip(*job.result(), strict=True)
-        except SimulationError:
+        except (SimulationError, LogError):  # the logs themselves were fitted before
             return None
         heldout = 1 - _distance(self.other, other) / _distance(self.other) if others else None
         return Trace(candidate, setting, self._followed(own), self._explained(energies), heldout)
