@@ -13,7 +13,7 @@ from flexmodels.effects.rubbing import rubbing
 from flexmodels.files.robot_file import load_robot
 from flexmodels.settings.processing import Processing
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rubbing import rubs
+from pyident.conditioning.reversals.rubbing import rubs
 from pyident.conditioning.weak_form import condition, condition_every_sample
 from pyident.estimation.estimator import weighted
 from pyident.logs.log import Log

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyident.conditioning.rest import at_samples, away_from_rest, creeping, without_steps
+from pyident.conditioning.reversals.rest import at_samples, away_from_rest, creeping, without_steps
 
 T = 0.004  # s
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from pyident.conditioning.reversals.torque_bends import bends
 from pyident.conditioning.smooth_motion import blurred
-from pyident.conditioning.torque_bends import bends
 
 PERIOD, CORNER = 0.008, 0.12  # s; over the Nyquist frequency
 TIME = np.arange(0, 20, PERIOD)

@@ -14,7 +14,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from pyident.comparison.bins import Bin
 from pyident.comparison.model_against_replicas import Part
-from pyident.conditioning.rest import stretches
+from pyident.conditioning.reversals.rest import stretches
 from pyident.logs.log import LogError
 from pyident.regression.spectrum import Floor
 from pyident.rules.bins import BINS

@@ -26,9 +26,9 @@ from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
 from pyident.conditioning.filters import settling, without_phase
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rest import REACH as REST_REACH
-from pyident.conditioning.rest import at_samples
-from pyident.conditioning.rubbing import known_where, rubs, signs_known, speed_products
+from pyident.conditioning.reversals.rest import REACH as REST_REACH
+from pyident.conditioning.reversals.rest import at_samples
+from pyident.conditioning.reversals.rubbing import known_where, rubs, signs_known, speed_products
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.standing import stands
 from pyident.logs.log import Log, LogError, Sampled, require

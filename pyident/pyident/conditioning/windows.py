@@ -11,7 +11,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.filters import settling, thinning_filter
-from pyident.conditioning.rubbing import speed_products
+from pyident.conditioning.reversals.rubbing import speed_products
 from pyident.conditioning.samples import Conditioned, Piece
 from pyident.conditioning.weak_form import REACH, Recipe, condition, recipe
 from pyident.logs.disk import ROWS, LogFile

@@ -14,7 +14,7 @@ from scipy.linalg import qr
 from flexmodels.robot import Robot
 from pyident.conditioning.fading import faded
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rubbing import rubs
+from pyident.conditioning.reversals.rubbing import rubs
 from pyident.conditioning.weak_form import condition
 from pyident.excitation.followed import followed
 from pyident.excitation.fourier import Reference

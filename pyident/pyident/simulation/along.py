@@ -14,8 +14,9 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
-from pyident.conditioning.rest import away_from_rest
-from pyident.conditioning.rubbing import signs_known, speed_products
+from pyident.conditioning.reversals.rest import away_from_rest
+from pyident.conditioning.reversals.rubbing import signs_known, speed_products
+from pyident.conditioning.reversals.torque_bends import telling
 from pyident.conditioning.smooth_motion import (
     WHITE_FROM,
     all_smooth,
@@ -24,7 +25,6 @@ from pyident.conditioning.smooth_motion import (
     ends_of,
     reached,
 )
-from pyident.conditioning.torque_bends import telling
 from pyident.conditioning.weak_form import REACH, central_differences
 from pyident.logs.encoders import resolution
 from pyident.logs.log import Log

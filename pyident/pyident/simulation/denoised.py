@@ -19,9 +19,9 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.fading import faded
+from pyident.conditioning.reversals.torque_bends import telling
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
-from pyident.conditioning.torque_bends import telling
 from pyident.conditioning.weak_form import condition, condition_every_sample, switching
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations, band_top, equations

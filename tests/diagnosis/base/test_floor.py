@@ -13,7 +13,7 @@ from six_axis_logs import arm, made
 from flexmodels.files.robot_file import load_robot
 from flexmodels.robot import Robot
 from flexmodels.settings.processing import Processing
-from pyident.conditioning.rest import STANDSTILL
+from pyident.conditioning.reversals.rest import STANDSTILL
 from pyident.diagnosis.base.discrepancy import inexact
 from pyident.diagnosis.base.projection import Base
 from pyident.diagnosis.base.residual_over_floor import EDGES, Examination, Region, examine

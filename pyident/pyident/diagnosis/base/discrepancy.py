@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter1d
 
 from flexmodels.coordinate import torque_of
 from flexmodels.robot import Robot
-from pyident.conditioning.rest import STANDSTILL
+from pyident.conditioning.reversals.rest import STANDSTILL
 from pyident.conditioning.weak_form import condition
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns

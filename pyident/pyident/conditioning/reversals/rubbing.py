@@ -16,7 +16,7 @@ from flexmodels.effects import signals
 from flexmodels.effects.effect import SLOW
 from flexmodels.effects.rubbing import Sum, rubbing
 from flexmodels.robot import Robot
-from pyident.conditioning.rest import away_from_rest
+from pyident.conditioning.reversals.rest import away_from_rest
 
 
 @dataclass(frozen=True)

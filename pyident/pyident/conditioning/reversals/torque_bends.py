@@ -11,7 +11,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from pyident.conditioning.motion import Motion
-from pyident.conditioning.rest import creeping, without_steps
+from pyident.conditioning.reversals.rest import creeping, without_steps
 from pyident.conditioning.smooth_motion import blurred, smooth
 
 _STANDS_OUT = 8.0  # standard deviations of what the torque usually has above the corner
