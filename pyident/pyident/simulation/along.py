@@ -14,9 +14,9 @@ import numpy as np
 from flexmodels.robot import Robot
 from pyident.conditioning.motion import Motion
 from pyident.conditioning.order_waves import highest_of, orders_within, without_waves
+from pyident.conditioning.reversals.other_reversals import all_telling
 from pyident.conditioning.reversals.rest import away_from_rest
 from pyident.conditioning.reversals.rubbing import signs_known, speed_products
-from pyident.conditioning.reversals.torque_bends import telling
 from pyident.conditioning.smooth_motion import (
     WHITE_FROM,
     all_smooth,
@@ -172,11 +172,12 @@ def _torque_noise(
     beside = (log.signals(robot.coordinates) - motion.q) * alone
     rounding = Rounding.of(beside, above, log.period) if repeats else None
     shaken = _shaken(robot, motion, p, rounding, forces) if rounding else []
+    away = [away_from_rest(speed, float(np.mean(speed**2))) for speed in motion.dq[:, :joints].T]
+    known = np.column_stack(away) & signs[:, :joints]
+    told = all_telling(known, tau, motion, corners[:joints], log.period)
+    told[:ends], told[-ends:] = False, False
     for k, name in enumerate(robot.torques):
-        speed = motion.dq[:, k]
-        known = away_from_rest(speed, float(np.mean(speed**2))) & signs[:, k]
-        moving = telling(known, tau[:, k], motion, k, corners[k], log.period)
-        moving[:ends], moving[-ends:] = False, False
+        speed, moving = motion.dq[:, k], told[:, k]
         rest, plain, found = left[:, k], left[:, k], None
         if moving.any():
             highest, angle = highest_of(robot.joints[k], periodic), motion.q[:, k]

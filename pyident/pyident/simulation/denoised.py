@@ -19,7 +19,7 @@ import numpy as np
 
 from flexmodels.robot import Robot
 from pyident.conditioning.fading import faded
-from pyident.conditioning.reversals.torque_bends import telling
+from pyident.conditioning.reversals.other_reversals import all_telling
 from pyident.conditioning.samples import Conditioned
 from pyident.conditioning.smooth_motion import all_reached, all_smooth, blurred, ends_of
 from pyident.conditioning.weak_form import condition, condition_every_sample, switching
@@ -94,8 +94,7 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     frame[list(robot.coordinates)] = all_smooth(q, reach)
     part = conditioned(replace(log, frame=frame), robot)
     use = part.use.copy()
-    for k, corner in enumerate(reach):
-        use[:, k] *= telling(use[:, k] > 0, part.target[:, k], part.motion, k, corner, log.period)
+    use *= all_telling(use > 0, part.target, part.motion, reach, log.period)
     spread = [blurred(corner) for corner in reach]
     ends = ends_of(len(use), spread)
     use[:ends], use[-ends:] = 0.0, 0.0
