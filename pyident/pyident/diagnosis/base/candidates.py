@@ -204,7 +204,7 @@ def columns_of(
             found[i].append({})
             if i not in acting:
                 found[i][-1][0] = np.zeros((log.y.shape[1], len(bounds(robot, listed[i])[0])))
-        raw = (_raw(robot, listed[i], log.part) for i in acting)
+        raw = (torques_per_unit(robot, listed[i], log.part) for i in acting)
         for i, by_row in zip(acting, _transformed_together(raw, log), strict=True):
             found[i][-1].update({row: X / level[row][:, None] for row, X in by_row.items()})
     return found
@@ -263,11 +263,11 @@ def _transformed(
     robot: Robot, candidate: Candidate, part: Conditioned, band: Band, factor: np.ndarray
 ) -> dict[int, np.ndarray]:
     """Row -> (E, K)."""
-    raw = _raw(robot, candidate, part)
+    raw = torques_per_unit(robot, candidate, part)
     return {row: band.transform(part.used(row, X * factor).T) for row, X in raw.items()}
 
 
-def _raw(robot: Robot, candidate: Candidate, part: Conditioned) -> dict[int, np.ndarray]:
+def torques_per_unit(robot: Robot, candidate: Candidate, part: Conditioned) -> dict[int, np.ndarray]:
     """Row -> (K, N), the torques per unit of the linear parameters."""
     of = slopes(robot, candidate, motion_for(robot, candidate, part.motion))
     rows = sorted({row for by_row in of.values() for row in by_row})

@@ -12,6 +12,7 @@ from pyident.diagnosis.base.nonlinear_values import of_whole_periods, proper, re
 from pyident.diagnosis.base.projection import Base, Columns, Gain, extended, gain, gains
 from pyident.diagnosis.base.residual_over_floor import Examination, Region
 from pyident.diagnosis.base.setting import Setting
+from pyident.diagnosis.base.shaken import with_shaken
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.search.families import Families, families_of
 from pyident.diagnosis.search.found import Found, Step
@@ -42,10 +43,7 @@ class Search:
 
     def resting_on(self, chosen: Sequence[Candidate]) -> "Search":
         """The search whose base is the examination's with these candidates, and no others, joined to it."""
-        base = self.examination.base
-        for candidate in chosen:
-            base = extended(base, self.columns(candidate))
-        return replace(self, base=base, chosen=tuple(chosen))
+        return replace(self, base=self._joined(self.examination.base, chosen), chosen=tuple(chosen))
 
     def about(self, setting: Setting) -> "Search":
         """The same search with columns of another fit of the robot; what it rests on is gone."""
@@ -53,10 +51,14 @@ class Search:
 
     def with_further(self, candidates: Sequence[Candidate]) -> "Search":
         """The search that rests on further candidates as well."""
-        base = self.base
+        return replace(self, base=self._joined(self.base, candidates), chosen=(*self.chosen, *candidates))
+
+    def _joined(self, base: Base, candidates: Sequence[Candidate]) -> Base:
+        """A base with candidates, and what waves among them do to other joints, joined to it."""
         for candidate in candidates:
-            base = extended(base, self.columns(candidate))
-        return replace(self, base=base, chosen=(*self.chosen, *candidates))
+            own = extended(base, self.columns(candidate))
+            base = with_shaken(self.examination, candidate, own)
+        return base
 
     def without(self, candidate: Candidate) -> "Search":
         """The search that rests on all but one of those that this one rests on."""
