@@ -31,7 +31,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.search.wrong_description import with_descriptions
-from pyident.diagnosis.searched import UnsimulatedFitError, put_right, searched
+from pyident.diagnosis.searched import UnsimulatedFitError, put_right, searched, weighed_anew
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DELAY, DRIVE, description_names
@@ -39,6 +39,8 @@ from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
+_Asked = tuple[Search, HeldOut, Selection]
+_RAISED = 2.0  # times that a floor is raised, so that its equation counts for much less
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
 
 
@@ -148,7 +150,8 @@ def _from_columns(
     """
     if search.examination.setting.unfollowed:
         return search, _unnamed(search, heldout)
-    search, held, selection = _in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
+    asked = _in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
+    search, held, selection = _weighed_anew(asked, heldout, open_pool)
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
     beside = search.resting_on(selection.candidates)
@@ -167,8 +170,7 @@ def _from_columns(
 
 def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
     """Where no simulation of the fit follows the logs, so that nothing tells what it leaves by itself."""
-    nothing = Selection((), search.step(), {})
-    found = conclusion(search, nothing, held_out(search, heldout), heldout)
+    found = conclusion(search, Selection((), search.step(), {}), held_out(search, heldout), heldout)
     worst = max((p for p in found.places if p.state == "unexplained"), key=lambda p: p.over_floor[1])
     said = (
         "Something large is missing or wrong: no simulation of the fitted model follows these logs, so that "
@@ -177,9 +179,7 @@ def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
     return replace(found, sentence=said + fitted_apart(search.examination.setting))
 
 
-def _in_time(
-    search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress
-) -> tuple[Search, HeldOut, Selection]:
+def _in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress) -> _Asked:
     """What the laws come to; with all torques put right that are late alike beside them, and single ones
     where that leaves far less.
     """
@@ -218,6 +218,21 @@ def _others_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
 def _beside(search: Search, named: Sequence[Candidate]) -> Alignment:
     others = [c for c in named if not comes_late(search.robot, c)]
     return delay_beside(search.examination, others, len(others) < len(named))
+
+
+def _weighed_anew(asked: _Asked, heldout: Sequence[Log], open_pool: OpenPool) -> _Asked:
+    """What laws and errors come to where floors are raised by what the model lacks beside those named, if
+    that leaves far less: an equation that lacks much counts for little, and then others bend its laws.
+    """
+    search, _, selection = asked
+    beside = search.resting_on(selection.candidates)
+    if not selection.steps or search.examination.raised.max() < _RAISED or not beside.stands_out:
+        return asked
+    again = weighed_anew(search, selection.candidates, open_pool)
+    unseen = held_out(again, heldout)
+    selected = _selected(again, unseen)
+    before, after = (again.resting_on(s.candidates).lacking.sum() for s in (selection, selected))
+    return (again, unseen, selected) if after <= (1 - search.rules.explained[0]) * before else asked
 
 
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:

@@ -10,6 +10,7 @@ from functools import partial
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
 from pyident.conditioning.alignment import NOTHING, Alignment
+from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.floor_shares import worth_little
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
@@ -161,6 +162,13 @@ def alignment_in(robot: Robot, logs: Sequence[Log], open_pool: OpenPool, rules: 
             moved = _on_one_clock(setting, free.late)
             return NOTHING if moved is None else moved.alignment
         return alignment_of(examine(free, workers, lambda _: None, lambda *_: []))
+
+
+def weighed_anew(search: Search, named: Sequence[Candidate], open_pool: OpenPool) -> Search:
+    """The search with floors that are raised by what a robot lacks beside what was named. Raises LogError."""
+    setting = search.examination.setting
+    with workers_of(setting, open_pool) as workers:
+        return search_of(examine(setting, workers, lambda _: None, beside=named))
 
 
 def put_right(setting: Setting, further: Alignment, open_pool: OpenPool) -> Search:

@@ -4,12 +4,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from six_axis_logs import arm, made, three_laws
 from two_link_logs import in_process, loaded, made_log, two_link
 
 from pyident.diagnosis.base.balance import _unlikely, raised_floors
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.replicas import left_of, replicated
 from pyident.diagnosis.base.setting import set_up, unbiased, workers_of
+from pyident.diagnosis.searched import searched, weighed_anew
 from pyident.regression.spectrum import Band, Equations, Floor, floors
 from pyident.simulation.replica import Repeat
 
@@ -84,3 +86,18 @@ def test_equations_below_their_floor_are_no_better_than_at_it():
     assert _unlikely(np.array([1.0, 1.0])) == pytest.approx(0.0)
     assert _unlikely(np.array([5.0, 1.0])) == pytest.approx(np.log(5.0))
     assert _unlikely(np.array([1.0, 0.1])) > _unlikely(np.array([5.0, 1.0]))
+
+
+def test_floors_are_raised_by_what_is_left_beside_a_law_that_is_named():
+    logs = [made(arm(), seed, three_laws) for seed in range(2)]
+    search = searched(arm(), logs, never)
+    laws = [search.best("load_dependent_friction", k) for k in (2, 3)]
+    laws += [search.best("nonlinear_viscous", 1)]
+    again = weighed_anew(search, [law.candidate for law in laws if law], never)
+    assert search.examination.raised[:3].max() > 3.0
+    assert again.examination.raised == pytest.approx(np.ones(6), abs=0.2)
+    assert again.examination.energy[1].mean() > search.examination.energy[1].mean()
+
+
+def never(_: Any) -> Any:
+    raise AssertionError("without a known controller nothing is simulated")

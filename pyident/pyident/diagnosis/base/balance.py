@@ -16,7 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyident.diagnosis.base.projection import solution_of, triangles
+from flexmodels.robot import Robot
+from pyident.diagnosis.base.candidates import Candidate, columns
+from pyident.diagnosis.base.projection import joined, solution_of, triangles, wider
 from pyident.regression.spectrum import Equations
 
 _RESTS = 0.01  # change of a factor below which it rests
@@ -80,6 +82,19 @@ def raised_floors(
             break
         best, suspected = trials[worst], [*suspected, worst]
     return best.raised
+
+
+def raised_beside(
+    robot: Robot, data: Sequence[Equations], levels: Sequence[np.ndarray], named: Sequence[Candidate]
+) -> np.ndarray:
+    """The same of a fitted robot's logs over their floors, beside laws and errors that are named.
+
+    levels   per log (n, E), the floors
+    """
+    p = np.array(list(robot.linear_parameters.values()))
+    if not named:
+        return raised_floors(data, p)
+    return raised_floors(wider(data, joined([columns(robot, c, data, levels) for c in named])), p)
 
 
 def _suspecting(count: int, rows: Sequence[int]) -> np.ndarray:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmodels.robot import Robot
-from pyident.diagnosis.base.balance import raised_floors
+from pyident.diagnosis.base.balance import raised_beside
 from pyident.diagnosis.base.candidates import Candidate, bounds, columns_of, every_law, needed_torque
 from pyident.diagnosis.base.carried_loads import with_carried_loads
 from pyident.diagnosis.base.projection import (
@@ -32,6 +32,7 @@ EDGES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # Hz: bands in which the residual 
 
 Progress = Callable[[float], None]
 Listing = Callable[[Robot, Sequence[Equations], np.ndarray, PeriodicRules], list[Candidate]]
+Named = Sequence[Candidate]
 
 
 @dataclass(frozen=True)
@@ -157,12 +158,12 @@ class Examination:
 
 
 def examine(
-    setting: Setting, workers: Workers, progress: Progress, listing: Listing = every_law
+    setting: Setting, workers: Workers, progress: Progress, listing: Listing = every_law, beside: Named = ()
 ) -> Examination:
     """Run the replicas and hold the data against them.
 
     workers   processes with the fitted robot's FMU
-    listing   of the candidates to look at
+    listing   of the candidates to look at;  beside: which floors are raised
     """
     robot, logs, count = setting.robot, setting.logs, setting.rules.replicas.count
     jobs = [workers.submit(replicated, setting, group) for group in together(range(count))]
@@ -175,7 +176,7 @@ def examine(
         progress(0.5 * (i + 1) / len(jobs))
     own_floors = floors(bands, residuals, len(logs))
     plain = whitened(robot, logs, own_floors)
-    raised = raised_floors(plain, np.array(list(robot.linear_parameters.values())))
+    raised = raised_beside(robot, plain, levels_of(own_floors, plain), beside)
     data = [e.over(raised[:, None]) for e in plain]
     base = solve_base(data)
     own_floors = [Floor(f.frequencies, f.rms * raised[:, None]) for f in own_floors]
