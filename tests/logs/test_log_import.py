@@ -166,6 +166,13 @@ def _twist(values):
     return {law: {n: v for n, v in p.items() if n[1:] not in ("[2]", "[3]")} for law, p in values.items()}
 
 
+def test_a_logged_twist_of_a_joint_that_is_rigid_in_the_robot_file_is_said(identification_log, four_link):
+    rigid, _ = locked(four_link, [Log(identification_log.frame.drop(columns="joint2.eps[1]"), "bare")])
+    robot, notes = locked(rigid, [identification_log])
+    assert robot == rigid
+    assert [note.partition(" is ")[0] for note in notes] == ["joint 2: joint2.eps[1]"]
+
+
 def test_hinges_without_a_log_are_locked_and_it_is_said(identification_log, four_link, tmp_path):
     columns = ["joint2.eps[1]", "joint2.eps[2]", "joint2.eps[3]", "joint3.eps[2]", "joint3.eps[3]"]
     log = Log(identification_log.frame.drop(columns=columns).head(400), "bare")

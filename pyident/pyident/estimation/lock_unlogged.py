@@ -10,13 +10,21 @@ from pyident.logs.log import Sampled
 
 
 def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
-    """The robot with only those deformations that every log holds, and a sentence on each that was taken."""
+    """The robot with only those deformations that every log holds, and a sentence on each that was taken, or
+    is logged in vain.
+    """
     joints, notes = list(robot.joints), []
     for k, joint in robot.numbered:
         present = [i for i in joint.deformations if all(deformation_of(k, i) in log.names for log in logs)]
         if joint.flexible and 1 not in present:
             joints[k - 1] = _without(joint, flexible=False)
             notes.append(locked_note(k))
+        elif not joint.flexible and all(deformation_of(k, 1) in log.names for log in logs):
+            notes.append(
+                f"joint {k}: {deformation_of(k, 1)} is logged and not used, as the robot file has a rigid "
+                "joint there; give it a stiffness, as k = [1e4] under its [[joint]], and `identify` finds "
+                "the hinge"
+            )
         elif joint.flexible and len(present) < len(joint.deformations):
             joints[k - 1] = _without(joint, flexible=True)
             notes.append(
