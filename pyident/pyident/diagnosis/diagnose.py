@@ -14,24 +14,23 @@ import numpy as np
 from flexmodels.coordinate import joint_name
 from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
-from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.drives.bending import about_bends, swinging
 from pyident.diagnosis.friction_by_log import friction_by_log
-from pyident.diagnosis.late_torque import comes_late, held_alike, less_left, own_ways
-from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
+from pyident.diagnosis.rounds.asked import selected
+from pyident.diagnosis.rounds.in_time import in_time
+from pyident.diagnosis.rounds.weighed import weighed
 from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search
-from pyident.diagnosis.search.selection import Selection, select
+from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
-from pyident.diagnosis.search.wrong_description import with_descriptions
-from pyident.diagnosis.searched import UnsimulatedFitError, put_right, searched, weighed_anew
+from pyident.diagnosis.searched import searched
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DELAY, DRIVE, description_names
@@ -39,8 +38,6 @@ from pyident.rules.rules import RULES, Rules
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
-_Asked = tuple[Search, HeldOut, Selection]
-_RAISED = 2.0  # times that a floor is raised, so that its equation counts for much less
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
 
 
@@ -105,7 +102,7 @@ def servo_delay_in(
     if search.examination.setting.unfollowed or not delays:
         return 0.0
     given = [Step((Found(c, search.gain_of(c), 0.0, 1.0),), 1.0, ()) for c in delays]
-    selection = _selected(search, held_out(search, heldout), given)
+    selection = selected(search, held_out(search, heldout), given)
     beside = search.resting_on([c for c in selection.candidates if c not in delays])
     told = [beside.gain_of(c) for c in delays]
     sooner, precision = np.array([[g.coefficients[0], g.std[0] ** -2] for g in told]).T
@@ -150,14 +147,14 @@ def _from_columns(
     """
     if search.examination.setting.unfollowed:
         return search, _unnamed(search, heldout)
-    asked = _in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
-    search, held, selection = _weighed_anew(asked, heldout, open_pool)
+    asked = in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
+    search, held, selection = weighed(asked, heldout, open_pool)
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
     beside = search.resting_on(selection.candidates)
     by_log = friction_by_log(search, beside.chosen) if unsettled(search.examination, beside.base) else None
     if by_log is not None:
-        again, rows = _selected(by_log.search, held), [k - 1 for k in by_log.joints]
+        again, rows = selected(by_log.search, held), [k - 1 for k in by_log.joints]
         after = by_log.search.resting_on(again.candidates).remaining_on(rows)
         if after <= (1 - search.rules.explained[0]) * beside.remaining_on(rows):
             found = conclusion(by_log.search, again, held, heldout)
@@ -179,62 +176,6 @@ def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
     return replace(found, sentence=said + fitted_apart(search.examination.setting))
 
 
-def _in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progress: Progress) -> _Asked:
-    """What the laws come to; with all torques put right that are late alike beside them, and single ones
-    where that leaves far less.
-    """
-    held = held_out(search, heldout)
-    selection = _selected(search, held)
-    for asked, apart in enumerate((_late_alike, _each_its_way, _others_alike), start=1):
-        progress(0.25 * asked)
-        further = apart(search, selection.candidates)
-        if further.needed:
-            try:
-                again = put_right(search.examination.setting, further, open_pool)
-            except UnsimulatedFitError:  # it stays as it was
-                continue
-            if apart is _each_its_way and not less_left(search, again, further, selection.candidates):
-                continue
-            search, held = again, held_out(again, heldout)
-            selection = _selected(search, held)
-    return search, held, selection
-
-
-def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """What keeps all positions and torques apart beside what was named; with no name it was asked before."""
-    return _beside(search, named) if named else NOTHING
-
-
-def _each_its_way(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """What single torques went through; or that a loop holds them all."""
-    return replace(held_alike(search, named), own=own_ways(search, named))
-
-
-def _others_alike(search: Search, named: Sequence[Candidate]) -> Alignment:
-    """What keeps positions and all other torques apart, once single ones were put right."""
-    return _beside(search, named) if search.examination.setting.alignment.own else NOTHING
-
-
-def _beside(search: Search, named: Sequence[Candidate]) -> Alignment:
-    others = [c for c in named if not comes_late(search.robot, c)]
-    return delay_beside(search.examination, others, len(others) < len(named))
-
-
-def _weighed_anew(asked: _Asked, heldout: Sequence[Log], open_pool: OpenPool) -> _Asked:
-    """What laws and errors come to where floors are raised by what the model lacks beside those named, if
-    that leaves far less: an equation that lacks much counts for little, and then others bend its laws.
-    """
-    search, _, selection = asked
-    beside = search.resting_on(selection.candidates)
-    if not selection.steps or search.examination.raised.max() < _RAISED or not beside.stands_out:
-        return asked
-    again = weighed_anew(search, selection.candidates, open_pool)
-    unseen = held_out(again, heldout)
-    selected = _selected(again, unseen)
-    before, after = (again.resting_on(s.candidates).lacking.sum() for s in (selection, selected))
-    return (again, unseen, selected) if after <= (1 - search.rules.explained[0]) * before else asked
-
-
 def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[Search, Selection]:
     """What laws and errors come to about drives that bend far, where that names one and leaves far less, or
     fewer names leave no more.
@@ -243,16 +184,12 @@ def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[S
     bent = about_bends(search) if unsettled(search.examination, beside.base) else None
     if bent is None:
         return search, selection
-    again = _selected(bent, held, swinging(bent, held))
+    again = selected(bent, held, swinging(bent, held))
     after = bent.resting_on(again.candidates).lacking.sum()
     fewer = len(again.steps) < len(selection.steps)
     less = after <= (1.0 if fewer else 1 - search.rules.explained[0]) * beside.lacking.sum()
     names = any(step.best.candidate.effect == DRIVE for step in again.steps)
     return (bent, again) if less and names else (search, selection)
-
-
-def _selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selection:
-    return with_descriptions(search, select(search, held, given), held)
 
 
 def _from_signatures(
