@@ -25,6 +25,7 @@ from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
 from pyident.diagnosis.rounds.asked import selected
 from pyident.diagnosis.rounds.in_time import in_time
 from pyident.diagnosis.rounds.weighed import weighed
+from pyident.diagnosis.rounds.with_law import beside_its_replicas
 from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search
@@ -148,7 +149,7 @@ def _from_columns(
     if search.examination.setting.unfollowed:
         return search, _unnamed(search, heldout)
     asked = in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
-    search, held, selection = weighed(asked, heldout, open_pool)
+    search, held, selection = beside_its_replicas(weighed(asked, heldout, open_pool), open_pool)
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
     beside = search.resting_on(selection.candidates)

@@ -1,0 +1,58 @@
+"""Floors no lower than what replicas of a model with the first law leave."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from six_axis_logs import arm, made
+
+from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.rounds.with_law import _over_floors_of, beside_its_replicas
+from pyident.diagnosis.searched import searched
+
+
+def never(_: Any) -> Any:
+    raise AssertionError("nothing is simulated here")
+
+
+@pytest.fixture(scope="module")
+def examination():
+    return searched(arm(), [made(arm(), 0, duration=20.0)], never).examination
+
+
+def test_floors_rise_where_others_leave_more_and_fall_nowhere(examination):
+    more = np.ones(examination.energy.shape)
+    more[1, 2], more[3, 4] = 9.0, 0.25
+    having = replace(examination, replica_energy=examination.replica_energy * more)
+    over = _over_floors_of(examination, having)
+    rise = over.replica_energy.mean(axis=0) / examination.replica_energy.mean(axis=0)
+    assert rise[1, 2] == pytest.approx(9.0)
+    rise[1, 2] = 1.0
+    assert rise == pytest.approx(np.ones_like(rise))
+    before, after = (np.square(ex.replica_residuals[0][0][1]) for ex in (examination, over))
+    inside = examination.bands[0][:, 2] > 0
+    assert after[inside] == pytest.approx(9.0 * before[inside])
+    assert after[~inside] == pytest.approx(before[~inside])
+
+
+def test_floors_of_another_unit_are_taken_in_their_own(examination):
+    coarse = [replace(floor, rms=3.0 * floor.rms) for floor in examination.floors]
+    having = replace(examination, floors=coarse, replica_energy=examination.replica_energy / 9.0)
+    over = _over_floors_of(examination, having)
+    assert over.replica_energy == pytest.approx(examination.replica_energy)
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_what_cannot_be_asked_again_stays(follows):
+    """An error of the description is no law of a model; without a simulation there are no replicas."""
+    lead = Candidate("torque_gain" if follows else "backlash", 1)
+    step = SimpleNamespace(best=SimpleNamespace(candidate=lead))
+    setting = SimpleNamespace(follows=follows)
+    asked: Any = (
+        SimpleNamespace(examination=SimpleNamespace(setting=setting)),
+        None,
+        SimpleNamespace(steps=(step, step)),
+    )
+    assert beside_its_replicas(asked, never) is asked
