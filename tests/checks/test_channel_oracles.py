@@ -80,6 +80,21 @@ def test_a_jump_is_told_with_its_size_and_time(size, severity):
     assert f"jumps by {size:.2g} at 4.8 s; a count was lost" in defect.sentence
 
 
+def test_an_axis_that_stops_within_a_sample_has_not_jumped():
+    """It brakes evenly, sticks from a fifth of its pace, and creeps on, as seen at 100 Hz."""
+    braking = [0.69, 0.60, 0.51, 0.42, 0.34, 0.267, 0.206, 0.1465, 0.026, 0.0008]
+    creeping = [0.005, 0.012, 0.018, 0.0199, 0.019, 0.016, 0.013, 0.0107, 0.008, 0.007]
+    time, speed = 0.01 * np.arange(2400), np.zeros(2400)
+    speed[:1400] = 0.7 * np.sin(0.5 * time[:1400]) ** 2
+    speed[1400:1475] = np.linspace(speed[1399], 0.96, 75)
+    speed[1475:1500] = [0.955, 0.94, 0.91, 0.86, 0.78, *braking, *creeping]
+    angle = np.cumsum(speed) * 0.01 + np.random.default_rng(0).normal(0, 1e-6, 2400)
+    log = Log(pd.DataFrame({"time": time, "joint1.e": angle}), "a log")
+    assert not list(jumps(one_joint(), log, "joint1.e", angle))
+    lost = angle + 0.02 * (time >= 14.88)
+    assert [d.kind for d in jumps(one_joint(), log, "joint1.e", lost)] == ["jump"]
+
+
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("jitter", [2e-5, 1.5e-4, 1e-3])
 def test_the_jitter_of_stamps_is_no_jump_of_a_fast_axis(jitter, seed):

@@ -49,6 +49,13 @@ def test_an_error_at_its_floor_is_said_to_be_there(missed, words):
     assert said.endswith("that stands in for a controller, so judge by the torques.")
 
 
+def test_a_floor_that_hides_much_is_said_to():
+    errors = LogErrors("a.csv", {}, {"joint1.tau": Error(0.5, 1.0, 0.6, "N.m")}, np.zeros(1), {})
+    trial: Any = SimpleNamespace(tracks=True, judged=[])
+    said = in_simulation(trial, [errors])
+    assert said.endswith("0.5 N.m rms, no more than the floor, which hides much: 60 % of it.")
+
+
 def test_motors_and_deformations_of_a_log_are_told_apart():
     error = Error(2.0, 8.0, 0.5, "N.m")
     log = LogErrors("a.csv", {"joint1.e": error, "joint1.eps[1]": error}, {}, np.zeros(1), {})

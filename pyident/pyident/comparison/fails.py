@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from flexmodels.coordinate import is_motor, is_torque, joint_number
 from pyident.comparison.bins import Bin
-from pyident.comparison.errors import LogErrors
+from pyident.comparison.errors import Error, LogErrors
 from pyident.comparison.trial import Trial
 
 _AT_FLOOR = 1.05  # times the floor: what is less reads as one
+_HIDES = 20.0  # % of a signal that a floor reaches: less than it tells little then
 _STAND_IN = "; how closely is the doing of the loop that stands in for a controller, so judge by the torques"
 
 
@@ -75,12 +76,15 @@ def in_simulation(trial: Trial, errors: Sequence[LogErrors]) -> str:
     error = max((e for e, n in missed if n == name), key=lambda e: e.ratio)
     what = "the tip" if name == "tip" else f"joint {joint_number(name)}"
     what += "'s torque" if trial.tracks else ""
-    by = f"{error.rmse:.3g} {error.unit} rms, {_over(error.ratio)}"
+    by = f"{error.rmse:.3g} {error.unit} rms, {_over(error)}"
     note = next((r.note for r in trial.judged if r.note), None)
     why = f" The simulation follows the measured motion ({note}){_STAND_IN}." if note else ""
     return f"In simulation {what} misses by {by}.{why}"
 
 
-def _over(ratio: float) -> str:
-    """An error beside its floor."""
-    return "no more than the floor" if ratio < _AT_FLOOR else f"{ratio:.2g} times the floor"
+def _over(error: Error) -> str:
+    """An error beside its floor, and whether that tells anything."""
+    if error.ratio >= _AT_FLOOR:
+        return f"{error.ratio:.2g} times the floor"
+    high = f", which hides much: {error.floor_percent:.2g} % of it" if error.floor_percent > _HIDES else ""
+    return f"no more than the floor{high}"

@@ -20,6 +20,7 @@ class ChannelCheckRules:
     alone: float = rule(
         10.0, "the steps around a jump", "less is a motion that starts and stops", "no data: what joints do"
     )
+    stopped: float = rule(0.2, "the steps of the motion on the other side", "less stands", "by reason")
     noisy: float = rule(0.03, "a position's range, its noise", "the coarsest encoder has less", _BENCH)
     whole_turns: float = rule(
         0.02, "turns per sample, median", "of a faster joint, a jump of a turn is no jump", _BENCH
@@ -68,7 +69,8 @@ class ChannelCheckRules:
     busy: float = rule(0.7, "the channels that change in a row", "a log that moves has more", _FLAGS)
 
     def __post_init__(self) -> None:
-        in_range(self, "channel_checks", 0, 1, "large_jump", "tiny_jump", "many", "way", "busy", "noisy")
+        shares = "large_jump", "tiny_jump", "many", "way", "busy", "noisy", "stopped"
+        in_range(self, "channel_checks", 0, 1, *shares)
 
 
 CHANNELS = ChannelCheckRules()

@@ -39,6 +39,9 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     increment = np.diff(x)
     odd = increment - _smooth(increment)
     places = [p[0] + int(np.argmax(np.abs(odd[p[0] : p[-1] + 4]))) for p in _clusters(high)]
+    places = [p for p in places if not _stops_or_starts(increment, p, step_of(x))]
+    if not places:
+        return
     sizes, time = np.abs(odd[places]), log.frame["time"].to_numpy(float)
     largest = places[int(np.argmax(sizes))]
     others = np.abs(np.delete(increment, places))
@@ -51,6 +54,19 @@ def jumps(robot: Robot, log: Log, name: str, x: np.ndarray) -> Iterator[Defect]:
     yield Defect("gross" if gross else "doubtful", "jump", name,
                  f"{log.source}: {name} jumps by {odd[largest]:.2g} at {time[largest + 1]:.13g} s{again}; a "
                  f"count was lost or rows are missing: cut the log there or repair the channel")  # fmt: skip
+
+
+def _stops_or_starts(increment: np.ndarray, at: int, step: float) -> bool:
+    """Whether a motion of steps (N,) ends or begins at one of them, no larger than those on the moving side.
+
+    step   of the encoder
+    """
+    sides = [np.abs(increment[max(at - _REACH, 0) : at]), np.abs(increment[at + 1 : at + 1 + _REACH])]
+    if not all(len(side) for side in sides):
+        return False
+    rest, moving = sorted(float(side.max()) for side in sides)
+    stands = rest <= max(2 * step, CHANNELS.stopped * moving)
+    return stands and abs(float(increment[at])) <= moving
 
 
 def _odd_places(x: np.ndarray) -> np.ndarray:
