@@ -118,12 +118,15 @@ def friction_by_log(search: Search, named: Sequence[Candidate] = ()) -> Friction
 
 
 def _differs(search: Search, joint: int) -> bool:
-    """Whether a joint's own friction in each log takes most of what exceeds the floor there."""
+    """Whether a joint's own friction in each log takes most of what stands out there.
+
+    What slow noise may leave is another in every log as well.
+    """
     rules, ex, base = search.rules, search.examination, search.base
     listed = _of_each_log(search, joint)
     row = joint - 1
     left = search.remaining_on([row])
-    if not listed or left <= 0:
+    if not listed or left <= 0 or not search.standing_out[row]:
         return False
     X = joined([search.columns(c) for c in listed])
     free = (np.full(len(listed), -np.inf), np.full(len(listed), np.inf))
