@@ -50,7 +50,10 @@ class Fails:
         """tracks: whether values that are fitted to these logs by themselves make simulations track them."""
         if self.where is None and self.doubted is not None:
             most = f"{_place(self.doubted)}: {self.doubted.ratio:.2g} times the floor"
-            return f"Nothing stands out for certain; most is left at {most}, which slow noise may do as well."
+            return (
+                f"Nothing stands out for certain; most is left at {most}, which slow noise may do as well. "
+                "`pyident diagnose` asks whether a law explains it."
+            )
         if self.where is None:
             return "Nothing stands out: the equations leave what the method itself leaves."
         most = f"most at {_place(self.where)}: {self.where.ratio:.2g} times the floor"
