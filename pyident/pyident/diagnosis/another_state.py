@@ -16,6 +16,7 @@ from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, columns, units_of
 from pyident.diagnosis.base.residual_over_floor import bands_of
 from pyident.diagnosis.base.setting import Setting
+from pyident.diagnosis.base.standing_out import in_bands
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.estimation.identify import relative_error
@@ -38,6 +39,7 @@ class AnotherState:
 
     carried   with the fitted logs' parameters;  own: with its own
     differs   what of the joint makes most of the difference, in words, and by how much; None: nothing alone
+    doubted   whether slow noise of its torque may make the difference
     """
 
     log: str
@@ -45,6 +47,7 @@ class AnotherState:
     carried: float
     own: float
     differs: tuple[str, str] | None
+    doubted: bool = False
 
     @property
     def note(self) -> str:
@@ -54,6 +57,8 @@ class AnotherState:
         )
         if self.differs is not None:
             why = f"{self.differs[0]} differs there, {self.differs[1]}"
+        if self.doubted:
+            why = f"{why}; or its torque has slow noise, which these logs do not show that far down"
         return (
             f"{self.log} leaves {self.carried:.2g} times its floor at {joint_name(self.joint)} with the "
             f"parameters of the fitted logs, {self.own:.2g} times with its own: {why}"
@@ -113,10 +118,20 @@ def _state(
     by_chance = float(told_by) * max(float(beside.over_floor[row]), 1.0)
     if far - near < _FAR**2 * (floor + _SURE * by_chance):
         return None
+    slow = _floor_with_slow_noise(beside, bands, row)
+    doubted = far - near < _FAR**2 * (slow + _SURE * by_chance)
     differs = _differs(beside, equations, joint, carried[number][row])
     fitted = {part.source for part in ex.setting.logs}
     name = f"the held-out part of {log.source}" if log.source in fitted else log.source
-    return AnotherState(name, joint, float(np.sqrt(far / floor)), float(np.sqrt(near / floor)), differs)
+    by_fitted, by_own = float(np.sqrt(far / floor)), float(np.sqrt(near / floor))
+    return AnotherState(name, joint, by_fitted, by_own, differs, doubted)
+
+
+def _floor_with_slow_noise(beside: Search, bands: Sequence[np.ndarray], row: int) -> float:
+    """Energy of an equation's floor, where noise rises below the frequencies at which it was measured."""
+    ex = beside.examination
+    count = sum(inside.sum(axis=0) for inside in bands) * (ex.count > 0)
+    return float((ex.replica_energy.mean(axis=0) * count * in_bands(ex, beside.base).rise)[row].sum())
 
 
 def _differs(beside: Search, log: Equations, joint: int, left: np.ndarray) -> tuple[str, str] | None:
@@ -158,4 +173,5 @@ def sentence(states: Sequence[AnotherState]) -> str:
 
 def _told(state: AnotherState) -> str:
     why = f", where {state.differs[0]} differs" if state.differs else ": it does not follow from these logs"
+    why += ", or has slow noise" if state.doubted else ""
     return f"{state.log} leaves {state.carried:.2g} times its floor at {joint_name(state.joint)}{why}"
