@@ -9,6 +9,7 @@ import pytest
 from six_axis_logs import arm, made
 
 from pyident.diagnosis.base.candidates import Candidate
+from pyident.diagnosis.rounds import with_law
 from pyident.diagnosis.rounds.with_law import _over_floors_of, beside_its_replicas
 from pyident.diagnosis.searched import searched
 
@@ -44,11 +45,32 @@ def test_floors_of_another_unit_are_taken_in_their_own(examination):
     assert over.replica_energy == pytest.approx(examination.replica_energy)
 
 
+def test_where_nothing_is_left_replicas_with_the_law_are_not_made(monkeypatch):
+    """Nothing stands out, and what is named besides takes all that is missing there; or only a part of it."""
+    steps = [_step("backlash", 1), _step("stribeck", 2)]
+    search: Any = SimpleNamespace(
+        examination=SimpleNamespace(setting=SimpleNamespace(follows=True)),
+        rules=SimpleNamespace(whole=0.95),
+        resting_on=lambda _: SimpleNamespace(stands_out=False),
+    )
+    asked: Any = search, None, SimpleNamespace(steps=steps, candidates=[])
+    monkeypatch.setattr(with_law, "region_of", lambda *_: None)
+    monkeypatch.setattr(with_law, "share_in", lambda *_: 0.99)
+    assert beside_its_replicas(asked, never) is asked
+    monkeypatch.setattr(with_law, "share_in", lambda *_: 0.5)
+    with pytest.raises(AttributeError):  # it sets out to make them
+        beside_its_replicas(asked, never)
+
+
+def _step(effect: str, joint: int) -> Any:
+    lead = Candidate(effect, joint)
+    return SimpleNamespace(best=SimpleNamespace(candidate=lead), candidates=[lead])
+
+
 @pytest.mark.parametrize("follows", [True, False])
 def test_what_cannot_be_asked_again_stays(follows):
     """An error of the description is no law of a model; without a simulation there are no replicas."""
-    lead = Candidate("torque_gain" if follows else "backlash", 1)
-    step = SimpleNamespace(best=SimpleNamespace(candidate=lead))
+    step = _step("torque_gain" if follows else "backlash", 1)
     setting = SimpleNamespace(follows=follows)
     asked: Any = (
         SimpleNamespace(examination=SimpleNamespace(setting=setting)),

@@ -17,7 +17,10 @@ from pyident.diagnosis.base.residual_over_floor import Examination, examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, unbiased, workers_of
 from pyident.diagnosis.rounds.asked import Asked, selected
-from pyident.diagnosis.search.search import search_of
+from pyident.diagnosis.search.found import candidates_of
+from pyident.diagnosis.search.gate import region_of, share_in
+from pyident.diagnosis.search.search import Search, search_of
+from pyident.diagnosis.search.selection import Selection
 from pyident.logs.log import LogError
 from pyident.simulation.simulator import OpenPool
 
@@ -25,14 +28,14 @@ from pyident.simulation.simulator import OpenPool
 def beside_its_replicas(asked: Asked, open_pool: OpenPool) -> Asked:
     """What a search has come to over floors no lower than those of a model with its first law.
 
-    As it was where nothing else is left or named, where nothing is simulated, where the model with the law
-    cannot be, or where the law itself does not exceed such floors.
+    As it was where nothing is left and all else that is named takes all of it, where nothing is simulated,
+    where the model with the law cannot be, or where the law itself does not exceed such floors.
     """
     search, held, selection = asked
     lead = selection.steps[0].best.candidate if selection.steps else None
     if lead is None or lead.describes or not search.examination.setting.follows:
         return asked
-    if len(selection.steps) == 1 and not search.resting_on(selection.candidates).stands_out:
+    if not search.resting_on(selection.candidates).stands_out and _whole(search, selection):
         return asked
     try:
         having = _replicated(search.examination.setting, lead, open_pool)
@@ -42,6 +45,16 @@ def beside_its_replicas(asked: Asked, open_pool: OpenPool) -> Asked:
     again = selected(over, held)
     still = lead.family in [c.family for c in again.candidates]
     return (over, held, again) if still else asked
+
+
+def _whole(search: Search, selection: Selection) -> bool:
+    """Whether each but the first that is named takes all that is missing where it acts."""
+    for step in selection.steps[1:]:
+        others = candidates_of(s for s in selection.steps if s is not step)
+        view = search.resting_on(others)
+        if share_in(view, step.candidates, region_of(view, step.best.candidate)) < search.rules.whole:
+            return False
+    return True
 
 
 def _replicated(setting: Setting, law: Candidate, open_pool: OpenPool) -> Examination:
