@@ -93,8 +93,7 @@ def _without_noise(robot: Robot, log: Log, conditioned: Callable[[Log, Robot], C
     reach = all_reached(q)
     frame[list(robot.coordinates)] = all_smooth(q, reach)
     part = conditioned(replace(log, frame=frame), robot)
-    use = part.use.copy()
-    use *= all_telling(use > 0, part.target, part.motion, reach, log.period)
+    use = part.use * all_telling(part.use > 0, part.target, part.motion, reach, log.period)
     spread = [blurred(corner) for corner in reach]
     ends = ends_of(len(use), spread)
     use[:ends], use[-ends:] = 0.0, 0.0

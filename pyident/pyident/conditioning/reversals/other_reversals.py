@@ -42,16 +42,16 @@ def shaken(own: np.ndarray, known: np.ndarray, torques: np.ndarray, corners: Seq
     """
     out = np.zeros(own.shape, bool)
     for k, moving in enumerate(own.T):
-        others = [j for j in range(own.shape[1]) if j != k]
-        above = {c: _above(torques[:, k], c) for c in {min(corners[k], corners[j]) for j in others}}
-        energies = {j: above[min(corners[k], corners[j])] for j in others}
-        near = {j: _turning(known[:, j], blurred(min(corners[k], corners[j]))) for j in others}
+        lower = {j: min(corners[k], corners[j]) for j in range(own.shape[1]) if j != k}
+        above = {corner: _above(torques[:, k], corner) for corner in set(lower.values())}
+        near = {j: _turning(known[:, j], blurred(corner)) for j, corner in lower.items()}
         while near:
             left = moving & ~out[:, k]
-            j = max(near, key=lambda j: _times(energies[j], left, near[j]))
-            if _times(energies[j], left, near[j]) <= _SHAKES:
+            times = {j: _times(above[lower[j]], left, places) for j, places in near.items()}
+            most = max(times, key=lambda j: times[j])
+            if times[most] <= _SHAKES:
                 break
-            place = out[:, k] | near.pop(j)
+            place = out[:, k] | near.pop(most)
             if np.count_nonzero(place & moving) <= _MOST * np.count_nonzero(moving):
                 out[:, k] = place
     return out
