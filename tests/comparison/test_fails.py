@@ -52,6 +52,14 @@ def test_what_slow_noise_may_do_as_well_is_not_said_to_fail():
     assert fails.beside(Fails(off, None)).where == off
 
 
+def test_beside_slow_noise_values_that_are_off_say_by_how_much_beyond_it():
+    off = replace(THIRD, ratio=9.0)
+    told = Fails(off, off).beside(Fails(replace(off, ratio=3.0), None)).sentence(True)
+    assert "9 times the floor (3 times that of slow noise, if these logs have any)" in told
+    assert "only make up for what is missing" in told
+    assert "slow noise" not in Fails(off, None).beside(Fails(off, None)).sentence(True)
+
+
 def test_slow_noise_rises_in_replicas_below_what_was_measured_and_on_motor_sides_alone():
     """As 1/f² in energy for two octaves: at a quarter of the frequency four times the amplitude."""
     time, period = np.arange(4000) * 0.01, 0.01

@@ -16,12 +16,16 @@ _STAND_IN = "; how closely is the doing of the loop that stands in for a control
 @dataclass(frozen=True)
 class Fails:
     """The parts that stand out most under the model's own parameters (values) and under refitted ones
-    (structure); None: nothing does. doubted: what would, but for slow noise, which may do as much.
+    (structure); None: nothing does.
+
+    doubted   what would, but for slow noise, which may do as much
+    slow      times what such noise leaves that values leave, where it may be all that no values mend
     """
 
     values: Bin | None
     structure: Bin | None
     doubted: Bin | None = None
+    slow: float | None = None
 
     @property
     def structural(self) -> bool:
@@ -44,7 +48,10 @@ class Fails:
         """What is certain of it. slow: the same beside replicas with as much slow noise as there may be."""
         if slow.where is None:
             return Fails(None, None, self.where)
-        return Fails(self.values or slow.values, None) if slow.structure is None else self
+        if slow.structure is not None:
+            return self
+        rest = slow.values.ratio if slow.values is not None and self.structure is not None else None
+        return Fails(self.values or slow.values, None, slow=rest)
 
     def sentence(self, tracks: bool) -> str:
         """tracks: whether values that are fitted to these logs by themselves make simulations track them."""
@@ -58,12 +65,16 @@ class Fails:
             return "Nothing stands out: the equations leave what the method itself leaves."
         most = f"most at {_place(self.where)}: {self.where.ratio:.2g} times the floor"
         if self.structural:
-            return f"It fails {most}."
-        left = self.structure
+            return f"It fails {most}. `pyident diagnose` asks what it lacks."
+        left, slow = self.structure, self.slow
         rest = "" if left is None else f" What these leave is most at {_place(left)}: {left.ratio:.2g} times."
         how = "on these logs" if tracks else "with --refine"
-        mend = f"and other values take that away; identify it {how}."
-        return f"The values of its parameters are off, {most}, {mend}{rest}"
+        noise = "" if slow is None else f" ({slow:.2g} times that of slow noise, if these logs have any)"
+        return (
+            f"The values of its parameters are off, {most}{noise}, and other values take that away: identify "
+            f"it {how}. If it was identified on this robot before, other values only make up for what is "
+            f"missing, which `pyident diagnose` asks of all logs together.{rest}"
+        )
 
 
 def _place(where: Bin) -> str:

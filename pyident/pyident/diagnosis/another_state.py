@@ -16,7 +16,7 @@ from flexmodels.joint import parameter_name
 from pyident.diagnosis.base.candidates import Candidate, columns, units_of
 from pyident.diagnosis.base.residual_over_floor import bands_of
 from pyident.diagnosis.base.setting import Setting
-from pyident.diagnosis.base.standing_out import in_bands
+from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.estimation.identify import relative_error
@@ -119,7 +119,8 @@ def _state(
     if far - near < _FAR**2 * (floor + _SURE * by_chance):
         return None
     slow = _floor_with_slow_noise(beside, bands, row)
-    doubted = far - near < _FAR**2 * (slow + _SURE * by_chance)
+    here_too = bands_in_doubt(ex, beside.base)[row].any()  # then it bends the parameters as well
+    doubted = bool(here_too) or far - near < _FAR**2 * (slow + _SURE * by_chance)
     differs = _differs(beside, equations, joint, carried[number][row])
     fitted = {part.source for part in ex.setting.logs}
     name = f"the held-out part of {log.source}" if log.source in fitted else log.source

@@ -25,6 +25,7 @@ from pyident.estimation.identify import (
     near,
     without_intervals,
 )
+from pyident.estimation.slow_rest import slow_rest
 from pyident.logs.log import Log
 from pyident.refinement.instruments.fixed_point import FixedPoint
 from pyident.refinement.instruments.following import Followers, NotFollowedError
@@ -152,6 +153,7 @@ def _identified(
     if away > _UNSETTLED and found.relative_error["all"] > _ASTRAY * best.relative_error["all"]:
         return _of_start(robot, best, _astray(found, best), notes), None
     notes = (*notes, _unsettled(away)) if away > _UNSETTLED else notes
+    notes = (*notes, *slow_rest(*_left_of(last, solution.p, len(robot.joints))))
     fast = ringing(found.robot, [d.part.motion for d in start.data], max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
@@ -160,6 +162,13 @@ def _identified(
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
     found = without_intervals(found) if away > _UNSETTLED else found
     return replace(found, estimator=NAME, notes=notes), late
+
+
+def _left_of(last: Round, p: np.ndarray, joints: int) -> tuple[list[np.ndarray], list[float]]:
+    """Per log what is left of the torques (N, joints), and the period [s] of these samples."""
+    left = [(r.residual(p) * r.share)[:, :joints] for r in last.rows]
+    pairs = zip(last.logs.data, last.logs.again, strict=True)
+    return left, [again.log.period * data.part.thinning for data, again in pairs]
 
 
 def _of_start(robot: Robot, best: Identified, why: str, notes: Sequence[str]) -> Identified:
