@@ -59,10 +59,10 @@ def diagnose(
     rules          every threshold
     An interrupt (Ctrl-C) after the search gives what is known by then. Raises LogError.
     """
-    most = 0.8 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
+    most = 0.7 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
     search = searched(robot, logs, open_pool, lambda share: progress(most * share), rules)
     search, found = _from_columns(
-        search.resting_on(()), heldout, open_pool, part_of(progress, most, 0.8 - most)
+        search.resting_on(()), heldout, open_pool, part_of(progress, most, 0.85 - most)
     )
     if search.examination.setting.unfollowed:
         progress(1.0)
@@ -148,8 +148,9 @@ def _from_columns(
     """
     if search.examination.setting.unfollowed:
         return search, _unnamed(search, heldout)
-    asked = in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.7))
-    search, held, selection = beside_its_replicas(weighed(asked, heldout, open_pool), open_pool)
+    asked = in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.5))
+    asked = weighed(asked, heldout, open_pool, part_of(progress, 0.5, 0.15))
+    search, held, selection = beside_its_replicas(asked, open_pool, part_of(progress, 0.65, 0.15))
     search, selection = _about_bends(search, held, selection)
     progress(0.8)
     beside = search.resting_on(selection.candidates)

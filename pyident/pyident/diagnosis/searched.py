@@ -164,18 +164,20 @@ def alignment_in(robot: Robot, logs: Sequence[Log], open_pool: OpenPool, rules: 
         return alignment_of(examine(free, workers, lambda _: None, lambda *_: []))
 
 
-def weighed_anew(search: Search, named: Sequence[Candidate], open_pool: OpenPool) -> Search:
+def weighed_anew(
+    search: Search, named: Sequence[Candidate], open_pool: OpenPool, progress: Progress
+) -> Search:
     """The search with floors that are raised by what a robot lacks beside what was named. Raises LogError."""
     setting = search.examination.setting
     with workers_of(setting, open_pool) as workers:
-        return search_of(examine(setting, workers, lambda _: None, beside=named))
+        return search_of(examine(setting, workers, progress, beside=named))
 
 
-def put_right(setting: Setting, further: Alignment, open_pool: OpenPool) -> Search:
+def put_right(setting: Setting, further: Alignment, open_pool: OpenPool, progress: Progress) -> Search:
     """The search in logs of which more is put right: a delay of all, what single torques went through, or
     that all are held.
     """
     logs = further.of_all(setting.robot, setting.logs)
     mended = set_up(further.taken(setting.robot), logs, setting.rules, setting.estimator)
     whole = setting.alignment.then(further)
-    return _searched(replace(mended, alignment=whole), open_pool, lambda _: None)
+    return _searched(replace(mended, alignment=whole), open_pool, progress)

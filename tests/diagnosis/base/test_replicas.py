@@ -93,7 +93,7 @@ def test_floors_are_raised_by_what_is_left_beside_a_law_that_is_named():
     search = searched(arm(), logs, never)
     laws = [search.best("load_dependent_friction", k) for k in (2, 3)]
     laws += [search.best("nonlinear_viscous", 1)]
-    again = weighed_anew(search, [law.candidate for law in laws if law], never)
+    again = weighed_anew(search, [law.candidate for law in laws if law], never, lambda _: None)
     assert search.examination.raised[:3].max() > 3.0
     assert again.examination.raised == pytest.approx(np.ones(6), abs=0.2)
     assert again.examination.energy[1].mean() > search.examination.energy[1].mean()

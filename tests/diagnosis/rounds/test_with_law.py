@@ -56,10 +56,10 @@ def test_where_nothing_is_left_replicas_with_the_law_are_not_made(monkeypatch):
     asked: Any = search, None, SimpleNamespace(steps=steps, candidates=[])
     monkeypatch.setattr(with_law, "region_of", lambda *_: None)
     monkeypatch.setattr(with_law, "share_in", lambda *_: 0.99)
-    assert beside_its_replicas(asked, never) is asked
+    assert beside_its_replicas(asked, never, lambda _: None) is asked
     monkeypatch.setattr(with_law, "share_in", lambda *_: 0.5)
     with pytest.raises(AttributeError):  # it sets out to make them
-        beside_its_replicas(asked, never)
+        beside_its_replicas(asked, never, lambda _: None)
 
 
 def _step(effect: str, joint: int) -> Any:
@@ -77,4 +77,4 @@ def test_what_cannot_be_asked_again_stays(follows):
         None,
         SimpleNamespace(steps=(step, step)),
     )
-    assert beside_its_replicas(asked, never) is asked
+    assert beside_its_replicas(asked, never, lambda _: None) is asked

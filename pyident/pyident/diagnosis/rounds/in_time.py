@@ -24,11 +24,12 @@ def in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progres
     held = held_out(search, heldout)
     selection = selected(search, held)
     for asked, apart in enumerate((_late_alike, _each_its_way, _others_alike), start=1):
-        progress(0.25 * asked)
+        told = _part_of(progress, asked)
+        told(0.0)
         further = apart(search, selection.candidates)
         if further.needed:
             try:
-                again = put_right(search.examination.setting, further, open_pool)
+                again = put_right(search.examination.setting, further, open_pool, told)
             except UnsimulatedFitError:  # it stays as it was
                 continue
             if apart is _each_its_way and not less_left(search, again, further, selection.candidates):
@@ -36,6 +37,11 @@ def in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progres
             search, held = again, held_out(again, heldout)
             selection = selected(search, held)
     return search, held, selection
+
+
+def _part_of(progress: Progress, asked: int) -> Progress:
+    """Of the question of that number."""
+    return lambda share: progress(0.25 * (asked + share))
 
 
 def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:

@@ -7,6 +7,7 @@ beside it is the least that counts as a floor, band by band, and laws and errors
 effect that is there exceeds these floors as well.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,8 +25,10 @@ from pyident.diagnosis.search.selection import Selection
 from pyident.logs.log import LogError
 from pyident.simulation.simulator import OpenPool
 
+Progress = Callable[[float], None]
 
-def beside_its_replicas(asked: Asked, open_pool: OpenPool) -> Asked:
+
+def beside_its_replicas(asked: Asked, open_pool: OpenPool, progress: Progress) -> Asked:
     """What a search has come to over floors no lower than those of a model with its first law.
 
     As it was where nothing is left and all else that is named takes all of it, where nothing is simulated,
@@ -38,7 +41,7 @@ def beside_its_replicas(asked: Asked, open_pool: OpenPool) -> Asked:
     if not search.resting_on(selection.candidates).stands_out and _whole(search, selection):
         return asked
     try:
-        having = _replicated(search.examination.setting, lead, open_pool)
+        having = _replicated(search.examination.setting, lead, open_pool, progress)
     except (SimulationError, LogError):
         return asked
     over = search_of(_over_floors_of(search.examination, having)).resting_on(())
@@ -57,14 +60,14 @@ def _whole(search: Search, selection: Selection) -> bool:
     return True
 
 
-def _replicated(setting: Setting, law: Candidate, open_pool: OpenPool) -> Examination:
+def _replicated(setting: Setting, law: Candidate, open_pool: OpenPool, progress: Progress) -> Examination:
     """The logs, and replicas of a model with a law, under that model. Raises LogError, SimulationError."""
     robot = with_law(setting.robot, law)
     found = set_up(robot, setting.logs, setting.rules, setting.estimator)
     having = replace(found, alignment=setting.alignment)
     with workers_of(having, open_pool) as workers:
         free = with_ringing_matched(unbiased(having, workers), workers)
-        return examine(free, workers, lambda _: None, lambda *_: [])
+        return examine(free, workers, progress, lambda *_: [])
 
 
 def _over_floors_of(ex: Examination, having: Examination) -> Examination:
