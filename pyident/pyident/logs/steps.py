@@ -13,6 +13,7 @@ from pyident.logs.log import LogError
 
 _UNEVEN = 0.01  # of one period: more is jitter, and the log is resampled
 _WHOLE = 0.05  # of one period: gaps this near to whole periods are samples that were lost
+_USUAL, _STEADY = 0.9, 0.25  # of the steps, which are so near to whole periods where samples can be counted
 _SAME = 0.02  # of the resolution of stamps: what counts as the same step
 _SMOOTHER = 0.7  # times as rough: less is no chance, and more is noise that stamps add little to
 _ROUNDED = 1e-9  # of a position's range: less is of numbers, not of a motion
@@ -99,7 +100,7 @@ def evened(frame: pd.DataFrame, source: str) -> tuple[pd.DataFrame, list[str]]:
         return frame, [f"stamps jitter (up to {1e3 * late:.3g} ms), the samples do not: taken as even", *said]
     even = np.arange(time[0], time[-1] + 1e-9 * period, period)
     out = {name: _at_times(str(name), time, frame[name].to_numpy(float), even) for name in frame}
-    return pd.DataFrame(out), [_resampled(steps, period)]
+    return pd.DataFrame(out), [_resampled(time, period)]
 
 
 def _sampled_evenly(frame: pd.DataFrame, time: np.ndarray, period: float) -> np.ndarray | None:
@@ -147,15 +148,19 @@ def _stands_still(frame: pd.DataFrame, steps: np.ndarray) -> str:
     )
 
 
-def _resampled(steps: np.ndarray, period: float) -> str:
-    """A note: samples were lost where the steps are whole periods, else time was uneven."""
-    periods = steps / period
-    lost = int(np.sum(np.round(periods) - 1))
-    if lost > 0 and np.abs(periods - np.round(periods)).max() < _WHOLE:
-        samples = "1 sample is" if lost == 1 else f"{lost} samples are"
+def _resampled(time: np.ndarray, period: float) -> str:
+    """A note: how many samples were lost, and by how much time was uneven beside that."""
+    periods = np.diff(_numbers(time, period))
+    lost = int(np.sum(periods - 1))
+    samples = "1 sample is" if lost == 1 else f"{lost} samples are"
+    off = np.abs(np.diff(time) - period * periods)
+    if np.quantile(off, _USUAL) > _STEADY * period:  # of a clock so uneven, no number of samples is known
+        lost, off = 0, np.abs(np.diff(time) - period)
+    worst = float(off.max())
+    if lost > 0 and worst < _WHOLE * period:
         return f"{samples} missing (at {1e3 * period:.4g} ms a sample): filled in by splines"
-    worst = float(np.abs(steps - period).max())
-    return f"time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
+    missing = f"{samples} missing and " if lost > 0 else ""
+    return f"{missing}time was uneven (up to {1e3 * worst:.3g} ms off {1e3 * period:.4g} ms): resampled"
 
 
 def _at_times(name: str, time: np.ndarray, values: np.ndarray, even: np.ndarray) -> np.ndarray:

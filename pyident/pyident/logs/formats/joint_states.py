@@ -13,7 +13,7 @@ import pandas as pd
 from pyident.logs.log import LogError
 
 _STAMP = ("stamp.sec", "stamp.nanosec", "frame_id")
-_NAME = re.compile(r"(.*[^a-z])?name(\W?\d+\W?)")  # field.name0, name[0]
+_NAME = re.compile(r"(.*[^a-z])?name([\W_]?\d+\W?)")  # field.name0, name[0], name_0
 _SIGNALS = ("position", "velocity", "effort")
 _FIELDS = {1: ("position",), 3: _SIGNALS}  # two may be either of the last
 
