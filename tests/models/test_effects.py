@@ -269,6 +269,19 @@ def test_dissipation_takes_power_and_springs_give_it_back():
         assert_conservative(robot, name, motion.q)
 
 
+def test_a_gap_of_which_no_load_reaches_the_other_side_is_a_zero_and_both_names_are_told():
+    rng = np.random.default_rng(4)
+    robot = load_robot(TWO_LINK).with_effect(1, "backlash").with_parameters({"joint1.backlash.gap": 1e-4})
+    q, dq, ddq = (rng.normal(size=(50, 8)) * 0.5 for _ in range(3))
+    twist = robot.coordinates.index("joint1.eps[1]")
+    q[:, twist] = 2e-4 + np.abs(q[:, twist])  # always loaded the same way
+    motion = Motion(q, dq, ddq)
+    gap = effect_columns(robot, 1, "backlash", motion)["stiffness"][twist]
+    zero = effect_columns(robot, 1, "twist_offset", motion)["torque"][twist]
+    np.testing.assert_allclose(gap, -1e-4 * zero)
+    assert "backlash" in CATALOGUE["twist_offset"].confounders
+
+
 def assert_conservative(robot: Robot, name: str, q: np.ndarray) -> None:
     """d(force_i)/d(q_j) is symmetric."""
     robot = robot_with(name)

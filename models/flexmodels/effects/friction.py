@@ -1,6 +1,6 @@
 """Friction at the motor hinge: torque that opposes its speed."""
 
-from sympy import Abs, Or, cos, exp, sign, sin
+from sympy import Abs, And, Or, cos, exp, sign, sin
 
 from flexmodels.effects.dahl import dahl
 from flexmodels.effects.effect import SLOW, Coverage, Effect, Parameter
@@ -116,7 +116,7 @@ presliding = Effect(
     experiment="slow reversals of growing amplitude about one pose",
 )
 
-_at_one = Parameter("coefficient", "N.m", lower=0)  # the friction at 1 rad/s
+_at_one = Parameter("coefficient", "N.m")  # the friction at 1 rad/s
 _exponents = (0.3, 0.9, 2.0, 3.0)
 _power = Parameter("power", "1", start=2.0, lower=0.2, upper=3.0, grid=_exponents)
 # Rounded where the joint turns, where a power below one is infinitely steep.
@@ -127,7 +127,8 @@ nonlinear_viscous = Effect(
     title="Viscous friction that grows with a power of the speed, slower (grease) or faster (churning oil)",
     forces={e: _at_one.symbol * _power_of_speed},
     parameters=(_at_one, _power),
-    proper=Or(_power.symbol > 1.1, _power.symbol <= 0.9),  # a power of one is viscous friction
+    # A power of one is viscous friction; a higher one may be missing from that, as in polynomials of gears.
+    proper=Or(_power.symbol > 1.1, And(_power.symbol <= 0.9, _at_one.symbol >= 0)),
     citation="Waiboer, Aarts and Jonker 2005; Bittencourt and Gunnarsson 2012",
     needs="speeds up to the rated one and below a third of it",
     confounders=("viscous", "coulomb", "stribeck"),

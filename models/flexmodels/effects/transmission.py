@@ -133,6 +133,6 @@ twist_offset = Effect(
     parameters=(_torque,),
     citation="Tuttle and Seering 1996: the part of the transmission's error without a period",
     needs="poses that load the drive differently",
-    confounders=("offset", "joint_spring", "gravity_spring", "ms[x]", "ms[y]", "ms[z]"),
+    confounders=("backlash", "offset", "joint_spring", "gravity_spring", "ms[x]", "ms[y]", "ms[z]"),
     experiment="slow motion through poses in which gravity loads the drive in both directions",
 )

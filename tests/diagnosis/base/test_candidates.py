@@ -50,6 +50,18 @@ def test_a_delay_that_no_clock_would_tell_is_none():
     assert not proper(arm(), late, [1.0], {}, 0.1)
 
 
+def test_friction_that_a_power_below_one_lowers_is_no_friction():
+    """Beside dry and viscous friction it would be what slow motion takes in excess: Stribeck's."""
+    for power, coefficient, so in (
+        (0.5, 1.0, True),
+        (0.5, -1.0, False),
+        (2.0, -1.0, True),
+        (1.0, 1.0, False),
+    ):
+        law = Candidate("nonlinear_viscous", 1, (("power", power),))
+        assert proper(arm(), law, [coefficient], {}, 0.004) == so
+
+
 def test_a_law_of_the_torque_gets_the_models():
     """The measured one has the noise that the law would explain."""
     robot = arm()

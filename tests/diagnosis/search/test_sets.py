@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 from analytic_joint import COULOMB, INERTIA, VISCOUS, free_joint
 
 from pyident.diagnosis.base.residual_over_floor import Region
@@ -73,3 +74,18 @@ def test_friction_that_has_warmed_up_does_not_hide_a_law_on_a_held_out_log():
         assert unseen is not None
         assert unseen.share > 0.9
         assert unseen.kept > 0.9
+
+
+def test_viscous_friction_that_grows_ever_slower_is_one_law_whatever_polynomial_it_is():
+    """A power above one with a coefficient below zero: a power below one leaves what looks like Stribeck's."""
+
+    def slower(q, v):
+        return -0.1 * np.abs(v) * v
+
+    logs = [log_of(seed, slower, 3 * VISCOUS) for seed in range(2)]
+    found = concluded(searched(free_joint(), logs[:1], runs_here), runs_here, logs[1:])
+    (law,) = [finding.tie[0] for finding in found.findings]
+    assert law.effect == "nonlinear_viscous", found.sentence
+    assert law.values["coefficient"] == pytest.approx(-0.1, rel=0.15)
+    assert law.values["power"] == pytest.approx(2.0, abs=0.2)
+    assert not [place for place in found.places if place.state == "unexplained"]
