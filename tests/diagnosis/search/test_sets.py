@@ -77,7 +77,7 @@ def test_friction_that_has_warmed_up_does_not_hide_a_law_on_a_held_out_log():
 
 
 def test_viscous_friction_that_grows_ever_slower_is_one_law_whatever_polynomial_it_is():
-    """A power above one with a coefficient below zero: a power below one leaves what looks like Stribeck's."""
+    """A power above one, a coefficient below zero: a power below one leaves what looks like Stribeck's."""
 
     def slower(q, v):
         return -0.1 * np.abs(v) * v
