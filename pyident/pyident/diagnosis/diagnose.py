@@ -40,6 +40,7 @@ from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
 _ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
+_NO_FILTER = "behind the low pass of all signals no simulation of a fit followed the logs: it was left out"
 
 
 def diagnose(
@@ -67,6 +68,8 @@ def diagnose(
     if search.examination.setting.unfollowed:
         progress(1.0)
         return found
+    if left_out(robot, search.robot):
+        found = replace(found, notes=(_NO_FILTER, *found.notes))
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
@@ -84,6 +87,12 @@ def diagnose(
     found = _as_far_as(found, steps)
     progress(1.0)
     return found
+
+
+def left_out(given: Robot, judged: Robot) -> bool:
+    """Whether a filter was left out that such robots are else judged through."""
+    needed = given.flexible and given.controller is None and given.settings.processing.filters
+    return needed and not judged.settings.processing.filters
 
 
 def servo_delay_in(

@@ -22,7 +22,7 @@ from pyident.estimation.identify import relative_error
 from pyident.logs.log import Log, LogError
 from pyident.refinement.instruments.stand_in import driven
 from pyident.rules.rules import RULES, Rules
-from pyident.simulation.denoised import unfiltered, within
+from pyident.simulation.denoised import unfiltered, within, without_filter
 from pyident.simulation.simulator import OpenPool, Workers
 
 Progress = Callable[[float], None]
@@ -42,12 +42,14 @@ def searched(
     """The fitted robot's residual in `logs`, its replicas' and every candidate. Raises LogError.
 
     A fit that cannot be simulated is damped until it can, first the one by instruments, then the regression,
-    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is.
+    whose bias stays; at last it is fitted through the filter of the robot's file, without which all else is,
+    or without that of joints that bend under an unknown loop, who else need it.
     Where no simulation follows the logs, the sensors' noise alone tells where something is missing.
     Positions that all come late are moved back first, and torques are taken as before a common low pass.
     """
     plain, progress = unfiltered(robot, logs), _rising(progress)
-    for asked in [plain] if plain is robot else [plain, robot]:
+    bare = without_filter(robot, logs)
+    for asked in [plain, *(other for other in (robot, bare) if other != plain)]:
         try:
             return _aligned(asked, logs, open_pool, progress, rules)
         except UnsimulatedFitError as error:

@@ -67,9 +67,14 @@ def denoises(robot: Robot) -> bool:
 
 
 def unfiltered(robot: Robot, logs: Sequence[Log]) -> Robot:
+    """The robot without its file's filter, where replicas need none of it."""
+    return robot if robot.flexible and robot.controller is None else without_filter(robot, logs)
+
+
+def without_filter(robot: Robot, logs: Sequence[Log]) -> Robot:
     """The robot without its file's filter, judged up to where the equations would be sound with it."""
     plan = robot.settings.processing
-    if not plan.filters or (robot.flexible and robot.controller is None):
+    if not plan.filters:
         return robot
     band = min(band_top(robot, log.period) for log in logs)
     return within(robot.with_settings(processing=replace(plan, cutoff=None, decimate=1)), band)

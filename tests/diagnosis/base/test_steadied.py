@@ -12,7 +12,7 @@ import pyident as pi
 from flexmodels.experiment import line
 from flexmodels.files.robot_file import load_robot
 from flexmodels.inputs import SimulationError
-from pyident.diagnosis import searched
+from pyident.diagnosis import diagnose, searched
 from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base import floor_shares
 from pyident.diagnosis.base.residual_over_floor import examine
@@ -146,3 +146,25 @@ def test_the_noise_s_floor_is_about_that_of_simulated_replicas(made):
         alone = examine(setting, workers, lambda _: None)
     shares = [np.mean(np.square(ex.floor.rms), axis=1) for ex in (alone, simulated)]
     np.testing.assert_allclose(np.sqrt(shares[0] / shares[1]), 1.0, atol=0.3)
+
+
+def test_where_no_fit_through_a_low_pass_can_be_simulated_one_without_it_is_tried(monkeypatch):
+    """Of joints that bend under an unknown loop, whose logs the sensors' noise blurs."""
+    log: Any = SimpleNamespace(period=0.002)
+    robot = replace(load_robot("four_link"), controller=None)
+    filtered = robot.with_settings(processing=replace(robot.settings.processing, cutoff=20.0))
+    asked = []
+
+    def aligned(robot, *_):
+        asked.append(robot.settings.processing.cutoff)
+        if robot.settings.processing.filters:
+            raise searched.UnsimulatedFitError("the state left the finite numbers")
+        return robot
+
+    monkeypatch.setattr(searched, "_aligned", aligned)
+    found: Any = searched.searched(filtered, [log], runs_here)
+    assert asked == [20.0, None]
+    assert found.settings.processing.cutoff is None
+    assert diagnose.left_out(filtered, found)
+    assert not diagnose.left_out(filtered, filtered)
+    assert not diagnose.left_out(load_robot("four_link"), found)
