@@ -24,6 +24,8 @@ _NEAR = 6  # samples on either side in which a delay of all torques is sought
 _SURE = 3.0  # standard deviations
 _TRAVELS = np.array([1e-3, 3e-3, 1e-2, 3e-2])  # of the joint's way, over which friction turns round
 _STRETCHES = 8  # of a log, each of which is left out once
+_ON = 1.25  # times as much at three times the distance as at twice; 1.5 where a torque is of steps, 2.25 else
+_ALL_OVER = 0.05  # of a torque's variance: so far away, what belonged together does no more
 _TELLS = 1.0  # samples: of a joint whose delay is less certain, nothing is asked
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
@@ -72,10 +74,19 @@ def delay(of: Balances, k: int) -> Delay | None:
     if left[best] > LOG_CHECKS.better * by_bristles:
         return None
     told = _in_motion(of, k, shift)
-    if told is None:
+    if told is None or not _grows(of, k, told):
         return None
     after = float(energies(of, k, np.array([told]))[0])
     return Delay(told, after, now) if after <= LOG_CHECKS.better * now else None
+
+
+def _grows(of: Balances, k: int, shift: float) -> bool:
+    """Whether what is left of joint k (from 0) goes on to grow as its torque is moved away from a delay.
+
+    Of a ripple a balance of few samples takes more at one shift than at others, but leaves no more than all.
+    """
+    least, there, beyond = energies(of, k, shift * np.array([1.0, -1.0, -2.0]))
+    return bool(beyond > _ALL_OVER or beyond - least > _ON * (there - least))
 
 
 def _left_by_bristles(of: Balances, k: int) -> float:

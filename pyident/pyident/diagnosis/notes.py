@@ -95,8 +95,8 @@ def of_what_is_shared(places: Sequence[Place], findings: Sequence[Finding]) -> I
     but = "; what is named may only stand in for it" if findings else ""
     yield (
         f"{who} left unexplained: suspect first what they share, as torque sensors with hysteresis or of a "
-        "wrong scale, the recorder's clock or filter, lengths and gravity in the robot file, a load taken "
-        f"up, or something touched, in a part of the logs{but}"
+        "wrong scale, the recorder's clock or filter, lengths and gravity in the robot file, a base that "
+        f"gives way, a load taken up, or something touched, in a part of the logs{but}"
     )
 
 

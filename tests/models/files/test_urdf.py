@@ -252,3 +252,22 @@ def test_the_commands(arm, tmp_path):
     for words in (("--twist", "two"), ("--flexible", "1", "--twist", "1"), ("--twist", "7")):
         done = run("import", arm, "-o", tmp_path / "no.toml", *words)
         assert (done.exit_code, len(done.output.splitlines())) == (2, 1)
+
+
+def test_quarter_turns_that_a_file_has_rounded_are_quarter_turns(tmp_path):
+    """And no other angle is touched. Axes that are parallel but for 1e-10 told combinations of parameters."""
+    link = """<link name="{}"><inertial><mass value="1"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>"""
+    joint = """<joint name="j{}" type="revolute"><parent link="{}"/><child link="{}"/>
+        <origin xyz="0 0 0.4" rpy="{} 0 0"/><axis xyz="0 0 1"/></joint>"""
+    turns = ("1.5708", "-1.570796327", "1.5")
+    body = [link.format(name) for name in "abcd"]
+    body += [
+        joint.format(k, *pair, rpy)
+        for k, (pair, rpy) in enumerate(zip(("ab", "bc", "cd"), turns, strict=True))
+    ]
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{"".join(body)}</robot>')
+    axes = np.array([joint.x for joint in import_urdf(tmp_path / "arm.urdf").joints])
+    np.testing.assert_allclose(axes[0], [0, -1, 0], atol=1e-15)
+    np.testing.assert_allclose(axes[1], [0, 0, 1], atol=1e-15)
+    np.testing.assert_allclose(axes[2], [0, -np.sin(1.5), np.cos(1.5)], atol=1e-12)

@@ -20,6 +20,7 @@ from flexmodels.joint import Joint, Limits
 from flexmodels.robot import Robot, RobotError
 
 _UNUSED = ("visual", "collision", "material", "transmission", "gazebo", "sensor", "calibration")
+_QUARTER, _ROUNDED = np.pi / 2, 1e-5  # rad: of a quarter turn that a file gives to five digits
 _KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
 
 
@@ -188,8 +189,16 @@ def _positive(value: float | None) -> float | None:
     return float(value) if value else None
 
 
+def _exact(angle: float) -> float:
+    """A quarter turn that a file has rounded; else axes that are parallel would be so but for 1e-10, and
+    combinations of parameters told by that.
+    """
+    quarters = round(angle / _QUARTER) * _QUARTER
+    return quarters if abs(angle - quarters) < _ROUNDED else angle
+
+
 def _pose(origin: Any) -> tuple[np.ndarray, np.ndarray]:
     if origin is None:
         return np.zeros(3), np.eye(3)
-    turn = Rotation.from_euler("xyz", origin.rpy or (0, 0, 0)).as_matrix()
+    turn = Rotation.from_euler("xyz", [_exact(angle) for angle in origin.rpy or (0, 0, 0)]).as_matrix()
     return np.array(origin.xyz or (0, 0, 0), float), turn

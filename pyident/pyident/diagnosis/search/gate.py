@@ -19,6 +19,7 @@ from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.power import impossible
 from pyident.diagnosis.search.same_order import same_order
 from pyident.diagnosis.search.search import Search
+from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.denoised import where_moving
 
 _EXCHANGES = 4  # rounds; two are the rule
@@ -116,7 +117,9 @@ def _not_held(
         return ""
     if len(candidates) == 1 and same_order(search, candidates[0], held):
         return ""
-    return f"on held-out data it takes {unseen}{'' if matters else ', too little beside the floor to matter'}"
+    chance = ", which may be chance" if unseen.share <= CONFIDENCE * unseen.std else ""
+    why = chance if matters else ", too little beside the floor to matter"
+    return f"on held-out data it takes {unseen}{why}"
 
 
 def counts(search: Search, found: Found) -> bool:

@@ -18,6 +18,7 @@ from pyident.diagnosis.base.residual_over_floor import Region, bands_of, whitene
 from pyident.diagnosis.search.search import Search
 from pyident.logs.log import Log
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import CONFIDENCE
 from pyident.rules.search import SearchRules
 
 
@@ -187,7 +188,7 @@ class HeldOut:
         """
         if unseen.excess < rules.unseen_excess:
             return unseen.kept >= rules.unseen and unseen.deviations >= rules.chance
-        return unseen.share >= rules.unseen * fitted_share and unseen.share > unseen.std
+        return unseen.share >= rules.unseen * fitted_share and unseen.share > CONFIDENCE * unseen.std
 
 
 def held_out(search: Search, logs: Sequence[Log]) -> HeldOut:
