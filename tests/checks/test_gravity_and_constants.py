@@ -34,6 +34,19 @@ def test_another_gravity_is_told(gravity, words):
     assert words in found["gravity"].sentence
 
 
+def test_weight_that_was_taken_out_is_told_where_friction_is_nearly_all():
+    """Masses that are none hide that of a light arm: what the file's gravity leaves would need no word."""
+    frames = {g: recorded_under((0.0, 0.0, g)) for g in (0.0, -9.81)}
+    for frame in frames.values():
+        for k in range(1, 7):
+            speed = np.gradient(frame[f"joint{k}.e"], frame["time"])
+            frame[f"joint{k}.tau"] += 30 * frames[0.0][f"joint{k}.tau"].std() * speed / speed.std()
+    found = defects(frames[0.0])
+    assert found["gravity"].severity == "doubtful"
+    assert "with no gravity" in found["gravity"].sentence
+    assert "gravity" not in defects(frames[-9.81])
+
+
 def test_gravity_that_the_file_lacks_is_told():
     found = defects(recorded_under(ARM.gravity), replace(ARM, gravity=(0.0, 0.0, 0.0)))
     assert "gravity along -z" in found["gravity"].sentence

@@ -25,12 +25,13 @@ _ROWS = 400  # samples are enough to tell directions apart
 def gravity(of: Balances, source: str) -> Iterator[Defect]:
     """At most one defect: the torques fit far better with another gravity, along another axis, or with none.
 
-    It is gross where little is left then.
+    It is gross where much is left as it is, and little then; masses of a light arm may hide that it has none.
     """
     robot = of.samples.robot
     own = float(np.linalg.norm(robot.gravity))
     size = own or _EARTH
-    if len(of.joints) < 2 or not misfit(of).material:
+    material = misfit(of).material
+    if len(of.joints) < 2 or not (material or own):
         return
     few = of.samples.every(max(1, len(of.samples.at) // _ROWS))
     as_is = balances(few)
@@ -46,6 +47,8 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     tried = {name: turned(direction) for name, direction in directions.items()}
     left = {name: misfit(one) for name, one in tried.items()}
     best = min(left, key=lambda name: left[name].share)
+    if best and not material:
+        return
     if left[best].share >= LOG_CHECKS.far_better * now.share:
         return
     if (
@@ -57,7 +60,7 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     cure = "its direction (gravity in the robot file)" if best else (
         "whether the torques were logged without what holds the weight, and log them whole, or let the robot "
         "file say gravity = [0, 0, 0]")  # fmt: skip
-    severity = "doubtful" if left[best].material else "gross"
+    severity = "doubtful" if left[best].material or not material else "gross"
     leaves, left_now = (f"{100 * np.sqrt(m.share):.2g} %" for m in (left[best], now))
     yield Defect(severity, "gravity", "",
                  f"{source}: with {without} the model leaves {leaves} of the torques, with the robot file's "
