@@ -1,6 +1,6 @@
 """What `identify`, `refine` and `identify_servo` return."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _FAR = 2.0  # times the estimate's error
 _COMBINATIONS = 4  # base parameters that a sentence writes out
 _HARDLY = 0.5  # of what a joint that stays at its command leaves: more is no simulation of it
+_BEHIND = "torques of sensors behind the gears, which hold nothing of the motors, "
 _FAR_FROM_NOISE = 3.0  # times: less may be noise that is not white
 
 
@@ -148,9 +149,10 @@ class Fit(Result):
                 )
             bound = self.identified.at_bound
             if bound:
+                behind = _BEHIND if _of_motors(bound) else ""
                 lines.append(
                     f"written at the least value that it may have: {', '.join(bound)}; an effect that is "
-                    "missing, a wrong sign, or too little motion to tell"
+                    f"missing, a wrong sign, {behind}or too little motion to tell"
                 )
         drowned = [k for k, e in self.identified.relative_error.items() if k != "all" and e > 100]
         if drowned:
@@ -267,3 +269,8 @@ class ServoFit(Result):
 
 def _percentages(errors: Mapping[str, float]) -> str:
     return ", ".join(f"{j} {error:.4g} %" if error == error else f"{j} -" for j, error in errors.items())
+
+
+def _of_motors(names: Sequence[str]) -> bool:
+    """Whether all are what sensors behind the gears do not show."""
+    return all(name.endswith((".J_m", ".coulomb", ".viscous")) for name in names)
