@@ -219,7 +219,8 @@ def _fails(
 ) -> Fails:
     """Where a model fails most. bins: under its own parameters, and under refitted ones."""
     chances = (_chance(robot, replicas, names, refitted) for refitted in (False, True))
-    return Fails(*(_worst(b, errors, chance, rules) for b, chance in zip(bins, chances, strict=True)))
+    values, structure = (_worst(b, errors, chance, rules) for b, chance in zip(bins, chances, strict=True))
+    return Fails(values, structure)
 
 
 def _chance(robot: Robot, replicas: Sequence[Sequence[Part]], names: Sequence[str], refitted: bool) -> float:
