@@ -37,6 +37,8 @@ def gravity(of: Balances, source: str) -> Iterator[Defect]:
     as_is = balances(few)
     now = misfit(as_is)
     none = balances(replace(few, robot=_with(robot, np.zeros(3))))
+    if not material and misfit(none).share >= LOG_CHECKS.far_better * now.share:
+        return
     per_axis = [balances(replace(few, robot=_with(robot, size * e))).Phi - none.Phi for e in np.eye(3)]
 
     def turned(direction: np.ndarray) -> Balances:
