@@ -118,9 +118,10 @@ def _state(
     by_chance = float(told_by) * max(float(beside.over_floor[row]), 1.0)
     if far - near < _FAR**2 * (floor + _SURE * by_chance):
         return None
-    slow = _floor_with_slow_noise(beside, bands, row)
-    here_too = bands_in_doubt(ex, beside.base)[row].any()  # then it bends the parameters as well
-    doubted = bool(here_too) or far - near < _FAR**2 * (slow + _SURE * by_chance)
+    here_too = bool(bands_in_doubt(ex, beside.base)[row].any())  # then it bends the parameters as well
+    doubted = here_too or far - near < _FAR**2 * (
+        _floor_with_slow_noise(beside, bands, row) + _SURE * by_chance
+    )
     differs = _differs(beside, equations, joint, carried[number][row])
     fitted = {part.source for part in ex.setting.logs}
     name = f"the held-out part of {log.source}" if log.source in fitted else log.source

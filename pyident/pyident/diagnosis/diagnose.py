@@ -31,11 +31,12 @@ from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
-from pyident.diagnosis.searched import searched
+from pyident.diagnosis.searched import part_of, searched
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DELAY, DRIVE, description_names
 from pyident.rules.rules import RULES, Rules
+from pyident.simulation.denoised import unfiltered
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
@@ -61,14 +62,14 @@ def diagnose(
     An interrupt (Ctrl-C) after the search gives what is known by then. Raises LogError.
     """
     most = 0.7 if robot.controller else 0.5  # of the time; where nothing is simulated, the search is short
-    search = searched(robot, logs, open_pool, lambda share: progress(most * share), rules)
+    search = searched(robot, logs, open_pool, part_of(progress, 0.0, most), rules)
     search, found = _from_columns(
         search.resting_on(()), heldout, open_pool, part_of(progress, most, 0.85 - most)
     )
     if search.examination.setting.unfollowed:
         progress(1.0)
         return found
-    if left_out(robot, search.robot):
+    if left_out(unfiltered(robot, logs), search.robot):
         found = replace(found, notes=(_NO_FILTER, *found.notes))
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
         ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
@@ -89,10 +90,9 @@ def diagnose(
     return found
 
 
-def left_out(given: Robot, judged: Robot) -> bool:
-    """Whether a filter was left out that such robots are else judged through."""
-    needed = given.flexible and given.controller is None and given.settings.processing.filters
-    return needed and not judged.settings.processing.filters
+def left_out(asked: Robot, judged: Robot) -> bool:
+    """Whether a filter was left out through which the robot was asked first."""
+    return asked.settings.processing.filters and not judged.settings.processing.filters
 
 
 def servo_delay_in(
@@ -129,11 +129,6 @@ def _as_far_as(found: Diagnosis, steps: Sequence[tuple[str, Callable[[Diagnosis]
             left = ", ".join(name for name, _ in steps[number:])
             return replace(found, notes=(*found.notes, f"interrupted; not looked at: {left}"))
     return found
-
-
-def part_of(progress: Progress, start: float, width: float = 0.05) -> Progress:
-    """Progress of what takes a share `width` of the whole, after `start` of it."""
-    return lambda share: progress(start + width * share)
 
 
 def _with_leads(search: Search, found: Diagnosis, open_pool: OpenPool, draft: bool) -> Diagnosis:

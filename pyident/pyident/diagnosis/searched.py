@@ -57,6 +57,11 @@ def searched(
     return _by_noise(replace(set_up(plain, logs, rules), unfollowed=failed), open_pool, progress)
 
 
+def part_of(progress: Progress, start: float, width: float = 0.05) -> Progress:
+    """Progress of what takes a share `width` of the whole, after `start` of it."""
+    return lambda share: progress(start + width * share)
+
+
 def _rising(progress: Progress) -> Progress:
     """Progress that waits, where something is begun again, until that is as far."""
     told = 0.0
@@ -84,12 +89,12 @@ def _aligned(
 ) -> Search:
     setting = set_up(robot, logs, rules)
     once = setting.simulates or len(robot.joints) == 1
-    search = _searched(setting, open_pool, progress if once else lambda done: progress(0.6 * done))
+    search = _searched(setting, open_pool, progress if once else part_of(progress, 0.0, 0.6))
     found = alignment_of(search.examination)
     if found.needed:
         heard = within(robot, found.band)
-        moved = replace(set_up(heard, found.of_all(robot, logs), rules), alignment=found)
-        in_time = _searched(moved, open_pool, lambda done: progress(0.6 + 0.4 * done))
+        moved = set_up(heard, found.of_all(robot, logs), rules, alignment=found)
+        in_time = _searched(moved, open_pool, part_of(progress, 0.6, 0.4))
         only_late = found == Alignment(found.late)
         search = search if only_late and links_swing(search, in_time) else in_time
     progress(1.0)
@@ -107,7 +112,7 @@ def _searched(setting: Setting, open_pool: OpenPool, progress: Progress) -> Sear
                 if moved is not None:
                     break
                 progress(0.2)
-                search = search_of(examine(found, workers, lambda share: progress(0.2 + 0.8 * share)))
+                search = search_of(examine(found, workers, part_of(progress, 0.2, 0.8)))
             except SimulationError as error:
                 why = str(error)
                 continue
@@ -131,9 +136,9 @@ def _on_one_clock(setting: Setting, late: float) -> Setting | None:
         return None
     clock = Alignment.by_clock(setting.robot, late, setting.period)
     logs = clock.of_all(setting.robot, setting.logs)
-    mended = set_up(clock.taken(setting.robot), logs, setting.rules)
+    mended = set_up(clock.taken(setting.robot), logs, setting.rules, alignment=clock)
     left, before = (relative_error(s.reduced, s.solution.p, len(s.robot.joints)) for s in (mended, setting))
-    return replace(mended, alignment=clock) if left["all"] < before["all"] else None
+    return mended if left["all"] < before["all"] else None
 
 
 def _adjustments(setting: Setting, workers: Workers) -> Iterator[Callable[[], Setting]]:
@@ -180,6 +185,6 @@ def put_right(setting: Setting, further: Alignment, open_pool: OpenPool, progres
     that all are held.
     """
     logs = further.of_all(setting.robot, setting.logs)
-    mended = set_up(further.taken(setting.robot), logs, setting.rules, setting.estimator)
     whole = setting.alignment.then(further)
-    return _searched(replace(mended, alignment=whole), open_pool, progress)
+    mended = set_up(further.taken(setting.robot), logs, setting.rules, setting.estimator, whole)
+    return _searched(mended, open_pool, progress)

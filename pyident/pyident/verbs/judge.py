@@ -11,10 +11,10 @@ from pyident.comparison.compare import Comparison
 from pyident.comparison.compare import compare as compared
 from pyident.conditioning.alignment import NOTHING, Alignment
 from pyident.diagnosis.diagnose import diagnose as diagnosed
-from pyident.diagnosis.diagnose import part_of, servo_delay_in
+from pyident.diagnosis.diagnose import servo_delay_in
 from pyident.diagnosis.drives.unseen import stated as springs_stated
 from pyident.diagnosis.notes import apart as kept_apart
-from pyident.diagnosis.searched import alignment_in
+from pyident.diagnosis.searched import alignment_in, part_of
 from pyident.estimation.lock_unlogged import unlocked
 from pyident.extension.add_effect import add_effect as extended
 from pyident.extension.divide import divided, instants

@@ -98,12 +98,19 @@ class Setting:
 
 
 def set_up(
-    robot: Robot, logs: Sequence[Log], rules: Rules = RULES, estimator: Estimator = weighted
+    robot: Robot,
+    logs: Sequence[Log],
+    rules: Rules = RULES,
+    estimator: Estimator = weighted,
+    alignment: Alignment = NOTHING,
 ) -> Setting:
-    """Fit the robot to the logs and prepare its replicas. Raises LogError."""
+    """Fit the robot to the logs and prepare its replicas. Raises LogError.
+
+    alignment   what kept their positions and torques apart, and was put right in them
+    """
     found = estimator(Problem(robot, tuple(denoised(robot, log) for log in logs)))
     reduced, solution = found.reduced, found.solution
-    setting = Setting(robot, robot, (), {}, reduced, solution, {}, {}, rules, estimator)
+    setting = Setting(robot, robot, (), {}, reduced, solution, {}, {}, rules, estimator, alignment)
     if robot.controller or robot.servo or robot.flexible:
         fitted = _fitted(robot, reduced, solution)
         loop_is_known = all(loop_of(fitted, log) is None for log in logs)

@@ -10,7 +10,7 @@ from pyident.diagnosis.misaligned import delay_beside
 from pyident.diagnosis.rounds.asked import Asked, selected
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search
-from pyident.diagnosis.searched import UnsimulatedFitError, put_right
+from pyident.diagnosis.searched import UnsimulatedFitError, part_of, put_right
 from pyident.logs.log import Log
 from pyident.simulation.simulator import OpenPool
 
@@ -24,7 +24,7 @@ def in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progres
     held = held_out(search, heldout)
     selection = selected(search, held)
     for asked, apart in enumerate((_late_alike, _each_its_way, _others_alike), start=1):
-        told = _part_of(progress, asked)
+        told = part_of(progress, 0.25 * asked, 0.25)
         told(0.0)
         further = apart(search, selection.candidates)
         if further.needed:
@@ -37,11 +37,6 @@ def in_time(search: Search, heldout: Sequence[Log], open_pool: OpenPool, progres
             search, held = again, held_out(again, heldout)
             selection = selected(search, held)
     return search, held, selection
-
-
-def _part_of(progress: Progress, asked: int) -> Progress:
-    """Of the question of that number."""
-    return lambda share: progress(0.25 * (asked + share))
 
 
 def _late_alike(search: Search, named: Sequence[Candidate]) -> Alignment:

@@ -63,8 +63,7 @@ def _whole(search: Search, selection: Selection) -> bool:
 def _replicated(setting: Setting, law: Candidate, open_pool: OpenPool, progress: Progress) -> Examination:
     """The logs, and replicas of a model with a law, under that model. Raises LogError, SimulationError."""
     robot = with_law(setting.robot, law)
-    found = set_up(robot, setting.logs, setting.rules, setting.estimator)
-    having = replace(found, alignment=setting.alignment)
+    having = set_up(robot, setting.logs, setting.rules, setting.estimator, setting.alignment)
     with workers_of(having, open_pool) as workers:
         free = with_ringing_matched(unbiased(having, workers), workers)
         return examine(free, workers, progress, lambda *_: [])
