@@ -27,9 +27,10 @@ def test_columns_are_the_laws_formulas():
     np.testing.assert_allclose(column("viscous", "viscous"), DQ[:, 0])
     np.testing.assert_allclose(column("coulomb", "coulomb"), np.sign(DQ[:, 0]))
     np.testing.assert_allclose(column("motor_inertia", "J_m"), DDQ[:, 0])
-    np.testing.assert_allclose(column("viscous_drift", "drift"), TIME * DQ[:, 0])
-    np.testing.assert_allclose(column("coulomb_drift", "rate"), TIME * np.sign(DQ[:, 0]))
-    np.testing.assert_allclose(column("offset_drift", "rate"), TIME)
+    settled = 0.5 * (1 - np.exp(-TIME / 0.5))
+    np.testing.assert_allclose(column("viscous_drift", "drift", settling=0.5), settled * DQ[:, 0])
+    np.testing.assert_allclose(column("coulomb_drift", "rate", settling=0.5), settled * np.sign(DQ[:, 0]))
+    np.testing.assert_allclose(column("offset_drift", "rate", settling=1e6), TIME, rtol=1e-5)
 
 
 def test_a_payload_is_a_body_at_the_tip():
@@ -59,4 +60,4 @@ def test_what_a_law_lacks_is_said():
     with pytest.raises(ValueError, match=r"effect torque_ripple at joint 1 needs a value of its order"):
         column("torque_ripple", "cosine")
     with pytest.raises(ValueError, match="needs the signal time, which the motion of robot one_joint"):
-        column("viscous_drift", "drift", Motion(Q, DQ, DDQ))
+        column("viscous_drift", "drift", Motion(Q, DQ, DDQ), settling=0.5)

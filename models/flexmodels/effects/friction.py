@@ -4,7 +4,8 @@ from sympy import Abs, And, Or, cos, exp, sign, sin
 
 from flexmodels.effects.dahl import dahl
 from flexmodels.effects.effect import SLOW, Coverage, Effect, Parameter
-from flexmodels.effects.signals import de, e, load, time
+from flexmodels.effects.settling import elapsed, settling
+from flexmodels.effects.signals import de, e, load
 
 _coulomb = Parameter("coulomb", "N.m", lower=0)
 _viscous = Parameter("viscous", "N.m.s/rad", lower=0)
@@ -154,9 +155,9 @@ _drift = Parameter("drift", "N.m/rad")
 
 viscous_drift = Effect(
     name="viscous_drift",
-    title="Viscous friction that changes in the course of the log, as when the grease warms up",
-    forces={e: _drift.symbol * time * de},
-    parameters=(_drift,),
+    title="Viscous friction that changes over the log and settles, as when the grease warms up",
+    forces={e: _drift.symbol * elapsed * de},
+    parameters=(_drift, settling),
     citation="Bittencourt and Gunnarsson 2012",
     needs="a motion that repeats from the beginning to the end of the log",
     coverage=Coverage(Abs(de) > 0.01, 0.5),
@@ -168,9 +169,9 @@ _rate = Parameter("rate", "N.m/s")
 
 coulomb_drift = Effect(
     name="coulomb_drift",
-    title="Coulomb friction that changes in the course of the log, as when a seal runs in",
-    forces={e: _rate.symbol * time * sign(de)},
-    parameters=(_rate,),
+    title="Coulomb friction that changes over the log and settles, as when a seal runs in",
+    forces={e: _rate.symbol * elapsed * sign(de)},
+    parameters=(_rate, settling),
     citation="Bittencourt and Gunnarsson 2012",
     needs="a motion that repeats from the beginning to the end of the log",
     coverage=Coverage(Abs(de) > 0.01, 0.5),
@@ -180,9 +181,9 @@ coulomb_drift = Effect(
 
 directional_drift = Effect(
     name="directional_drift",
-    title="Direction-dependent viscous friction that changes in the course of the log",
-    forces={e: _drift.symbol * time * Abs(de)},
-    parameters=(_drift,),
+    title="Direction-dependent viscous friction that changes over the log and settles",
+    forces={e: _drift.symbol * elapsed * Abs(de)},
+    parameters=(_drift, settling),
     excess_over="asymmetric_coulomb",
     citation="Bittencourt and Gunnarsson 2012, for each direction on its own",
     needs="a motion in both directions that repeats from the beginning to the end of the log",

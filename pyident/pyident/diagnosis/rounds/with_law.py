@@ -4,50 +4,108 @@ A play that rattles, or a torque that saturates, shakes a whole arm at frequenci
 and the equations of other hinges leave more for it than in replicas of a model that has no such law. So where
 a law is named and anything is left beside it, replicas are made of the model with that law. What they leave
 beside it is the least that counts as a floor, band by band, and laws and errors are asked again. A second
-effect that is there exceeds these floors as well.
+effect that is there exceeds these floors as well. Where the logs leave nothing beyond them beside one law as
+it is, that law is all that is missing: whatever else was named, or nothing, is what it shakes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from flexmodels.inputs import SimulationError
-from pyident.diagnosis.base.candidates import Candidate, with_law
+from pyident.diagnosis.base.candidates import Candidate, Family, every_law, with_law
 from pyident.diagnosis.base.residual_over_floor import Examination, examine
 from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
 from pyident.diagnosis.base.setting import Setting, set_up, unbiased, workers_of
+from pyident.diagnosis.base.standing_out import over_floor, standing_out
+from pyident.diagnosis.imitators.fault import fault_of
 from pyident.diagnosis.rounds.asked import Asked, selected
-from pyident.diagnosis.search.found import candidates_of
-from pyident.diagnosis.search.gate import region_of, share_in
+from pyident.diagnosis.search.found import Step, candidates_of
+from pyident.diagnosis.search.gate import admission, counts, region_of, share_in
+from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
+from pyident.diagnosis.searched import part_of
 from pyident.logs.log import LogError
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
+_LAWS = 3  # whose models are simulated: each costs as much as a search
 
 
 def beside_its_replicas(asked: Asked, open_pool: OpenPool, progress: Progress) -> Asked:
-    """What a search has come to over floors no lower than those of a model with its first law.
+    """What a search has come to over floors no lower than those of a model with a law.
 
-    As it was where nothing is left and all else that is named takes all of it, where nothing is simulated,
-    where the model with the law cannot be, or where the law itself does not exceed such floors.
+    That law alone where it leaves nothing there; else what is asked anew over the floors of the first that is
+    named. As it was where nothing is left and all else that is named takes all of it, where nothing is
+    simulated, where no model with a law can be, or where the law itself does not exceed such floors.
     """
     search, held, selection = asked
-    lead = selection.steps[0].best.candidate if selection.steps else None
-    if lead is None or lead.describes or not search.examination.setting.follows:
+    laws = _laws(search, selection) if search.examination.setting.follows else []
+    if not laws:
         return asked
     if not search.resting_on(selection.candidates).stands_out and _whole(search, selection):
         return asked
-    try:
-        having = _replicated(search.examination.setting, lead, open_pool, progress)
-    except (SimulationError, LogError):
-        return asked
-    over = search_of(_over_floors_of(search.examination, having)).resting_on(())
-    again = selected(over, held)
-    still = lead.family in [c.family for c in again.candidates]
-    return (over, held, again) if still else asked
+    first: Asked | None = None
+    out = search.resting_on(()).standing_out
+    families = {c.family for c in selection.candidates}
+    for number, step in enumerate(laws):
+        law = step.best.candidate
+        told = part_of(progress, number / len(laws), 1 / len(laws))
+        try:
+            having = _replicated(search.examination.setting, law, families, open_pool, told)
+        except (SimulationError, LogError):
+            continue
+        over = _over_floors_of(search.examination, having)
+        if _leaves_nothing(having, out, families - {law.family}):
+            alone = search_of(_beside_law(over, step.candidates, having)).resting_on(())
+            if _passes(alone, step, held):
+                return alone, held, Selection((step,), selection.first, selection.imitators)
+        elif step in selection.steps and first is None:
+            again = search_of(over).resting_on(())
+            first = again, held, selected(again, held)
+    lead = selection.candidates[0].family if selection.steps else None
+    still = first is not None and lead in [c.family for c in first[2].candidates]
+    return first if first is not None and still else asked
+
+
+def _laws(search: Search, selection: Selection) -> list[Step]:
+    """Laws that are named, then those that come nearest at places that nothing explains, a few in all."""
+    named = [step for step in selection.steps if not step.best.candidate.describes]
+    families = [step.best.candidate.family for step in named]
+    least = 100 * search.rules.part
+    near = [r.candidate.family for r in selection.refusals if r.certain and r.share_percent >= least]
+    ranked = selection.first.ranked
+    found = [next((f for f in ranked if f.candidate.family == one), None) for one in dict.fromkeys(near)]
+    laws = [f for f in found if f is not None and not f.candidate.describes and f.candidate.log is None]
+    others = [search.led_by(f, [f, *(g for g in ranked if g is not f)]) for f in laws]
+    return [*named, *(step for step in others if step.best.candidate.family not in families)][:_LAWS]
+
+
+def _leaves_nothing(having: Examination, where: np.ndarray, named: set[Family]) -> bool:
+    """Whether logs leave beside a law what replicas of a model with it leave: no more, nor far less on the
+    equations (n,) where they left much without it, which floors that are too high would hide.
+
+    named   what else was, none of which may count there
+    """
+    if standing_out(having, having.base).any():
+        return False
+    if named:
+        view = search_of(having)
+        if any(counts(view, found) for found in view.step().ranked):
+            return False
+    least = having.setting.rules.search.below_floor**2
+    return bool((over_floor(having, having.base)[where] >= least).all())
+
+
+def _passes(over: Search, step: Step, held: HeldOut) -> bool:
+    """Whether a law by itself may be named over floors of a model that has it."""
+    entry = admission(over, step.best, step.candidates, held)
+    enough = entry.share >= over.rules.needed(1)
+    whole = over.resting_on(step.candidates)
+    return enough and not entry.reason and not fault_of(whole, step.best.candidate)
 
 
 def _whole(search: Search, selection: Selection) -> bool:
@@ -60,13 +118,22 @@ def _whole(search: Search, selection: Selection) -> bool:
     return True
 
 
-def _replicated(setting: Setting, law: Candidate, open_pool: OpenPool, progress: Progress) -> Examination:
-    """The logs, and replicas of a model with a law, under that model. Raises LogError, SimulationError."""
+def _replicated(
+    setting: Setting, law: Candidate, families: set[Family], open_pool: OpenPool, progress: Progress
+) -> Examination:
+    """The logs, and replicas of a model with a law, under that model, with candidates of some families.
+
+    Raises LogError, SimulationError.
+    """
+
+    def listed(*asked: Any) -> list[Candidate]:
+        return [c for c in every_law(*asked) if c.family in families]
+
     robot = with_law(setting.robot, law)
     having = set_up(robot, setting.logs, setting.rules, setting.estimator, setting.alignment)
     with workers_of(having, open_pool) as workers:
         free = with_ringing_matched(unbiased(having, workers), workers)
-        return examine(free, workers, progress, lambda *_: [])
+        return examine(free, workers, progress, listed)
 
 
 def _over_floors_of(ex: Examination, having: Examination) -> Examination:
@@ -77,8 +144,23 @@ def _over_floors_of(ex: Examination, having: Examination) -> Examination:
     count = np.maximum(sum(inside.sum(axis=0) for inside in ex.bands), 1)
     pairs = zip(having.levels, ex.levels, ex.bands, strict=True)
     unit = sum(np.square(theirs / own) @ inside for theirs, own, inside in pairs) / count
-    theirs, own = having.replica_energy.mean(axis=0) * unit, ex.replica_energy.mean(axis=0)
-    times = np.maximum(theirs / np.maximum(own, 1e-300), 1.0)
+    return _raised(ex, having.replica_energy.mean(axis=0) * unit)
+
+
+def _beside_law(ex: Examination, law: Sequence[Candidate], having: Examination) -> Examination:
+    """An examination in which a law leaves as many floors as the logs leave of a model's that has it.
+
+    That model is fitted by simulation, and makes less of what a law's values are off.
+    """
+    beside = search_of(ex).resting_on(law).base
+    left = ex.by_band(beside.residual).sum(axis=0) / np.maximum(ex.count, 1)
+    ratio = having.energy / np.maximum(having.replica_energy.mean(axis=0), 1e-300)
+    return _raised(ex, left / np.maximum(ratio, 1e-300))
+
+
+def _raised(ex: Examination, least: np.ndarray) -> Examination:
+    """An examination whose replicas leave no less than that (n, bands), as a mean square over the floor."""
+    times = np.maximum(least / np.maximum(ex.replica_energy.mean(axis=0), 1e-300), 1.0)
     sizes = [np.sqrt(np.where(inside.any(axis=1), times @ inside.T, 1.0)) for inside in ex.bands]
     residuals = [[r * size for r, size in zip(made, sizes, strict=True)] for made in ex.replica_residuals]
     return replace(ex, replica_energy=ex.replica_energy * times, replica_residuals=residuals)
