@@ -7,7 +7,8 @@ seems to have: a hose with a hysteresis, or another motor on the same shaft, may
 wrong sign turns inertia round as well as friction. Reversed rows turn friction round alone, but that of every
 joint: where another joint's brakes, what seems to drive here is a law that the model lacks, as a load that
 sloshes, or a tool that spins. It is one, too, where all torques together leave much more once those of the
-joints that seem to be driven are turned: a body shows at several joints.
+joints that seem to be driven are turned: a body shows at several joints. So is what seems turned while no
+sign makes the torques fit, and the other one less: something touches the robot.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,8 @@ from pyident.rules.log_checks import LOG_CHECKS
 _BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
 _DRIVEN = "friction would feed energy in"
 _WORSE = 2.0  # times what is left: turned torques that fit so badly; where joints share little it is less
+_BADLY = 0.1  # of all torques is left: a model's own errors leave a few hundredths
+_LESS = 1.1  # times what is left: a sign that is wrong leaves less once it is turned
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
@@ -40,7 +43,8 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
             "sign",
             torque_of(k + 1),
             f"{source}: {torque_of(k + 1)} has the wrong sign against {motor_of(k + 1)}: {reason}; give "
-            f"one of the two columns the sign -1 in the mapping, or check the order of the rows",
+            "one of the two columns the sign -1 in the mapping, or check the order of the rows, and that no "
+            "hand and nothing else moves the robot",
         )
 
 
@@ -50,7 +54,13 @@ def against(of: Balances) -> dict[int, str]:
     driven = [k for k, reason in reasons.items() if reason == _DRIVEN]
     if driven and _any_brakes(of, driven) and _left(of, driven) > _WORSE * _left(of, []):
         return {k: reason for k, reason in reasons.items() if k not in driven}
-    return reasons
+    return {} if reasons and _touched(of, list(reasons)) else reasons
+
+
+def _touched(of: Balances, seeming: Sequence[int]) -> bool:
+    """Whether torques that seem turned fit badly, worse once they are turned, while other joints brake."""
+    left = _left(of, [])
+    return left > _BADLY and _left(of, seeming) > _LESS * left and _any_brakes(of, seeming)
 
 
 def _reason(joint: "_Joint") -> str | None:

@@ -27,6 +27,7 @@ from pyident.estimation.identify import (
 )
 from pyident.estimation.slow_rest import slow_rest
 from pyident.logs.log import Log
+from pyident.refinement.in_motion import Rest
 from pyident.refinement.instruments.fixed_point import FixedPoint
 from pyident.refinement.instruments.following import Followers, NotFollowedError
 from pyident.refinement.instruments.instrumental_covariance import (
@@ -78,14 +79,14 @@ def identify_by_instruments(
     told = progress or (lambda _: None)
     if driven(robot):
         return _identified(robot, logs, open_pool, told, prior)[0]
-    found, late = _identified(robot, logs, open_pool, lambda share: told(share / 2), prior)
+    found, late, left = _identified(robot, logs, open_pool, lambda share: told(share / 2), prior)
     if late is None or not late.sure:
         return found
     clock = Alignment.by_clock(robot, late.time, max((log.period for log in logs), default=np.inf))
     moved, known = clock.of_all(robot, logs), replace(late, std=0.0) if clock.held else late
     taken, rest = clock.taken(robot), lambda share: told((1 + share) / 2)
-    again, _ = _identified(taken, moved, open_pool, rest, prior, (found, known))
-    if again.relative_error["all"] >= found.relative_error["all"]:
+    again, _, since = _identified(taken, moved, open_pool, rest, prior, (found, known))
+    if left is None or since is None or since.in_motion >= left.in_motion:
         return found  # a loop's answer to the noise of its encoders looks like a delay, too
     return replace(again, notes=(*again.notes, _HELD if clock.held else _moved(late)))
 
@@ -117,9 +118,11 @@ def _identified(
     progress: Progress,
     prior: Robot | None,
     before: tuple[Identified, Late] | None = None,
-) -> tuple[Identified, Late | None]:
-    """What logs say, and how late their positions are; before: the same until they were moved by that, where
-    it is not asked again."""
+) -> tuple[Identified, Late | None, Rest | None]:
+    """What logs say, how late their positions are, and what is left of the torques, if that is settled.
+
+    before   the first two until positions were moved by that, which is not asked again
+    """
     start = begun(robot, logs, prior)
     best = start.starts[0]
     known = [] if before is None else [before[0]]
@@ -134,7 +137,7 @@ def _identified(
         solution = with_covariance(last.logs, last.rows, last.equations, last.solution)
     except (SimulationError, NotFollowedError) as error:
         best = start.starts[1] if prior is not None and best is start.starts[0] else best
-        return _of_start(robot, best, _why(error), notes), None
+        return _of_start(robot, best, _why(error), notes), None, None
     late = None
     away = last.largest(last.gap) if driven(robot) else 0.0
     if before is not None:
@@ -151,9 +154,10 @@ def _identified(
     else:
         notes = (*notes, *impossible(found))
     if away > _UNSETTLED and found.relative_error["all"] > _ASTRAY * best.relative_error["all"]:
-        return _of_start(robot, best, _astray(found, best), notes), None
+        return _of_start(robot, best, _astray(found, best), notes), None, None
     notes = (*notes, _unsettled(away)) if away > _UNSETTLED else notes
-    notes = (*notes, *slow_rest(*_left_of(last, solution.p, len(robot.joints))))
+    left = _left_of(last, solution.p, len(robot.joints))
+    notes = (*notes, *slow_rest(left.left, left.periods))
     fast = ringing(found.robot, [d.part.motion for d in start.data], max(log.period for log in logs))
     if fast:
         told = without_intervals_of(solution, reduced.columns, fast)
@@ -161,14 +165,16 @@ def _identified(
         why = "their hinges vibrate faster than the samples can follow"
         notes = (*notes, f"no interval for {', '.join(fast)}: {why}")
     found = without_intervals(found) if away > _UNSETTLED else found
-    return replace(found, estimator=NAME, notes=notes), late
+    return replace(found, estimator=NAME, notes=notes), late, left
 
 
-def _left_of(last: Round, p: np.ndarray, joints: int) -> tuple[list[np.ndarray], list[float]]:
-    """Per log what is left of the torques (N, joints), and the period [s] of these samples."""
-    left = [(r.residual(p) * r.share)[:, :joints] for r in last.rows]
+def _left_of(last: Round, p: np.ndarray, joints: int) -> Rest:
     pairs = zip(last.logs.data, last.logs.again, strict=True)
-    return left, [again.log.period * data.part.thinning for data, again in pairs]
+    return Rest(
+        [(r.residual(p) * r.share)[:, :joints] for r in last.rows],
+        [(r.y * r.share)[:, :joints] for r in last.rows],
+        [again.log.period * data.part.thinning for data, again in pairs],
+    )
 
 
 def _of_start(robot: Robot, best: Identified, why: str, notes: Sequence[str]) -> Identified:
