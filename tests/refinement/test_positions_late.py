@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -112,7 +113,8 @@ def test_what_leaves_more_when_it_is_put_right_is_no_delay(monkeypatch):
         errors = iter([4.2, after])
 
         def identified(*_, errors=errors):
-            return Found({"all": next(errors)}), next(times)
+            error = next(errors)
+            return Found({"all": error}), next(times), SimpleNamespace(in_motion=error**2)
 
         monkeypatch.setattr(auxiliary_model, "_identified", identified)
         found = identify_by_instruments(arm(), [], cast(Any, None))

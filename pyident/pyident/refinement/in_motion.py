@@ -22,16 +22,16 @@ class Rest:
 
     @property
     def in_motion(self) -> float:
-        """Mean square of what is left where the torques move, over theirs, summed over the joints."""
+        """Mean square of what is left of all torques where they move, over theirs."""
         found = [_powers(*log) for log in zip(self.left, self.torques, self.periods, strict=True)]
-        left, whole = (np.sum([log[i] for log in found], axis=0) for i in (0, 1))
-        return float(np.sum(left / np.where(whole > 0, whole, np.inf)))
+        left, whole = np.sum(found, axis=0)
+        return float(left / whole) if whole > 0 else 0.0
 
 
-def _powers(left: np.ndarray, torques: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """(joints,) power of what is left at frequencies up to those at which torques move, and of these."""
-    whole = np.square(np.abs(np.fft.rfft(torques - torques.mean(axis=0), axis=0)))
-    below = np.cumsum((whole / np.maximum(whole.sum(axis=0), 1e-300)).sum(axis=1))
+def _powers(left: np.ndarray, torques: np.ndarray, period: float) -> tuple[float, float]:
+    """Power of what is left at frequencies up to those at which torques move, and of these, of all joints."""
+    whole = np.square(np.abs(np.fft.rfft(torques - torques.mean(axis=0), axis=0))).sum(axis=1)
+    below = np.cumsum(whole)
     moving = slice(int(np.searchsorted(below, _MOSTLY * below[-1])) + 1)
     lines = np.square(np.abs(np.fft.rfft(left, axis=0)))[moving]
-    return lines.sum(axis=0) * period**2, whole.sum(axis=0) * period**2
+    return float(lines.sum()) * period**2, float(below[-1]) * period**2
