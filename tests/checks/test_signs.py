@@ -92,3 +92,23 @@ def test_what_drives_one_joint_is_no_wrong_sign_and_reversed_rows_are():
     turned = (tau + spins) * np.where(np.arange(6) == 4, -1, 1)
     assert "joint5.tau" in found(turned)
     assert len(found(tau, -1)) > 2
+
+
+def test_sensors_behind_the_gears_feel_no_friction_that_could_tell_a_sign():
+    """What noise or a contact makes of it may drive one joint; signs that are turned are found nevertheless."""
+    pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
+    rng, robot = np.random.default_rng(5), arm()
+    motion = moved(robot, rng, 20.0, 3.0)
+    seems = np.zeros_like(motion.load)
+    seems[:, 2] = -0.2 * motion.load[:, 2].std() * np.sign(motion.v[:, 2])
+
+    def found(tau):
+        log = recorded(motion, tau, 1e-3 * motion.load.std(axis=0), rng, "log")
+        signals = samples(robot, log)
+        assert signals is not None
+        return [defect.channel for defect in signs(balances(signals), "log")]
+
+    assert found(motion.load + seems) == []
+    turned = motion.load.copy()
+    turned[:, 1:3] *= -1
+    assert set(found(turned)) & {"joint2.tau", "joint3.tau"}

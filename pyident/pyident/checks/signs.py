@@ -6,9 +6,8 @@ be negative beside a hose, too; and a torque whose friction brakes much has the 
 seems to have: a hose with a hysteresis, or another motor on the same shaft, may have the most part of it. A
 wrong sign turns inertia round as well as friction. Reversed rows turn friction round alone, but that of every
 joint: where another joint's brakes, what seems to drive here is a law that the model lacks, as a load that
-sloshes, or a tool that spins. It is one, too, where all torques together leave much more once those of the
-joints that seem to be driven are turned: a body shows at several joints. So is what seems turned while no
-sign makes the torques fit, and the other one less: something touches the robot.
+sloshes, or a tool that spins. It is one, too, where no joint but these drives, and all torques together leave
+more once theirs are turned, with or without any other one: a body shows at several joints.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,9 +28,7 @@ from pyident.rules.log_checks import LOG_CHECKS
 
 _BRAKES = 1 / 3  # of the exchanged power: friction that takes more tells the sign
 _DRIVEN = "friction would feed energy in"
-_WORSE = 2.0  # times what is left: turned torques that fit so badly; where joints share little it is less
-_BADLY = 0.1  # of all torques is left: a model's own errors leave a few hundredths
-_LESS = 1.1  # times what is left: a sign that is wrong leaves less once it is turned
+_WORSE = 1.1  # times what is left: a sign that is wrong leaves less once it is turned
 _POSES = 6  # of the log at which a coordinate's inertia is looked at
 
 
@@ -51,16 +48,18 @@ def signs(of: Balances, source: str) -> Iterator[Defect]:
 def against(of: Balances) -> dict[int, str]:
     """Joints (from 0) whose torque must have the other sign, and why."""
     reasons = {k: reason for k in of.joints if (reason := _reason(_Joint(of, k))) is not None}
-    driven = [k for k, reason in reasons.items() if reason == _DRIVEN]
-    if driven and _any_brakes(of, driven) and _left(of, driven) > _WORSE * _left(of, []):
-        return {k: reason for k, reason in reasons.items() if k not in driven}
-    return {} if reasons and _touched(of, list(reasons)) else reasons
+    forwards = _DRIVEN not in reasons.values() or _any_does_not_drive(of, list(reasons))
+    return {} if reasons and forwards and _turned_is_worse(of, list(reasons)) else reasons
 
 
-def _touched(of: Balances, seeming: Sequence[int]) -> bool:
-    """Whether torques that seem turned fit badly, worse once they are turned, while other joints brake."""
+def _turned_is_worse(of: Balances, seeming: Sequence[int]) -> bool:
+    """Whether all torques leave clearly more once those that seem turned are, and no less with any other
+    joint's: of two that are turned, one may be all that seems so.
+    """
     left = _left(of, [])
-    return left > _BADLY and _left(of, seeming) > _LESS * left and _any_brakes(of, seeming)
+    if _left(of, seeming) <= _WORSE * left:
+        return False
+    return all(_left(of, [*seeming, k]) > left for k in of.joints if k not in seeming)
 
 
 def _reason(joint: "_Joint") -> str | None:
@@ -83,6 +82,12 @@ def _goes_forwards(joint: "_Joint") -> bool:
     if not joint.negative(-joint.turning, joint.least_inertia):
         return False
     return _any_brakes(joint.of, [joint.k])
+
+
+def _any_does_not_drive(of: Balances, but: Sequence[int]) -> bool:
+    """Whether the friction of a joint surely does not, but for some (from 0): in reversed rows all drive."""
+    others = (_Joint(of, k) for k in of.joints if k not in but)
+    return any(other.alone.above(other.rubbing, -other.least_power) for other in others)
 
 
 def _any_brakes(of: Balances, but: Sequence[int]) -> bool:
@@ -164,11 +169,26 @@ class _Solution:
 
     def negative(self, row: np.ndarray, least: float) -> bool:
         """Whether row p is below zero beyond chance and by a least amount; row (P,)."""
-        if not row.any() or not _estimable(self.normal, self.inverse, row):
+        if not self.tells(row):
             return False
-        value = float(row @ self.p)
-        std = EQUATIONS.coloured * float(np.sqrt(max(row @ self.inverse @ row, 0.0) * self.variance))
+        value, std = self._known(row)
         return value < -LOG_CHECKS.sure * std and value < -least
+
+    def above(self, row: np.ndarray, least: float) -> bool:
+        """Whether row p is above a value beyond chance; row (P,)."""
+        if not self.tells(row):
+            return False
+        value, std = self._known(row)
+        return value - LOG_CHECKS.sure * std > least
+
+    def tells(self, row: np.ndarray) -> bool:
+        """Whether row p is told at all; row (P,)."""
+        return bool(row.any()) and _estimable(self.normal, self.inverse, row)
+
+    def _known(self, row: np.ndarray) -> tuple[float, float]:
+        """row p and its standard deviation."""
+        std = EQUATIONS.coloured * float(np.sqrt(max(row @ self.inverse @ row, 0.0) * self.variance))
+        return float(row @ self.p), std
 
 
 def _solution(A: np.ndarray, y: np.ndarray) -> _Solution:
