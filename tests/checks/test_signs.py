@@ -95,7 +95,7 @@ def test_what_drives_one_joint_is_no_wrong_sign_and_reversed_rows_are():
 
 
 def test_sensors_behind_the_gears_feel_no_friction_that_could_tell_a_sign():
-    """What noise or a contact makes of it may drive one joint; signs that are turned are found nevertheless."""
+    """What noise or a contact makes of it may drive one joint; signs that are turned are found."""
     pytest.importorskip("pinocchio", reason="Pinocchio (package pin) makes these logs and is not installed")
     rng, robot = np.random.default_rng(5), arm()
     motion = moved(robot, rng, 20.0, 3.0)

@@ -170,7 +170,8 @@ def _judged(base: Fit, new: Fit, asked: Asked, correction: Correction | None) ->
     word = effect.replace("[", "_").removesuffix("]")
     name = f"{base.trial.robot.name.removesuffix('_identified')}_{word}{joint}"
     robot = replace(new.trial.robot, name=name)
-    reason = _reason(asked, gains, base.trial.tracks, base.setting.rules, _no_such_law(robot, joint, effect))
+    lacking, hidden = _no_such_law(robot, joint, effect), missed[1] <= 1.0
+    reason = _reason(asked, gains, base.trial.tracks, hidden, base.setting.rules, lacking)
     found = base.trial.robot, robot, before, after, tuple(steps), gains
     return Extended(*found, reason, asked, correction, _loose(asked))
 
@@ -229,13 +230,18 @@ def _step(kind: str, name: str, before: Sequence[LogErrors], after: Sequence[Log
     return Step(f"{what} {name}", listed[0][0].unit, earlier, later, floor)
 
 
-def _reason(asked: Asked, gains: tuple[float, float], tracks: bool, rules: Rules, no_such_law: str) -> str:
-    """What the gate of a diagnosis says against an effect, its values and the simulation; empty: nothing."""
+def _reason(
+    asked: Asked, gains: tuple[float, float], tracks: bool, hidden: bool, rules: Rules, no_such_law: str
+) -> str:
+    """What the gate of a diagnosis says against an effect, its values and the simulation; empty: nothing.
+
+    hidden   whether the simulation misses no more than its floor, so that a change within it says nothing
+    """
     gate, least, c = asked.admission, rules.extension.least_gain, asked.candidate
     what = "the torque that the simulation needs" if tracks else "the simulation"
     said = [text for text in (gate.reason, no_such_law) if text]
     excused = tracks and not said and gate.share >= rules.search.explained[0]
-    if gains[1] < (-least if excused else least):
+    if gains[1] < (-least if excused else least) and not (excused and hidden):
         said.append(f"on held-out data the error of {what} {_change(gains[1], least)}")
     elif excused and max(gains) <= 0:
         said.append("on held-out data no error falls")

@@ -65,10 +65,10 @@ def compare(
 
 def _put_right(read: Given, apart: Alignment) -> Given:
     """What was read with its positions and torques together, and a note on that."""
-    note = f"{kept_apart(apart)}; that was put right before all was compared"
-    logs = tuple(apart.of_all(read.robot, read.logs))
+    note = f"{kept_apart(apart)}; that was put right before all was judged"
+    logs, heldout = (tuple(apart.of_all(read.robot, of)) for of in (read.logs, read.heldout))
     robot = within(apart.taken(read.robot), apart.band)
-    return replace(read, robot=robot, logs=logs, notes=(*read.notes, note))
+    return replace(read, robot=robot, logs=logs, heldout=heldout, notes=(*read.notes, note))
 
 
 @processes_kept(_DIAGNOSIS)
@@ -128,18 +128,26 @@ def add_effect(
 
     effect                its name in the catalogue or in the robot's own files, or `geometry`
     heldout, parameters   as in `diagnose`
-    The others as in `identify`.
+    The others as in `identify`. What keeps positions and torques apart is put right first, as in `diagnose`.
     Raises RobotError where the law cannot act, LogError, SimulationError, BuildError.
     """
     known = _with_drive(model, parameters, allow_effects)
     require_new(known, joint, effect)  # before logs are read
     read, drive, rest = _with_loop(known, logs, mapping, heldout, force, progress or _silent)
+    apart = alignment_in(read.robot, read.logs, FmuRuns)
+    read, band = _put_right(read, apart) if apart.needed else read, read.robot.settings.processing.band
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, rest)
+    found = replace(found, robot=_judged_up_to(found.robot, band))
     if not (read.hinges and found.accepted):
         return Added(found, (*drive, *read.notes))
     whole = unlocked(found.robot, read.hinges)
     again = identify(whole, logs, mapping=mapping, heldout=heldout, force=force).robot
     return Added(found, (*drive, *read.notes), replace(again, name=found.robot.name))
+
+
+def _judged_up_to(robot: Robot, band: float | None) -> Robot:
+    """The robot judged up to a frequency [Hz] as its file says, whatever these logs were judged up to."""
+    return robot.with_settings(processing=replace(robot.settings.processing, band=band))
 
 
 def _with_drive(model: Model, parameters: Mapping[str, float] | None, allow_effects: bool) -> Robot:
