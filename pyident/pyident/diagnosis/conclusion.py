@@ -40,6 +40,7 @@ from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
 from pyident.diagnosis.unexplained.bursts import in_bursts
 from pyident.diagnosis.unexplained.other_torques import follow_other_torques
+from pyident.diagnosis.unexplained.slow_floors import of_slow_floors, slow_floors
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.loads.swinging_drive import from_values
@@ -55,7 +56,8 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
     worst = rows[int(np.argmax(search.over_floor))]
     steps = selection.steps
     localised = place_of(robot, steps[0].best.candidate) if steps else (worst.joint, worst.balance)
-    bursts = in_bursts(beside, places)
+    bursts, doubted = in_bursts(beside, places), doubted_joints(beside, places)
+    slow = slow_floors(beside, [p for p in places if p.joint not in doubted])
     shaken = [joint_name(robot.q[row].joint) for row in bursts]
     moving = in_motion(search, places)
     noisy = {
@@ -76,7 +78,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         heldout=tuple(log.source for log in heldout),
         verdict=verdict,
         sentence=in_time(ex.setting.alignment)
-        + sentence_of(verdict, findings, places, localised, doubted_joints(beside, places), shaken, noisy)
+        + sentence_of(verdict, findings, places, localised, [*doubted, *slow], shaken, noisy)
         + sentence(states),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,
@@ -101,6 +103,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
             *of_what_is_shared(places, findings),
             *of_drifts(findings),
             *of_bursts(beside, bursts),
+            *of_slow_floors(slow),
             *in_doubt(beside, places, selection.refusals),
             *of_gears(findings),
             *of_ends(search.robot, findings),
