@@ -13,7 +13,7 @@ from flexmodels.coordinate import joint_name
 SLOW, FAST = 0.5, 2.0  # Hz: below the one are gravity, friction and springs, above the other mostly noise
 _LINES = 4  # of the spectrum that are slow: the mean of fewer is chance
 _OF_MEDIAN = np.log(2.0)  # a spectral line's median over its mean, by the chi-square law
-TIMES = 3.0  # amplitudes: of white noise never, by that law
+_TIMES = 3.0  # amplitudes: of white noise never, by that law
 
 
 def slow_rest(residuals: Sequence[np.ndarray], periods: Sequence[float]) -> tuple[str, ...]:
@@ -23,7 +23,7 @@ def slow_rest(residuals: Sequence[np.ndarray], periods: Sequence[float]) -> tupl
     """
     ratios = np.array([_slow_over_fast(r, period) for r, period in zip(residuals, periods, strict=True)])
     worst = ratios.max(axis=0)
-    named = [f"{worst[k]:.2g} times at {joint_name(k + 1)}" for k in np.flatnonzero(worst > TIMES).tolist()]
+    named = [f"{worst[k]:.2g} times at {joint_name(k + 1)}" for k in np.flatnonzero(worst > _TIMES).tolist()]
     if not named:
         return ()
     return (

@@ -11,7 +11,9 @@ import numpy as np
 from flexmodels.coordinate import joint_number
 from pyident.diagnosis.result import Place
 from pyident.diagnosis.search.search import Search
-from pyident.estimation.slow_rest import FAST, SLOW, TIMES, slow_over_fast
+from pyident.estimation.slow_rest import FAST, SLOW, slow_over_fast
+
+_TIMES = 5.0  # amplitudes: torques of drives that lack nothing have three
 
 
 def slow_floors(beside: Search, places: Sequence[Place]) -> dict[str, float]:
@@ -27,7 +29,7 @@ def slow_floors(beside: Search, places: Sequence[Place]) -> dict[str, float]:
         for log, left, level in zip(ex.logs, beside.base.residual, ex.levels, strict=True):
             lines = np.square(left[row] * level[row]).reshape(2, -1).sum(axis=0)
             ratios.append(float(slow_over_fast(lines[:, None], log.band.frequencies)[0]))
-        if max(ratios) > TIMES:
+        if max(ratios) > _TIMES:
             found[place.joint] = max(ratios)
     return found
 
