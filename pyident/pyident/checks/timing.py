@@ -26,6 +26,7 @@ _TRAVELS = np.array([1e-3, 3e-3, 1e-2, 3e-2])  # of the joint's way, over which 
 _STRETCHES = 8  # of a log, each of which is left out once
 _ON = 1.25  # times as much at three times the distance as at twice; 1.5 where a torque is of steps, 2.25 else
 _ALL_OVER = 0.05  # of a torque's variance: so far away, what belonged together does no more
+_LOST = 0.85  # of what a balance leaves: a delay of all torques leaves less, a ripple hardly
 _TELLS = 1.0  # samples: of a joint whose delay is less certain, nothing is asked
 _DRIFTS = (-32, -16, -8, -4, -2, 2, 4, 8, 16, 32)  # samples that a clock may gain over the log
 
@@ -259,9 +260,10 @@ def all_late(of: Balances, source: str) -> Iterator[Defect]:
     if delay is None or abs(delay.shift) - _SURE * delay.std < LOG_CHECKS.common_delay:
         return
     std = max(delay.std, _scatter(of.in_motion, lambda part: _shift(_together(_told(part)))))
-    if abs(delay.shift) - _SURE * std < LOG_CHECKS.common_delay:
-        return
-    yield _of_all(CommonDelay(delay.shift, std), source, "doubtful")
+    each = (energies(of.in_motion, k, np.array([0.0, delay.shift])) for k in of.in_motion.joints)
+    lost = any(moved < _LOST * now for now, moved in each)
+    if lost and abs(delay.shift) - _SURE * std >= LOG_CHECKS.common_delay:
+        yield _of_all(CommonDelay(delay.shift, std), source, "doubtful")
 
 
 def _of_all(delay: CommonDelay, source: str, severity: Severity) -> Defect:
