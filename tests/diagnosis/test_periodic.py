@@ -13,6 +13,7 @@ from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.nonlinear_values import of_whole_periods
 from pyident.diagnosis.base.order_peaks import order_peaks, orders_told
 from pyident.diagnosis.base.projection import solve_base
+from pyident.diagnosis.unexplained import residual_terms
 from pyident.diagnosis.unexplained.periodic import Over, highest, misread_columns, spectrum
 from pyident.logs.log import Log
 from pyident.regression.spectrum import equations
@@ -148,3 +149,10 @@ def test_a_slow_torque_hides_no_ripple():
 )
 def test_orders_of_a_slider_are_told_per_metre(model, said):
     assert orders_told(load_robot(model), 1, [12.0, 24.0]) == said
+
+
+def test_what_a_residual_may_be_periodic_in():
+    """Of a slider's place as of an angle, as the pitch of a linear motor; no encoder of it turns."""
+    assert residual_terms._overs(load_robot("emps"), 0) == [Over("frequency", 0), Over("order", 0, 0)]
+    turning = residual_terms._overs(load_robot("tx40"), 1)
+    assert turning == [Over("frequency", 1), *(Over("order", 1, k) for k in range(6)), Over("misread", 1, 1)]

@@ -22,7 +22,7 @@ class PeriodicRules:
     fastest: float = rule(
         0.8, "the Nyquist frequency, at the joint's median speed", "above, an order has an alias", "by reason"
     )
-    highest_unexplained: int = rule(200, "orders of an unexplained residual", "time only", _TIME)
+    highest_unexplained: int = rule(1000, "orders of an unexplained residual", "as `highest`", "gears")
     neighbours: int = rule(
         101,
         "neighbours that a peak counts against",

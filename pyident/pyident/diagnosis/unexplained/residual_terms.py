@@ -239,10 +239,9 @@ class RowSearch:
 
 def _overs(robot: Robot, row: int) -> list[Over]:
     """What a force on this equation may be periodic in."""
-    turning = [k - 1 for k, joint in robot.numbered if joint.kind == "revolute"]
     own = joint_number(robot.coordinates[row]) - 1
-    misread = [Over("misread", row, own)] if own in turning else []
-    return [Over("frequency", row), *(Over("order", row, k) for k in turning), *misread]
+    misread = [Over("misread", row, own)] if robot.joints[own].kind == "revolute" else []
+    return [Over("frequency", row), *(Over("order", row, k) for k in range(len(robot.joints))), *misread]
 
 
 def excess(base: Base, floor: np.ndarray) -> np.ndarray:
