@@ -47,6 +47,8 @@ def test_an_error_at_its_floor_is_said_to_be_there(missed, words):
     said = in_simulation(trial, [errors])
     assert said.startswith(f"In simulation joint 1's torque misses by {missed:g} {words}")
     assert said.endswith("that stands in for a controller, so judge by the torques.")
+    calm = in_simulation(trial, [errors], True)
+    assert calm.startswith("But in simulation" if missed > 0.105 else "In simulation")
 
 
 def test_a_floor_that_hides_much_is_said_to():

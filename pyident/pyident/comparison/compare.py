@@ -115,7 +115,8 @@ def compared(
         beside = tuple(breakdown(trial.robot, data, slow, short, r) for r in (False, True))
         fails = fails.beside(_fails(trial.robot, beside, slow, short, errors, rules))
     by_logs = trial.tracks or trial.robot.servo is not None  # whose fit is to positions anyway
-    sentence = f"{fails.sentence(by_logs)} {in_simulation(trial, errors)}"
+    calm = fails.where is None and fails.doubted is None
+    sentence = f"{fails.sentence(by_logs)} {in_simulation(trial, errors, calm)}"
     return Comparison(
         trial.robot.name,
         sentence,
