@@ -1,6 +1,7 @@
 """A floor that has something slow for noise is told; a white one is not."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ def search():
     return searched(arm(), [made(arm(), 0, duration=20.0)], never).resting_on(())
 
 
-def place(joint: str, state: str = "in_order") -> Place:
+def place(joint: str, state: Any = "in_order") -> Place:
     return Place(joint, "motor", state, (1.0, 1.0), 1.0, "", None)
 
 
