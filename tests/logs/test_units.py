@@ -36,6 +36,8 @@ KNOWN = {
     "kN": constants.kilo,
     "N.cm": constants.centi,
     "Ncm": constants.centi,
+    "N.mm": constants.milli,
+    "Nmm": constants.milli,
     "kgf.m": constants.kilogram_force,
     "kgf.cm": constants.kilogram_force * constants.centi,
     "lbf.ft": constants.pound_force * constants.foot,

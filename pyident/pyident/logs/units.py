@@ -26,6 +26,8 @@ _FACTORS = {
         "kNm": 1e3,
         "N.cm": 1e-2,
         "Ncm": 1e-2,
+        "N.mm": 1e-3,
+        "Nmm": 1e-3,
         "kgf.m": 9.80665,
         "kgf.cm": 9.80665e-2,
         "lbf.ft": 4.4482216152605 * 0.3048,
@@ -50,7 +52,7 @@ def factor(unit: str, place: str) -> float:
 
 
 KINDS = {unit: kind for kind, group in _FACTORS.items() for unit in group}
-_PLAIN = {"Nm": "N.m", "mNm": "mN.m", "kNm": "kN.m", "Ncm": "N.cm"}
+_PLAIN = {"Nm": "N.m", "mNm": "mN.m", "kNm": "kN.m", "Ncm": "N.cm", "Nmm": "N.mm"}
 _SPELLINGS = {
     "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "grd": "deg",
     "radian": "rad", "radians": "rad",
@@ -59,7 +61,8 @@ _SPELLINGS = {
     "u/min": "rpm", "min-1": "rpm", "µs": "us", "μs": "us", "sec": "s", "seconds": "s", "msec": "ms",
     "n*m": "N.m", "n·m": "N.m", "n m": "N.m", "nm": "N.m", "n.m": "N.m", "newton-metre": "N.m",
     "mn*m": "mN.m", "mn·m": "mN.m", "mn m": "mN.m", "mnm": "mN.m", "kn*m": "kN.m", "kn·m": "kN.m",
-    "kn m": "kN.m", "knm": "kN.m", "ncm": "N.cm", "n cm": "N.cm", "ft-lb": "lbf.ft", "ft.lb": "lbf.ft",
+    "kn m": "kN.m", "knm": "kN.m", "ncm": "N.cm", "n cm": "N.cm",
+    "n*mm": "N.mm", "n mm": "N.mm", "ft-lb": "lbf.ft", "ft.lb": "lbf.ft",
     "ftlb": "lbf.ft", "in-lb": "lbf.in", "kgcm": "kgf.cm", "kg.cm": "kgf.cm", "µm": "um", "turn": "rev",
     "turns": "rev", "amp": "A", "amps": "A", "ampere": "A", "volt": "V", "volts": "V",
     "percent": "%", "pct": "%", "prozent": "%", "permille": "‰", "per mille": "‰", "promille": "‰",
