@@ -91,6 +91,8 @@ def test_a_law_leaves_nothing_where_replicas_that_have_it_leave_as_much(examinat
     everywhere = np.ones(len(examination.energy), bool)
     each = np.broadcast_to(examination.energy, (20, 6, 7))
     assert _leaves_nothing(replace(examination, replica_energy=each), everywhere, set())
+    gain = Candidate("torque_gain", 1).family  # of the robot file: no law of a model
+    assert not _leaves_nothing(replace(examination, replica_energy=each), everywhere, {gain})
     assert not _leaves_nothing(replace(examination, replica_energy=each / 9.0), everywhere, set())
     hiding = replace(examination, replica_energy=9.0 * each)
     assert not _leaves_nothing(hiding, everywhere, set())
