@@ -57,3 +57,14 @@ def test_a_verdict_of_nothing_names_the_joints_of_which_that_is_true(search):
     found = conclusion(whole, Selection((), whole.step(), {}), held_out(whole, []), [])
     assert found.verdict == "nothing_detectable"
     assert "at joint3 they do not tell it from slow noise" in found.sentence
+
+
+def test_a_verdict_of_nothing_has_what_the_robot_file_may_have_wrong(search):
+    """It is a note where it takes too little for a name; nobody reads notes below 'nothing is missing'."""
+    note = "the robot file may be wrong in joint2.torque_gain (by about 0.06): it takes 90 % of what exceeds"
+    calm = replace(search.examination, replica_energy=1e4 * search.examination.replica_energy)
+    whole = replace(search, examination=calm).resting_on(())
+    selection = Selection((), whole.step(), {}, notes=(note,))
+    found = conclusion(whole, selection, held_out(whole, []), [])
+    assert found.sentence.endswith("But the robot file may be wrong in joint2.torque_gain (by about 0.06).")
+    assert note in found.notes

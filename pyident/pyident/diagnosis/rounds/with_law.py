@@ -88,7 +88,7 @@ def _leaves_nothing(having: Examination, where: np.ndarray, named: set[Family]) 
     """Whether logs leave beside a law what replicas of a model with it leave: no more, nor far less on the
     equations (n,) where they left much without it, which floors that are too high would hide.
 
-    named   what else was, none of which may count there; nor does the law stand for what cannot be asked there
+    named   what else was, none of which may count there; the law does not stand for what cannot be asked
     """
     if standing_out(having, having.base).any() or not named <= {c.family for c in having.candidates}:
         return False
