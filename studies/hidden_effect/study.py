@@ -18,7 +18,7 @@ from .generator.logs_and_key import case_list
 from .scoring import Scored, score, table, unseal
 
 Progress = Callable[[float], None]
-SEED, TUNING = 2131, 11  # what is scored, and one of those (11, 2026 to 2121) on which rules were chosen
+SEED, TUNING = 2141, 11  # what is scored, and one of those (11, 2026 to 2131) on which rules were chosen
 
 
 @dataclass(frozen=True)
