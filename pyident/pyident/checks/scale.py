@@ -53,8 +53,8 @@ def _one_torque(of: Balances, source: str) -> Iterator[Defect]:
         )
         found.append((float(own / factor**2 + others), factor, k))
     left, factor, k = min(found, default=(np.inf, 1.0, 0))
-    off = abs(factor) > LOG_CHECKS.torque_scale or abs(factor) < 1 / LOG_CHECKS.torque_scale or factor < 0
-    if off and left < LOG_CHECKS.better * now:
+    if _off(factor) and left < LOG_CHECKS.better * now:
+        factor, k = _by_masses(of, factor, k)
         yield Defect(
             "gross",
             "unit",
@@ -63,6 +63,21 @@ def _one_torque(of: Balances, source: str) -> Iterator[Defect]:
             "joints' "
             f"torques; check its unit (N m), its gear ratio and its sign in the mapping",
         )
+
+
+def _off(factor: float) -> bool:
+    return not 1 / LOG_CHECKS.torque_scale <= factor <= LOG_CHECKS.torque_scale
+
+
+def _by_masses(of: Balances, factor: float, k: int) -> tuple[float, int]:
+    """The factor of a torque, and its joint (from 0); of another one where the file's masses agree with that
+    torque and not with the other: of two that share a body either may seem the wrong one.
+    """
+    told = {joint: found for joint in of.joints if (found := file_factor(of, [joint])) is not None}
+    if k not in told or _off(told[k]):
+        return factor, k
+    worst = max(told, key=lambda joint: abs(np.log(told[joint])))
+    return (1 / told[worst], worst) if _off(told[worst]) else (factor, k)
 
 
 def _against_file(of: Balances, source: str) -> Iterator[Defect]:
