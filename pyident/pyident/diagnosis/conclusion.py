@@ -79,7 +79,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
         verdict=verdict,
         sentence=in_time(ex.setting.alignment)
         + sentence_of(verdict, findings, places, localised, [*doubted, *slow], shaken, noisy)
-        + "".join(f" But {note.partition(':')[0]}." for note in selection.notes if not findings)
+        + "".join(f" And {note.partition(':')[0]}." for note in selection.notes if not findings)
         + sentence(states),
         findings=findings,
         localised=None if verdict == "nothing_detectable" else localised,

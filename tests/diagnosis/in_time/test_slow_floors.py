@@ -66,5 +66,5 @@ def test_a_verdict_of_nothing_has_what_the_robot_file_may_have_wrong(search):
     whole = replace(search, examination=calm).resting_on(())
     selection = Selection((), whole.step(), {}, notes=(note,))
     found = conclusion(whole, selection, held_out(whole, []), [])
-    assert found.sentence.endswith("But the robot file may be wrong in joint2.torque_gain (by about 0.06).")
+    assert found.sentence.endswith("And the robot file may be wrong in joint2.torque_gain (by about 0.06).")
     assert note in found.notes
