@@ -3,7 +3,7 @@
 from sympy import Abs, Max, Symbol, cos, sign, sin
 
 from flexmodels.effects.effect import Coverage, Effect, Parameter, State
-from flexmodels.effects.settling import elapsed, settling
+from flexmodels.effects.settling import elapsed, slow_settling
 from flexmodels.effects.signals import dde, e, period, tau
 
 _J_m = Parameter("J_m", "kg.m2", lower=0)
@@ -87,7 +87,7 @@ offset_drift = Effect(
     name="offset_drift",
     title="Constant torque that changes over the log and settles, as when an amplifier warms up",
     forces={e: _rate.symbol * elapsed},
-    parameters=(_rate, settling),
+    parameters=(_rate, slow_settling),
     citation="Hollerbach, Khalil and Gautier 2016",
     needs="a motion that repeats from the beginning to the end of the log",
     confounders=("offset", "joint_spring", "gravity_spring", "coulomb_drift"),

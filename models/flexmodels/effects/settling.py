@@ -1,5 +1,7 @@
 """A course of time that settles, as of what warms up: it sets out like time itself and ends at a level."""
 
+from dataclasses import replace
+
 from sympy import exp
 
 from flexmodels.effects.effect import Parameter
@@ -7,4 +9,7 @@ from flexmodels.effects.signals import time
 
 # Of logs that begin when the robot does: from a tenth of their length to a straight line.
 settling = Parameter("settling", "s", start=1e6, lower=0.01, grid=(0.15, 0.5, 1.5, 100.0), scale=time)
+slow_settling = replace(
+    settling, grid=(0.75, 1.5, 100.0)
+)  # of a torque that is no constant one from the start
 elapsed = settling.symbol * (1 - exp(-time / settling.symbol))
