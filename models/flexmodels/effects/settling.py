@@ -9,7 +9,6 @@ from flexmodels.effects.signals import time
 
 # Of logs that begin when the robot does: from a tenth of their length to a straight line.
 settling = Parameter("settling", "s", start=1e6, lower=0.01, grid=(0.15, 0.5, 1.5, 100.0), scale=time)
-slow_settling = replace(
-    settling, grid=(0.75, 1.5, 100.0)
-)  # of a torque that is no constant one from the start
+# Of a torque by itself: one that settled at once would be a constant.
+slow_settling = replace(settling, grid=(0.75, 1.5, 100.0))
 elapsed = settling.symbol * (1 - exp(-time / settling.symbol))

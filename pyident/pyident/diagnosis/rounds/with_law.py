@@ -78,8 +78,9 @@ def _laws(search: Search, selection: Selection) -> list[Step]:
     least = 100 * search.rules.part
     near = [r.candidate.family for r in selection.refusals if r.certain and r.share_percent >= least]
     ranked = selection.first.ranked
-    found = [next((f for f in ranked if f.candidate.family == one), None) for one in dict.fromkeys(near)]
-    laws = [f for f in found if f is not None and not f.candidate.describes and f.candidate.log is None]
+    of_family = {f.candidate.family: f for f in ranked}
+    found = [of_family[family] for family in dict.fromkeys(near) if family in of_family]
+    laws = [f for f in found if not f.candidate.describes and f.candidate.log is None]
     others = [search.led_by(f, [f, *(g for g in ranked if g is not f)]) for f in laws]
     return [*named, *(step for step in others if step.best.candidate.family not in families)][:_LAWS]
 
