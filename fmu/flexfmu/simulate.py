@@ -28,6 +28,7 @@ from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
+Look = Callable[[int, pd.DataFrame], None]
 _LOGGED = re.compile(r"joint\d+\.(r|tau_ff|on|e|eps\[\d\]|tau)|tip\.[xyz]")
 
 
@@ -132,6 +133,7 @@ class LoadedFmu(FmuDescription):
         noise: Mapping[str, float] | None = None,
         noise_seeds: Sequence[int | None] = (None,),
         progress: Progress | None = None,
+        look: Look | None = None,
     ) -> list[pd.DataFrame]:
         """Many runs, several side by side in vector registers where the FMU is ours.
 
@@ -142,9 +144,11 @@ class LoadedFmu(FmuDescription):
         noise_seeds  a seed per run (the noise of np.random.default_rng(seed), coordinate by coordinate), or
                      one for all; None is a run without noise
         progress     called with the fraction done
+        look         called now and then with the number of a run of an FMU of ours and its rows so far,
+                     without the sensors' noise; what it raises ends all runs
         Returns a frame per run, as from `simulate`. Raises SimulationError.
         """
-        return run_replicas(self, experiment, parameters, noise or {}, noise_seeds, progress)
+        return run_replicas(self, experiment, parameters, noise or {}, noise_seeds, progress, look)
 
     def _require(self, names: set[str]) -> None:
         unknown = sorted(names - set(self.references))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pyident.refinement import auxiliary_model
-from pyident.refinement.instruments.following import NotFollowedError
+from pyident.refinement.instruments.missed import NotFollowedError
 from pyident.refinement.instruments.one_round import Round
 
 

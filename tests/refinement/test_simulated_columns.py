@@ -34,7 +34,7 @@ def test_a_column_is_the_change_that_another_damping_makes(log):
 
     def residual(workers, put_in) -> tuple[np.ndarray, np.ndarray, Rows]:
         p = np.array([put_in[n] for n in names])
-        rows = rows_of(robot, data, simulations(again, workers, put_in)[0], p)
+        rows = rows_of(robot, data, simulations(again, workers, put_in)[1][0], p)
         return data.y - rows.y, p, rows
 
     with in_process(followed) as workers:

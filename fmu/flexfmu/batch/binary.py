@@ -12,7 +12,8 @@ from flexmodels.inputs import SimulationError
 _DOUBLES, _UINTS, _INTS, _LONGS = (
     ctypes.POINTER(t) for t in (ctypes.c_double, ctypes.c_uint, ctypes.c_int, ctypes.c_longlong)
 )
-_STOP = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double)
+_STOP = ctypes.CFUNCTYPE(ctypes.c_int, *(ctypes.c_longlong,) * 3)
+_SILENT, _LOOKS = 64, 100  # samples between two reports as in batch.c, and looks at the rows of a run
 _MESSAGE = 512
 
 
@@ -68,14 +69,17 @@ class BatchBinary:
         noise: np.ndarray | None,
         outputs: Sequence[int],
         progress: Callable[[float], None] | None = None,
+        look: Callable[[int, np.ndarray], None] | None = None,
         scalar: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(runs, samples, outputs), and per run whether its state stayed finite.
+        """(runs, samples, outputs), and per run whether its state stayed finite; rows end where it did not.
 
         time     (samples,) [s];  inputs  (experiments, samples, inputs);  experiment  (runs,) of each run
         values   (runs, parameters) by the value references `parameters`
         noise    (runs, samples, joints) added to what the controller measures [rad or m]
         outputs  value references
+        progress, look  called now and then with the fraction done, and with the number of a run and its rows
+                 so far; what they raise ends all runs
         scalar   one run after the other, for comparison
         Raises SimulationError.
         """
@@ -88,10 +92,13 @@ class BatchBinary:
         sensed = None if noise is None else np.ascontiguousarray(noise, dtype=float)
         interrupted: list[BaseException] = []
 
-        def stop(share: float) -> int:
+        def stop(first: int, together: int, done: int) -> int:
             try:
                 if progress:
-                    progress(share)
+                    progress((first + together * done / samples) / runs)
+                if look and done * _LOOKS // samples > (done - _SILENT) * _LOOKS // samples:
+                    for run in range(first, first + together):
+                        look(run, rows[run, :done])
             except BaseException as error:  # it must not cross the C code
                 interrupted.append(error)
                 return 1

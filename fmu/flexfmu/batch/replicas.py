@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -17,6 +18,7 @@ from flexmodels.inputs import Experiment, SimulationError
 
 T = TypeVar("T")
 Progress = Callable[[float], None]
+Look = Callable[[int, pd.DataFrame], None]
 _LARGEST = 2**27  # bytes of rows of one call
 
 
@@ -56,6 +58,7 @@ def run_replicas(
     noise: Mapping[str, float],
     seeds: Sequence[int | None],
     progress: Progress | None,
+    look: Look | None = None,
 ) -> list[pd.DataFrame]:
     """A frame per run; see LoadedFmu.simulate_batch. Raises SimulationError."""
     experiments = [experiment] if isinstance(experiment, Experiment) else list(experiment)
@@ -78,7 +81,7 @@ def run_replicas(
     with binary:
         for group in _same_times(runs):
             told = _part_of(progress, len(frames), len(group), count)
-            made = _together(fmu, binary, group, told)
+            made = _together(fmu, binary, group, told, look)
             frames |= {run.number: frame for run, frame in zip(group, made, strict=True)}
     return [frames[i] for i in range(count)]
 
@@ -127,7 +130,7 @@ def _alone(fmu: Simulates, run: _Run) -> pd.DataFrame:
 
 
 def _together(
-    fmu: Simulates, binary: BatchBinary, runs: Sequence[_Run], progress: Progress
+    fmu: Simulates, binary: BatchBinary, runs: Sequence[_Run], progress: Progress, look: Look | None
 ) -> list[pd.DataFrame]:
     """Runs over the same times."""
     time, joints = runs[0].experiment.time, runs[0].experiment.reference.shape[1]
@@ -155,6 +158,7 @@ def _together(
             np.stack([run.sensed for run in part]) if any(run.added for run in part) else None,
             columns,
             told,
+            partial(_looked, look, part, fmu.logged) if look else None,
         )
         if not finite.all():
             lost = part[int(np.argmin(finite))]
@@ -166,6 +170,10 @@ def _together(
 
     parts = _parts(runs, binary.width, _LARGEST // (8 * len(columns) * len(time)))
     return [frame for frames in in_threads(made, parts, progress) for frame in frames]
+
+
+def _looked(look: Look, part: Sequence[_Run], columns: Sequence[str], number: int, rows: np.ndarray) -> None:
+    look(part[number].number, pd.DataFrame(rows, columns=list(columns)))
 
 
 def _parts(runs: Sequence[_Run], width: int, most: int) -> list[Sequence[_Run]]:

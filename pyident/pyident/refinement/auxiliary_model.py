@@ -29,12 +29,13 @@ from pyident.estimation.slow_rest import slow_rest
 from pyident.logs.log import Log
 from pyident.refinement.in_motion import Rest
 from pyident.refinement.instruments.fixed_point import FixedPoint
-from pyident.refinement.instruments.following import Followers, NotFollowedError
+from pyident.refinement.instruments.following import Followers
 from pyident.refinement.instruments.instrumental_covariance import (
     ringing,
     with_covariance,
     without_intervals_of,
 )
+from pyident.refinement.instruments.missed import NotFollowedError
 from pyident.refinement.instruments.one_round import Round, next_round
 from pyident.refinement.instruments.positions_late import Late, positions_late
 from pyident.refinement.instruments.simulated_rows import Repeated, in_memory

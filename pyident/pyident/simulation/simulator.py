@@ -20,6 +20,7 @@ Simulate = Callable[[Experiment, Sequence[Mapping[str, float]]], Iterable[pd.Dat
 _ROWS = 2**21  # of all runs of one task
 _LANES = 16  # runs of one task that does some work with each, of short logs
 _MEASURED = "this motion was measured and cannot be simulated"
+Look = Callable[[int, pd.DataFrame], None]
 SimulateRivals = Callable[[Experiment], Sequence[pd.DataFrame]]
 
 
@@ -41,10 +42,13 @@ class Simulator(Protocol):
         parameters: Sequence[Mapping[str, float]] = ({},),
         noise: Mapping[str, float] | None = None,
         noise_seeds: Sequence[int | None] = (None,),
+        *,
+        look: Look | None = None,
     ) -> list[pd.DataFrame]:
         """A log per experiment, set of parameters and seed, or as many of one as of another.
 
         noise   channel -> standard deviation; that of an encoder passes through the loop
+        look    called now and then with the number of a run and its rows so far; what it raises ends all runs
         Raises SimulationError.
         """
         ...

@@ -96,3 +96,20 @@ def test_the_binary_tells_what_it_is(loaded):
     with BatchBinary(loaded.library) as binary:
         assert (binary.inputs, binary.joints) == (8, 4)
         assert binary.width in (1, 4, 8)
+
+
+def test_a_look_sees_each_run_grow_and_may_end_them(loaded, plan):
+    """The runs' own rows; an FMU's error is not what it raises."""
+    seen: dict[int, list[int]] = {0: [], 1: []}
+    whole = loaded.simulate_batch(plan, [{"joint1.coulomb": c} for c in (2.0, 5.0)])
+
+    def look(number, frame):
+        seen[number].append(len(frame))
+        assert frame["joint2.e"].iloc[-1] == whole[number]["joint2.e"].iloc[len(frame) - 1]
+        if len(frame) > 60:
+            raise KeyError(number)
+
+    with pytest.raises(KeyError):
+        loaded.simulate_batch(plan, [{"joint1.coulomb": c} for c in (2.0, 5.0)], look=look)
+    assert seen[0][0] == 1
+    assert 60 < seen[0][-1] < len(plan.time)

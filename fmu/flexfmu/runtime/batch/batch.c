@@ -13,7 +13,7 @@
 #define BATCH_EXPORT
 #endif
 
-enum { MOST_LANES = 8 };
+enum { MOST_LANES = 8, SILENT = 64 }; /* samples between two reports */
 
 typedef struct {
     Advance advance;
@@ -122,11 +122,11 @@ static void advance(const Batch *b, long long i, Plant *const *plants, Together 
     for (k = 0; k < t.lanes; ++k) plants[k]->time = end;
 }
 
-/* Runs first ... first + lanes - 1 side by side; those beyond the last one repeat it. */
+/* Runs first ... first + lanes - 1 side by side; those beyond the last one repeat it. All end where one is lost. */
 static int side_by_side(const Batch *b, long long first, int groups, Together t, Memory *memory) {
     Plant *plants[MOST_LANES];
     long long i, run;
-    int k;
+    int k, lost = 0;
     for (k = 0; k < t.lanes; ++k) {
         run = first + k < b->runs ? first + k : b->runs - 1;
         if (begin(b, run, &memory[k])) return 1;
@@ -137,9 +137,12 @@ static int side_by_side(const Batch *b, long long first, int groups, Together t,
             run = first + k < b->runs ? first + k : b->runs - 1;
             feed(b, run, i, plants[k]);
             if (first + k < b->runs) record(b, run, i, groups, &memory[k]);
+            lost |= b->lost[run];
         }
+        if (lost) return 0; /* what is not a number takes its time */
         if (i + 1 < b->samples) advance(b, i, plants, t);
-        if (b->stop && i % 256 == 0 && b->stop(((double)first + (double)t.lanes * i / b->samples) / b->runs)) {
+        run = b->runs - first < t.lanes ? b->runs - first : t.lanes;
+        if (b->stop && i % SILENT == 0 && b->stop(first, run, i + 1)) {
             snprintf(b->text, (size_t)b->text_size, "The runs were stopped.");
             return 1;
         }

@@ -24,8 +24,9 @@ typedef struct {
     const double *noise;       /* [runs][samples][N_JOINTS] of the controller's sensors, or NULL */
     const unsigned *output;    /* [outputs] value references */
     double *row;               /* [runs][samples][outputs] */
-    int *lost;                 /* [runs] 1 where the state left the finite numbers */
-    int (*stop)(double share); /* told how far it is; not 0: end now. May be NULL */
+    int *lost;                 /* [runs] 1 where the state left the finite numbers: its row ends there */
+    /* Told that so many runs side by side, from the first on, have so many samples; not 0: end now. May be NULL. */
+    int (*stop)(long long first, long long runs, long long samples);
     char *text;                /* why it was refused */
     long long text_size;
     long long scalar;          /* not 0: one run after the other even where vectors of runs are possible */

@@ -15,7 +15,7 @@ from pyident.estimation.identify import identified
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.auxiliary_model import robot_by_instruments
-from pyident.refinement.instruments.following import NotFollowedError
+from pyident.refinement.instruments.missed import NotFollowedError
 from pyident.refinement.instruments.simulated_rows import lightest_rotors
 from pyident.refinement.instruments.stand_in import driven
 from pyident.refinement.remove_bias import seen

@@ -16,17 +16,13 @@ from pyident.estimation.identify import soft_hinges
 from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import LogError
+from pyident.refinement.instruments.missed import FOLLOWS, NotFollowedError, missed
 from pyident.refinement.instruments.simulated_rows import simulable, simulations
-from pyident.refinement.instruments.starts import Begun, missed
+from pyident.refinement.instruments.starts import Begun
 from pyident.simulation.replica import Repeat
 from pyident.simulation.simulator import Workers
 
-_FOLLOWS = 0.2  # of the motion: a simulation that misses more of it is no instrument
 _SHORTEST = 1 / 16  # of a step
-
-
-class NotFollowedError(Exception):
-    """The simulated model does not follow the logs: it is no instrument."""
 
 
 @dataclass(frozen=True)
@@ -76,18 +72,18 @@ class Followers:
         quiet = simulable(robot, names, values, hinges)
         put_in = wanted.parameters | dict(zip(names, quiet.tolist(), strict=True))
         try:
-            return put_in, self._following(put_in)
-        except SimulationError as error:
+            return self._following(put_in)
+        except (SimulationError, NotFollowedError) as error:
             try:
                 possible = consistent(robot, reduced, replace(found, p=quiet), self.prior)
             except LogError:  # far from all that can be
                 raise error from None
             put_in |= dict(zip(names, possible.tolist(), strict=True))
-            return put_in, self._following(put_in)
+            return self._following(put_in)
 
-    def _following(self, put_in: dict[str, float]) -> list[pd.DataFrame]:
-        frames = simulations(self.again, self.workers, put_in)
+    def _following(self, put_in: dict[str, float]) -> tuple[dict[str, float], list[pd.DataFrame]]:
+        put_in, frames = simulations(self.again, self.workers, put_in)
         share = missed(self.again, frames)
-        if not share < _FOLLOWS:
+        if not share < FOLLOWS:
             raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
-        return frames
+        return put_in, frames

@@ -17,14 +17,15 @@ from pyident.conditioning.weak_form import condition
 from pyident.estimation.instrumental_variables import Logs, Rows, acting
 from pyident.estimation.physical import lower_bounds
 from pyident.logs.log import Log
+from pyident.refinement.instruments.missed import NotFollowedError, astray
 from pyident.refinement.instruments.stand_in import driven
 from pyident.regression.equations import Problem, centre, free_means
 from pyident.regression.reduced import Reduced
 from pyident.regression.regressor import predicted
 from pyident.simulation.replica import Repeat
-from pyident.simulation.simulator import Simulator, Workers
+from pyident.simulation.simulator import Look, Simulator, Workers
 
-_SMALL_STEP = 1e-4  # s
+_STEP, _SMALL_STEP = "solver.step", 1e-4  # s
 _DAMPED = 0.5  # of the damping per stiffness that the hinges have in the middle: the least simulated
 
 
@@ -77,13 +78,26 @@ def simulated_equations(robot: Robot, frame: pd.DataFrame, free: tuple[int, ...]
 
 def simulations(
     again: Sequence[Repeat], workers: Workers, parameters: Mapping[str, float]
-) -> list[pd.DataFrame]:
-    """Each log's motion made by the model: a core for each, or side by side. Raises SimulationError."""
+) -> tuple[dict[str, float], list[pd.DataFrame]]:
+    """The parameters, with a small step of the solver where one is needed, and each log's motion under them.
+
+    A core for each log, or logs side by side. Raises SimulationError, NotFollowedError.
+    """
     size = 1 if len(again) <= cores() else len(again)
-    jobs = [
-        workers.submit(simulated, again[at : at + size], [parameters]) for at in range(0, len(again), size)
-    ]
-    return [frame for job in jobs for frame in job.result()[0]]
+    parts = [again[at : at + size] for at in range(0, len(again), size)]
+    done = [job.result() for job in [workers.submit(_following, part, parameters) for part in parts]]
+    steps = {name: value for used, _ in done for name, value in used.items() if name == _STEP}
+    return {**parameters, **steps}, [frame for _, frames in done for frame in frames]
+
+
+def _following(
+    fmu: Simulator, again: Sequence[Repeat], parameters: Mapping[str, float]
+) -> tuple[Mapping[str, float], list[pd.DataFrame]]:
+    look, small = astray(again), {**parameters, _STEP: _SMALL_STEP}
+    try:
+        return parameters, _side_by_side(fmu, again, [parameters], look)[0]
+    except (SimulationError, NotFollowedError):  # what a poor start makes of a small inertia may vibrate fast
+        return small, _side_by_side(fmu, again, [small], look)[0]
 
 
 def simulated(
@@ -92,17 +106,18 @@ def simulated(
     """Each log's motion made by the model, for every set of parameters. Raises SimulationError."""
     try:
         return _side_by_side(fmu, again, sets)
-    except SimulationError:  # what a poor start makes of a small inertia may vibrate fast
-        if len(sets) > 1:
-            return [simulated(fmu, again, [parameters])[0] for parameters in sets]
-        return _side_by_side(fmu, again, [{**sets[0], "solver.step": _SMALL_STEP}])
+    except SimulationError:
+        if all(_STEP in parameters for parameters in sets):
+            raise
+        alone = [{**parameters, _STEP: _SMALL_STEP} for parameters in sets]
+        return [_side_by_side(fmu, again, [parameters])[0] for parameters in alone]
 
 
 def _side_by_side(
-    fmu: Simulator, again: Sequence[Repeat], sets: Sequence[Mapping[str, float]]
+    fmu: Simulator, again: Sequence[Repeat], sets: Sequence[Mapping[str, float]], look: Look | None = None
 ) -> list[list[pd.DataFrame]]:
     plans = [repeat.plan for _ in sets for repeat in again]
-    frames = iter(fmu.simulate_batch(plans, [parameters for parameters in sets for _ in again]))
+    frames = iter(fmu.simulate_batch(plans, [parameters for parameters in sets for _ in again], look=look))
     return [[repeat.cut(next(frames)) for repeat in again] for _ in sets]
 
 

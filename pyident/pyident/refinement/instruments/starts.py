@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 
 from flexmodels.inputs import SimulationError
 from flexmodels.robot import Robot
@@ -16,6 +15,7 @@ from pyident.estimation.instrumental_variables import Rows, moment_equations
 from pyident.estimation.least_squares import Solution
 from pyident.logs.log import Log
 from pyident.refinement.instruments.logged import logged
+from pyident.refinement.instruments.missed import NotFollowedError, missed
 from pyident.refinement.instruments.residual_spectrum import of_fit, spectral
 from pyident.refinement.instruments.simulated_rows import (
     Data,
@@ -23,7 +23,6 @@ from pyident.refinement.instruments.simulated_rows import (
     faded,
     in_memory,
     simulable,
-    simulated,
     simulations,
 )
 from pyident.regression.equations import Problem
@@ -105,19 +104,16 @@ def _with_bodies_of(prior: Robot, start: Identified) -> Identified:
 
 
 def nearest(starts: list[Identified], again: Sequence[Repeat], workers: Workers) -> Identified:
-    """The start whose simulation follows the logs best. Raises SimulationError when none can be made."""
+    """The start whose simulation follows the logs best.
+
+    Raises SimulationError, NotFollowedError when none can be made.
+    """
     errors: list[float] = []
     failure = None
-    sets = [put_in(start) for start in starts]
-    try:
-        runs = iter(workers.submit(simulated, again, sets).result())
-    except SimulationError:  # of one of them
-        runs = None
-    for parameters in sets:
+    for start in starts:
         try:
-            frames = next(runs) if runs else simulations(again, workers, parameters)
-            errors.append(missed(again, frames))
-        except SimulationError as error:
+            errors.append(missed(again, simulations(again, workers, put_in(start))[1]))
+        except (SimulationError, NotFollowedError) as error:
             errors.append(float("inf"))
             failure = error
     if failure is not None and not np.isfinite(errors).any():
@@ -130,17 +126,3 @@ def put_in(start: Identified) -> dict[str, float]:
     columns, values = start.reduced.columns, start.robot.linear_parameters.values()
     quiet = simulable(start.robot, columns, np.array(list(values)))
     return start.robot.parameters | dict(zip(columns, quiet.tolist(), strict=True))
-
-
-def missed(again: Sequence[Repeat], frames: Sequence[pd.DataFrame]) -> float:
-    """The largest share of a joint's motion that simulations of logs miss."""
-    return max(_missed(r, frame) for r, frame in zip(again, frames, strict=True))
-
-
-def _missed(again: Repeat, frame: pd.DataFrame) -> float:
-    names = [f"joint{k}.e" for k in range(1, again.plan.reference.shape[1] + 1)]
-    measured, made = again.log.signals(names), frame[names].to_numpy()
-    moved = measured.std(axis=0)
-    moved = np.maximum(moved, 1e-3 * moved.max())
-    missed = np.std(measured - made, axis=0) / moved
-    return float(missed.max()) if np.isfinite(missed).all() else float("inf")

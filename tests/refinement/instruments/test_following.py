@@ -9,7 +9,8 @@ from one_joint import one_joint
 
 from flexmodels.inputs import SimulationError
 from pyident.refinement.instruments.fixed_point import FixedPoint
-from pyident.refinement.instruments.following import Followers, NotFollowedError
+from pyident.refinement.instruments.following import Followers
+from pyident.refinement.instruments.missed import NotFollowedError
 
 NAME = "joint1.viscous"
 FOUND = cast(Any, None)
