@@ -20,7 +20,6 @@ from pyident.diagnosis.imitators.imitation import stands_in_for
 from pyident.diagnosis.next_steps import with_experiments
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.search.search import Search
-from pyident.diagnosis.search.trace_in_simulation import _Judge
 from pyident.diagnosis.searched import searched
 from pyident.diagnosis.unexplained.residual_terms import RowSearch
 from pyident.logs.log import Log, write_log
@@ -160,23 +159,6 @@ def test_a_gap_must_take_the_stiffness_to_be_backlash(folder):
     best = searched(robot, logs, in_process).step().best.candidate
     assert (best.effect, best.joint) == ("backlash", 2)
     assert dict(best.values)["gap"] == pytest.approx(2e-4, rel=0.4)
-
-
-@pytest.mark.slow
-@pytest.mark.xfail(reason="what rings faster than the log is sampled is taken for the encoders' noise")
-def test_the_signature_of_the_missing_law_is_the_residual(folder):
-    robot = two_link()
-    cubic = robot.parameters["joint2.k[1]"] / (4e-4) ** 2
-    logs = logs_of(with_law("hardening_stiffness", 2, cubic=cubic), folder)
-    search = searched(robot, logs[:2], in_process)
-    judge = _Judge(search, logs[2:], in_process)
-    true, false = (judge.trace(Candidate(name, 2)) for name in ("hardening_stiffness", "stiffness_coupling"))
-    assert true is not None
-    assert false is not None
-    assert true.holds
-    assert true.explained > 0.9
-    assert true.followed > 0.9
-    assert not false.holds
 
 
 def test_rivals_get_an_experiment(asymmetric, folder):

@@ -11,8 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmodels.coordinate import joint_name
-from flexmodels.joint import parameter_name
 from flexmodels.robot import Robot
 from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base.candidates import Candidate
@@ -21,7 +19,7 @@ from pyident.diagnosis.conclusion import conclusion
 from pyident.diagnosis.drives.bending import about_bends, swinging
 from pyident.diagnosis.friction_by_log import friction_by_log
 from pyident.diagnosis.next_steps import with_dependences, with_experiments, with_revealing
-from pyident.diagnosis.result import Diagnosis, Finding, Named, Stage
+from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.rounds.asked import selected
 from pyident.diagnosis.rounds.in_time import in_time
 from pyident.diagnosis.rounds.weighed import weighed
@@ -30,9 +28,7 @@ from pyident.diagnosis.search.found import Found, Step
 from pyident.diagnosis.search.held_out import HeldOut, held_out
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection
-from pyident.diagnosis.search.trace_in_simulation import Trace, law_values, traces
 from pyident.diagnosis.searched import part_of, searched
-from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, verdict_of
 from pyident.logs.log import Log
 from pyident.regression.descriptions import DELAY, DRIVE, description_names
 from pyident.rules.rules import RULES, Rules
@@ -72,7 +68,6 @@ def diagnose(
     if left_out(unfiltered(robot, logs), search.robot):
         found = replace(found, notes=(_NO_FILTER, *found.notes))
     steps: list[tuple[str, Callable[[Diagnosis], Diagnosis]]] = [
-        ("signatures of laws", lambda d: _from_signatures(search, d, open_pool, heldout)),
         ("what the residual depends on", lambda d: _with_leads(search, d, open_pool, draft)),
     ]
     if search.examination.setting.simulates:
@@ -136,12 +131,8 @@ def _with_leads(search: Search, found: Diagnosis, open_pool: OpenPool, draft: bo
 
 
 def concluded(search: Search, open_pool: OpenPool, heldout: Sequence[Log] = ()) -> Diagnosis:
-    """What a search comes to. heldout: logs on which the findings must hold. Raises LogError.
-
-    Where no law evaluated along the logs explains them, the laws are judged by their signatures.
-    """
-    search, found = _from_columns(search.resting_on(()), heldout, open_pool)
-    return _from_signatures(search, found, open_pool, heldout)
+    """What a search comes to. heldout: logs on which the findings must hold. Raises LogError."""
+    return _from_columns(search.resting_on(()), heldout, open_pool)[1]
 
 
 def _from_columns(
@@ -196,48 +187,3 @@ def _about_bends(search: Search, held: HeldOut, selection: Selection) -> tuple[S
     less = after <= (1.0 if fewer else 1 - search.rules.explained[0]) * beside.lacking.sum()
     names = any(step.best.candidate.effect == DRIVE for step in again.steps)
     return (bent, again) if less and names else (search, selection)
-
-
-def _from_signatures(
-    search: Search, found: Diagnosis, open_pool: OpenPool, heldout: Sequence[Log]
-) -> Diagnosis:
-    if found.verdict != "unexplained" or not search.examination.setting.follows:
-        return found
-    return _by_signature(search, found, traces(search, heldout, open_pool))
-
-
-def _by_signature(search: Search, found: Diagnosis, shown: Sequence[Trace]) -> Diagnosis:
-    """The diagnosis with what signatures show, if they do."""
-    if not shown:
-        return found
-    share, held = shown[0].explained, shown[0].heldout
-    finding = Finding(
-        tie=tuple(_traced(search, trace) for trace in shown),
-        p_value=1 / (1 + len(search.families.peaks)),
-        replicas=len(search.families.peaks),
-        excess_gain_percent=100 * share * search.excess / search.examination.base.energy,
-        share_percent=100 * share,
-        heldout_gain_percent=None if held is None else 100 * held,
-        experiment=asked_for(search.robot, [trace.candidate for trace in shown]),
-    )
-    verdict, place = verdict_of([finding], True), place_of(search.robot, shown[0].candidate)
-    left = 1 + (1 - share) * search.excess / search.floor_energy
-    return replace(
-        found,
-        verdict=verdict,
-        sentence=sentence_of(verdict, [finding], (), place),
-        findings=(finding,),
-        localised=place,
-        remaining=left,
-        stages=(found.stages[0], Stage(finding.tie[0], left)),
-        depends_on=(),
-        notes=("The finding rests on simulation: along these logs, its joint rings too fast for its law.",),
-    )
-
-
-def _traced(search: Search, trace: Trace) -> Named:
-    values, std = law_values(trace)
-    c, robot = trace.candidate, trace.setting.robot
-    units = {name: robot.units[parameter_name(c.joint, c.effect, name)] for name in values}
-    fixed = tuple(name for name, _ in c.values)
-    return Named(c.effect, joint_name(c.joint), values, std, units, 100 * trace.explained, nonlinear=fixed)

@@ -147,15 +147,6 @@ class SearchRules:
         "friction cannot drive; an inexact fit near rest may say so for a few samples",
         "by reason, after a difference of 83 N m between directions was named beside 15 N m of friction",
     )
-    trace_explained: float = rule(
-        0.5,
-        "excess that a law's simulated trace has, too",
-        "as `explained`",
-        "flexible cases of the tuning seed",
-    )
-    trace_followed: float = rule(
-        0.2, "course of the excess that the trace follows", "ringing starts from noise", "the same cases"
-    )
     imitated: float = rule(
         0.01,
         "a column that the base leaves, else it is not seen",

@@ -8,8 +8,10 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
+import numpy as np
 import pandas as pd
 
+from flexmodels.coordinate import motor_of
 from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.robot import Robot
 
@@ -91,7 +93,10 @@ OpenPool = Callable[[Robot], AbstractContextManager[Pool]]
 
 @contextmanager
 def rivals(open_pool: OpenPool, robots: Sequence[Robot]) -> Iterator[SimulateRivals]:
-    """Several robots over the same experiments: one log per robot, in their order."""
+    """Several robots over the same experiments: one log per robot, in their order.
+
+    What simulates raises SimulationError where a robot goes elsewhere than the references.
+    """
     with ExitStack() as stack:
         pools = [stack.enter_context(open_pool(robot)) for robot in robots]
 
@@ -103,4 +108,19 @@ def rivals(open_pool: OpenPool, robots: Sequence[Robot]) -> Iterator[SimulateRiv
 
 
 def _simulated(simulator: Simulator, experiment: Experiment) -> pd.DataFrame:
-    return simulator.simulate(experiment)
+    (frame,) = simulator.simulate_batch(experiment, look=_holding(experiment))
+    return frame
+
+
+def _holding(experiment: Experiment) -> Look:
+    """What ends a run whose joint is farther from its reference than any reference moves."""
+    reference = experiment.reference
+    names = [motor_of(k) for k in range(1, reference.shape[1] + 1)]
+    moved = np.ptp(reference, axis=0).max()
+
+    def look(_: int, frame: pd.DataFrame) -> None:
+        off = np.abs(frame[names].to_numpy() - reference[: len(frame)]).max(axis=0)
+        if not off.max() <= moved:
+            raise SimulationError(f"joint{np.argmax(off) + 1} does not follow its reference")
+
+    return look

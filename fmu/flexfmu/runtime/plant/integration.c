@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_EVENTS = 64, MAX_TRIALS = 60 };
+enum { MAX_EVENTS = 64, SMOOTH = 8 }; /* trials that suffice where margins have slopes */
 static const double TIME_TOLERANCE = 1e-12; /* a shorter step is none [s] */
 
 /* One step with the modes as they are. */
@@ -69,7 +69,8 @@ static double first_guess(const Plant *s, double h, const Trial *t) {
 }
 
 /* Shorten a step at whose end a margin is negative to just behind the first crossing: the guess, then regula falsi
-   (Illinois) aimed a little behind the root. */
+   (Illinois) aimed a little behind the root. A margin that falls at once, as where a stiff hinge runs away, has no
+   slope: that step is halved, as far as the state tells, whose error goes with the square of what is left. */
 static double locate(const Plant *s, double h, double end, Trial *t) {
     const double close_enough = 1e-10 * end;
     double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS], c = first_guess(s, h, t);
@@ -77,7 +78,7 @@ static double locate(const Plant *s, double h, double end, Trial *t) {
     plant_margins(s, s->value + AT_STATE, s->imbalance, start);
     for (j = 0; j < N_JOINTS; ++j)
         if (start[j] > 0) fa = fmin(fa, start[j]);
-    for (i = 0; i < MAX_TRIALS && b - a > 1e-14 * h && fb < close_enough; ++i) {
+    for (i = 0; b - a > (i < SMOOTH ? 1e-14 : 1e-5) * h && fb < close_enough; ++i) {
         double fc = try_step(s, c, t), slope = (fb - fa) / (b - a);
         if (fc < 0) {
             b = c, fb = fc;
@@ -91,7 +92,7 @@ static double locate(const Plant *s, double h, double end, Trial *t) {
         for (j = 0; j < N_JOINTS; ++j)
             if (t->margin[j] == fc && s->mode[j] != 0) slope = s->mode[j] * t->rate[N_COORDINATES + j];
         c -= (fc - close_enough / 2) / slope;
-        if (i > 3 || !(c > a && c < b)) c = i % 8 == 7 ? (a + b) / 2 : (a * fb - b * fa) / (fb - fa);
+        if (i > 3 || !(c > a && c < b)) c = i + 1 >= SMOOTH ? (a + b) / 2 : (a * fb - b * fa) / (fb - fa);
     }
     if (t->taken != b) try_step(s, b, t);
     return b;
