@@ -68,3 +68,18 @@ def test_a_spring_that_hardens_is_no_other_joints_twist(sound):
     tau[signals.at, 2] = -1e4 * q[:, four]
     exchanged = balances(replace(signals, q=q, tau=tau))
     assert {d.kind for d in twists(exchanged, "a log")} == {"order"}
+
+
+def test_an_arm_that_shakes_faster_than_its_samples_has_no_sign(sound):
+    """The torque goes with a twist of which the link's balance knows nothing."""
+    robot, signals = sound.samples.robot, sound.samples
+    four = robot.coordinates.index("joint4.eps[1]")
+    shaken = 3 * signals.q[:, four].std() * np.random.default_rng(0).standard_normal(len(signals.q))
+    q, tau = signals.q.copy(), signals.tau.copy()
+    q[:, four] += shaken
+    tau[signals.at, 3] += 1e5 * shaken
+    shaking = replace(signals, q=q, tau=tau)
+    assert list(twists(balances(shaking), "a log")) == []
+    turned = signals.q.copy()
+    turned[:, four] *= -1
+    assert [d.kind for d in twists(balances(replace(signals, q=turned)), "a log")] == ["sign"]

@@ -1,6 +1,7 @@
 """Deformations in another sign, unit or order, from the motors' own balance and from that of the links."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,7 +29,11 @@ def _judged(of: Balances, k: int, angle: dict[int, np.ndarray], source: str) -> 
     name = deformation_of(k + 1)
     stiffness, std, left = _spring(of, k, angle[k])
     if stiffness < -LOG_CHECKS.sure * std:
-        return _negative(source, name)
+        together = _Together.of(of)
+        row = of.samples.robot.coordinates.index(name)
+        # an arm that shakes faster than it is sampled may bend either way
+        believed = together is None or (together.negative(row) and together.fits(row))
+        return _negative(source, name) if believed else None
     if left > LOG_CHECKS.material**2:
         as_link = _spring(of, k, angle[k] - of.samples.q[:, k])[2]
         # what fits the joint that it is logged at is of that joint, whatever else it fits
@@ -66,29 +71,54 @@ def bends(of: Balances, source: str) -> Iterator[Defect]:
     channel's other sign all else stays, so where a spring leaves most of its moment something else is wrong,
     such as axes that are turned, or a unit.
     """
-    robot = of.samples.robot
-    if len(of.joints) < len(robot.joints):
+    together = _Together.of(of)
+    if together is None:
         return
-    variance = [max(of.variance(k), 1e-300) for k in range(len(robot.joints))]
-    normal = sum(of.normal[row] / variance[c.joint - 1] for row, c in enumerate(robot.q))
-    right = sum(of.right(k, of.torque[:, k : k + 1])[0] / variance[k] for k in of.joints)
-    p, inverse = solved(np.asarray(normal), np.asarray(right))
-    energy = max(len(of.joints) - float(np.asarray(right)[:, 0] @ p[:, 0]), 1e-9)
-    spread = EQUATIONS.coloured**2 * energy / (len(of.Phi) * len(robot.q))
-
-    def deviations(row: np.ndarray) -> float:
-        """Of a combination of parameters from zero, in units of its own."""
-        return float(row @ p[:, 0]) / max(float(np.sqrt(max(row @ inverse @ row, 0.0) * spread)), 1e-300)
-
-    for row, c in enumerate(robot.q):
-        if c.side != "link":
+    for row, c in enumerate(of.samples.robot.q):
+        if c.side != "link" or not together.negative(row):
             continue
-        stiffness = np.array([float(name == str(c.stiffness)) for name in of.columns])
-        spring, balance = stiffness * p[:, 0], of.normal[row]
-        fits = p[:, 0] @ balance @ p[:, 0] < LOG_CHECKS.far_better * (spring @ balance @ spring)
-        negative = deviations(stiffness) < -LOG_CHECKS.sure
-        if negative and deviations(inertia(of, row)) > LOG_CHECKS.sure:
-            yield _negative(source, c.name) if fits else _neither(source, c.name)
+        if together.deviations(inertia(of, row)) > LOG_CHECKS.sure:
+            yield _negative(source, c.name) if together.fits(row) else _neither(source, c.name)
+
+
+@dataclass(frozen=True)
+class _Together:
+    """One set of parameters p (P,) in the balances of all motors and links; covariance (P, P)."""
+
+    balances: Balances
+    p: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def of(cls, balances: Balances) -> "_Together | None":
+        """None where the torque of a joint is not logged."""
+        robot, joints = balances.samples.robot, balances.joints
+        if len(joints) < len(robot.joints):
+            return None
+        variance = [max(balances.variance(k), 1e-300) for k in joints]
+        normal = sum(balances.normal[row] / variance[c.joint - 1] for row, c in enumerate(robot.q))
+        right = sum(balances.right(k, balances.torque[:, k : k + 1])[0] / variance[k] for k in joints)
+        p, inverse = solved(np.asarray(normal), np.asarray(right))
+        energy = max(len(joints) - float(np.asarray(right)[:, 0] @ p[:, 0]), 1e-9)
+        spread = EQUATIONS.coloured**2 * energy / (len(balances.Phi) * len(robot.q))
+        return cls(balances, p[:, 0], spread * inverse)
+
+    def deviations(self, row: np.ndarray) -> float:
+        """Of a combination of parameters from zero, in units of its own."""
+        return float(row @ self.p) / max(float(np.sqrt(max(row @ self.covariance @ row, 0.0))), 1e-300)
+
+    def negative(self, row: int) -> bool:
+        """Whether the spring of an equation is below zero for sure."""
+        return self.deviations(self._spring(row)) < -LOG_CHECKS.sure
+
+    def fits(self, row: int) -> bool:
+        """Whether an equation leaves little of the moment of its spring."""
+        spring, balance = self._spring(row) * self.p, self.balances.normal[row]
+        return bool(self.p @ balance @ self.p < LOG_CHECKS.far_better * (spring @ balance @ spring))
+
+    def _spring(self, row: int) -> np.ndarray:
+        name = str(self.balances.samples.robot.q[row].stiffness)
+        return np.array([float(column == name) for column in self.balances.columns])
 
 
 def _negative(source: str, name: str) -> Defect:
