@@ -6,7 +6,13 @@ import pytest
 
 from flexmodels.experiment import Experiment
 from pyident.logs.log import Log
-from pyident.refinement.instruments.missed import FOLLOWS, NotFollowedError, astray, missed
+from pyident.refinement.instruments.missed import (
+    FOLLOWS,
+    NotFollowedError,
+    astray,
+    missed,
+    require_followed,
+)
 from pyident.simulation.replica import Repeat
 
 TIME = np.arange(2000) / 100
@@ -47,3 +53,10 @@ def test_one_that_explodes_is_ended_where_it_does():
     assert 4.0 < TIME[samples - 1] < 4.5
     with pytest.raises(NotFollowedError, match=r"joint2 .* leaves the motion of log within 4\.\d s"):
         astray(AGAIN)(0, gone.iloc[:450])
+
+
+def test_the_joint_that_misses_most_is_named():
+    made = frame(SWING * [1.05, 1.3])
+    with pytest.raises(NotFollowedError, match="joint2 .* misses 30 % of its motion in log"):
+        require_followed(AGAIN, [made])
+    require_followed(AGAIN, [frame(SWING * [1.05, 1.1])])

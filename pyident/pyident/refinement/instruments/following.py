@@ -16,7 +16,7 @@ from pyident.estimation.identify import soft_hinges
 from pyident.estimation.least_squares import Solution
 from pyident.estimation.physical import consistent
 from pyident.logs.log import LogError
-from pyident.refinement.instruments.missed import FOLLOWS, NotFollowedError, missed
+from pyident.refinement.instruments.missed import NotFollowedError, require_followed
 from pyident.refinement.instruments.simulated_rows import simulable, simulations
 from pyident.refinement.instruments.starts import Begun
 from pyident.simulation.replica import Repeat
@@ -83,7 +83,5 @@ class Followers:
 
     def _following(self, put_in: dict[str, float]) -> tuple[dict[str, float], list[pd.DataFrame]]:
         put_in, frames = simulations(self.again, self.workers, put_in)
-        share = missed(self.again, frames)
-        if not share < FOLLOWS:
-            raise NotFollowedError(f"the simulated model misses {100 * share:.0f} % of the motion")
+        require_followed(self.again, frames)
         return put_in, frames

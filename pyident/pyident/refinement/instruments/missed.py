@@ -17,7 +17,24 @@ class NotFollowedError(Exception):
 
 def missed(again: Sequence[Repeat], frames: Sequence[pd.DataFrame]) -> float:
     """The largest share of a joint's motion that simulations of logs miss."""
-    return max(float(_missed(r, frame).max()) for r, frame in zip(again, frames, strict=True))
+    return max(float(shares.max()) for shares in _each(again, frames))
+
+
+def require_followed(again: Sequence[Repeat], frames: Sequence[pd.DataFrame]) -> None:
+    """Raises NotFollowedError, with the joint that misses most of its motion, where that is too much."""
+    shares = _each(again, frames)
+    log = int(np.argmax([own.max() for own in shares]))
+    joint = int(np.argmax(shares[log]))
+    share = shares[log][joint]
+    if not share < FOLLOWS:
+        source = again[log].log.source
+        raise NotFollowedError(
+            f"joint{joint + 1} of the simulated model misses {100 * share:.0f} % of its motion in {source}"
+        )
+
+
+def _each(again: Sequence[Repeat], frames: Sequence[pd.DataFrame]) -> list[np.ndarray]:
+    return [_missed(r, frame) for r, frame in zip(again, frames, strict=True)]
 
 
 def astray(again: Sequence[Repeat]) -> Callable[[int, pd.DataFrame], None]:
