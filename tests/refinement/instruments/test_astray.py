@@ -57,6 +57,6 @@ def test_one_that_explodes_is_ended_where_it_does():
 
 def test_the_joint_that_misses_most_is_named():
     made = frame(SWING * [1.05, 1.3])
-    with pytest.raises(NotFollowedError, match="joint2 .* misses 30 % of its motion in log"):
+    with pytest.raises(NotFollowedError, match=r"joint2 .* misses 30 % of its motion in log"):
         require_followed(AGAIN, [made])
     require_followed(AGAIN, [frame(SWING * [1.05, 1.1])])
