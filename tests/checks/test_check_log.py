@@ -240,3 +240,14 @@ def test_what_is_gross_is_refused_unless_forced(four_link, sound, tmp_path):
     write_log(wrong, tmp_path / "wrong.csv")
     with pytest.raises(LogError, match=r"wrong\.csv: .*joint3\.tau"):
         checked(four_link, [log_file(tmp_path / "wrong.csv")])
+
+
+def test_a_refusal_says_that_the_log_has_more_joints(four_link, sound):
+    """A longer arm's log: whatever seems wrong of it, that is the reason to look at first."""
+    frame = sound.frame.assign(
+        **{"joint5.e": sound.frame["joint1.e"] ** 2, "joint2.e": -sound.frame["joint2.e"]}
+    )
+    with pytest.raises(
+        LogError, match=r"; robot four_link has 4 joints, and the log 5; .* this robot's log\?"
+    ):
+        checked(four_link, [replace(sound, frame=frame)])
