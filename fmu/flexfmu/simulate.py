@@ -17,7 +17,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-from flexfmu.batch.replicas import run_replicas
+from flexfmu.batch.replicas import Look, run_replicas
 from flexfmu.code.compilation import HOST
 from flexfmu.fed import input_names, input_values, start_values
 from flexfmu.finite import require_finite
@@ -28,7 +28,6 @@ from flexmodels.inputs import Experiment, SimulationError
 from flexmodels.scratch import scratch_folder
 
 Progress = Callable[[float], None]
-Look = Callable[[int, pd.DataFrame], None]
 _LOGGED = re.compile(r"joint\d+\.(r|tau_ff|on|e|eps\[\d\]|tau)|tip\.[xyz]")
 
 
