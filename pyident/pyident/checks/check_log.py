@@ -56,7 +56,7 @@ def checked(robot: Robot, logs: Sequence[Log | LogFile], force: bool = False) ->
     if gross and not force:
         wrong = [[defect for defect in one.defects if defect.severity == "gross"] for one in looked]
         of = dict(zip(_short([one.log.source for one in looked]), wrong, strict=True))
-        why = f"{gross[0].sentence}{_beside(of)}{_surplus(listed)}"
+        why = f"{gross[0].sentence}{_beside(of)}{_further_joints(listed)}"
         raise LogError(f"{why}; --force (force=True) uses the log as it is")
     if not gross and len(logs) > 1:
         defects += tuple(another_machine(_all_balances(robot, looked)))
@@ -93,7 +93,7 @@ def _beside(of: Mapping[str, Sequence[Defect]]) -> str:
     return f" ({'; '.join(parts)})" if parts else ""
 
 
-def _surplus(listed: Sequence[Defect]) -> str:
+def _further_joints(listed: Sequence[Defect]) -> str:
     """That a log has more joints than its robot, which may be why all else seems wrong."""
     found = next((d for d in listed if d.kind == "joints"), None)
     return f"; {found.sentence.split(': ', 1)[1]}" if found else ""

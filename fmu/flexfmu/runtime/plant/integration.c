@@ -70,7 +70,7 @@ static double first_guess(const Plant *s, double h, const Trial *t) {
 
 /* Shorten a step at whose end a margin is negative to just behind the first crossing: the guess, then regula falsi
    (Illinois) aimed a little behind the root. A margin that falls at once, as where a stiff hinge runs away, has no
-   slope: that step is halved, as far as the state tells, whose error goes with the square of what is left. */
+   slope: there the interval is halved, to a width whose square, the error of the position, is nothing. */
 static double locate(const Plant *s, double h, double end, Trial *t) {
     const double close_enough = 1e-10 * end;
     double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS], c = first_guess(s, h, t);

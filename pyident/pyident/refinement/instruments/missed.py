@@ -48,7 +48,7 @@ def astray(again: Sequence[Repeat]) -> Callable[[int, pd.DataFrame], None]:
         begun = frame.iloc[own.lead :]
         if len(begun) == 0:
             return
-        # what is missed in the end is no less than
+        # whatever follows, this much of the whole motion is missed in the end
         share = _missed(own, begun) * np.sqrt(len(begun) / len(own.log))
         if not share.max() < FOLLOWS:
             why = f"joint{np.argmax(share) + 1} of the simulated model leaves the motion of {own.log.source}"
