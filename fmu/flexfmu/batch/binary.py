@@ -13,6 +13,10 @@ _DOUBLES, _UINTS, _INTS, _LONGS = (
     ctypes.POINTER(t) for t in (ctypes.c_double, ctypes.c_uint, ctypes.c_int, ctypes.c_longlong)
 )
 _STOP = ctypes.CFUNCTYPE(ctypes.c_int, *(ctypes.c_longlong,) * 3)
+WHY_LOST = {
+    1: "the state left the finite numbers: reduce solver.step or check the parameters",
+    2: "friction chatters, and would for many times as long: reduce solver.step or check the parameters",
+}  # by `Lost` of batch.h
 _SILENT, _LOOKS = 64, 100  # samples between two reports as in batch.c, and looks at the rows of a run
 _MESSAGE = 512
 
@@ -72,7 +76,7 @@ class BatchBinary:
         look: Callable[[int, np.ndarray], None] | None = None,
         scalar: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(runs, samples, outputs), and per run whether its state stayed finite; rows end where it did not.
+        """(runs, samples, outputs), and per run why it was lost, as of WHY_LOST; 0: it was not.
 
         time     (samples,) [s];  inputs  (experiments, samples, inputs);  experiment  (runs,) of each run
         values   (runs, parameters) by the value references `parameters`
@@ -128,7 +132,7 @@ class BatchBinary:
             raise interrupted[0]
         if failed:
             raise SimulationError(text.value.decode())
-        return rows, lost == 0
+        return rows, lost
 
 
 def _doubles(values: np.ndarray):

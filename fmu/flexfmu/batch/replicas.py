@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 import pandas as pd
 
-from flexfmu.batch.binary import BatchBinary
+from flexfmu.batch.binary import WHY_LOST, BatchBinary
 from flexfmu.batch.side_by_side import in_threads
 from flexfmu.fed import input_values, start_values
 from flexfmu.names import fmi_name
@@ -149,7 +149,7 @@ def _together(
     def made(part: Sequence[_Run], told: Progress) -> list[pd.DataFrame]:
         experiments = list({id(run.experiment): run.experiment for run in part}.values())
         place = {id(e): i for i, e in enumerate(experiments)}
-        rows, finite = binary.run(
+        rows, lost = binary.run(
             time,
             np.stack([input_values(fmu.references, e) for e in experiments]),
             np.array([place[id(run.experiment)] for run in part]),
@@ -160,12 +160,9 @@ def _together(
             told,
             partial(_looked, look, part, fmu.logged) if look else None,
         )
-        if not finite.all():
-            lost = part[int(np.argmin(finite))]
-            raise SimulationError(
-                f"run {lost.number}: the state left the finite numbers: "
-                "reduce solver.step or check the parameters"
-            )
+        if lost.any():
+            at = int(np.flatnonzero(lost)[0])
+            raise SimulationError(f"run {part[at].number}: {WHY_LOST[int(lost[at])]}")
         return [_frame(run, fmu.logged, r) for run, r in zip(part, rows, strict=True)]
 
     parts = _parts(runs, binary.width, _LARGEST // (8 * len(columns) * len(time)))

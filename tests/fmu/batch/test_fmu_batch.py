@@ -92,6 +92,18 @@ def test_bad_questions_are_answered_with_a_sentence(loaded, plan):
         loaded.simulate_batch([plan, plan], noise=NOISE, noise_seeds=[1, 2, 3])
 
 
+def test_a_run_whose_friction_chatters_is_ended(loaded, four_link):
+    """At rest a hinge that no step follows shakes what friction holds; it would take hours for minutes."""
+    time = np.arange(0.0, 4.0, 0.004)
+    rest = Experiment(time, np.zeros((len(time), 4)), np.zeros((len(time), 4)))
+    light = {"link1.J[zz]": 1.3e-4, "link1.J[yz]": 0.0, "joint2.d[3]": 17.0, "solver.step": 1e-4}
+    usual = four_link.parameters
+    with pytest.raises(SimulationError, match="run 1: friction chatters"):
+        loaded.simulate_batch(rest, [{name: usual.get(name, 1e-3) for name in light}, light])
+    (held,) = loaded.simulate_batch(rest)
+    assert np.ptp(held["joint4.e"]) < 1e-4
+
+
 def test_the_binary_tells_what_it_is(loaded):
     with BatchBinary(loaded.library) as binary:
         assert (binary.inputs, binary.joints) == (8, 4)

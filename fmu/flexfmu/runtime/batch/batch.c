@@ -14,6 +14,7 @@
 #endif
 
 enum { MOST_LANES = 8, SILENT = 64 }; /* samples between two reports */
+enum { MOST_TRIALS = 50, EASY = 1000 }; /* trials per step on average, and steps whose trials are free at the start */
 
 typedef struct {
     Advance advance;
@@ -101,8 +102,9 @@ static void record(const Batch *b, long long run, long long i, int groups, Memor
     m->shown = 0;
     memory_show(m, groups);
     for (k = 0; k < b->outputs; ++k) row[k] = m->model.value[b->output[k]];
+    if (m->model.trials > MOST_TRIALS * ((long long)plant_steps(&m->model, m->model.time) + EASY)) b->lost[run] = CHATTERING;
     for (k = 0; k < N_STATES; ++k)
-        if (!isfinite(m->model.value[AT_STATE + k])) b->lost[run] = 1;
+        if (!isfinite(m->model.value[AT_STATE + k])) b->lost[run] = INFINITE;
 }
 
 /* To the next sample of the experiment, with every sample of the controller on the way. */
@@ -122,7 +124,8 @@ static void advance(const Batch *b, long long i, Plant *const *plants, Together 
     for (k = 0; k < t.lanes; ++k) plants[k]->time = end;
 }
 
-/* Runs first ... first + lanes - 1 side by side; those beyond the last one repeat it. All end where one is lost. */
+/* Runs first ... first + lanes - 1 side by side; those beyond the last one repeat it. 1 with a sentence in
+   `text`, -1 where a run is lost, which ends all. */
 static int side_by_side(const Batch *b, long long first, int groups, Together t, Memory *memory) {
     Plant *plants[MOST_LANES];
     long long i, run;
@@ -139,7 +142,7 @@ static int side_by_side(const Batch *b, long long first, int groups, Together t,
             if (first + k < b->runs) record(b, run, i, groups, &memory[k]);
             lost |= b->lost[run];
         }
-        if (lost) return 0; /* what is not a number takes its time */
+        if (lost) return -1; /* what is not a number takes its time */
         if (i + 1 < b->samples) advance(b, i, plants, t);
         run = b->runs - first < t.lanes ? b->runs - first : t.lanes;
         if (b->stop && i % SILENT == 0 && b->stop(first, run, i + 1)) {
@@ -153,7 +156,7 @@ static int side_by_side(const Batch *b, long long first, int groups, Together t,
 BATCH_EXPORT int flexident_batch(const Batch *b);
 BATCH_EXPORT int flexident_batch_sizes(int sizes[3]);
 
-/* 0, or 1 with a sentence in `text`. */
+/* 0, or 1 with a sentence in `text`; all ends where a run is lost. */
 int flexident_batch(const Batch *b) {
     Together t = together(b);
     Memory *memory = (Memory *)calloc(MOST_LANES, sizeof *memory);
@@ -167,7 +170,7 @@ int flexident_batch(const Batch *b) {
         if (b->output[i] < AT_TORQUE || b->output[i] >= AT_TIP) groups |= memory_group(b->output[i]);
     for (first = 0; !bad && first < b->runs; first += t.lanes) bad = side_by_side(b, first, groups, t, memory);
     free(memory);
-    return bad;
+    return bad > 0;
 }
 
 /* Numbers of inputs and joints, and how many runs go side by side here. */

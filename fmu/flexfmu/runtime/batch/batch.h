@@ -24,13 +24,16 @@ typedef struct {
     const double *noise;       /* [runs][samples][N_JOINTS] of the controller's sensors, or NULL */
     const unsigned *output;    /* [outputs] value references */
     double *row;               /* [runs][samples][outputs] */
-    int *lost;                 /* [runs] 1 where the state left the finite numbers: its row ends there */
+    int *lost;                 /* [runs] why all runs ended at a sample of this one, see Lost; else 0 */
     /* Told that so many runs side by side, from the first on, have so many samples; not 0: end now. May be NULL. */
     int (*stop)(long long first, long long runs, long long samples);
     char *text;                /* why it was refused */
     long long text_size;
     long long scalar;          /* not 0: one run after the other even where vectors of runs are possible */
 } Batch;
+
+/* The state left the finite numbers; friction chatters: the run takes far more trials than steps. */
+typedef enum { INFINITE = 1, CHATTERING = 2 } Lost;
 
 /* Forward by `duration` with the torques held, as many plants together as the vector is wide: they agree in time and
    in the solver's step. */

@@ -27,9 +27,10 @@ typedef struct {
 } Trial;
 
 /* A step of length h and the smallest margin at its end. */
-static double try_step(const Plant *s, double h, Trial *t) {
+static double try_step(Plant *s, double h, Trial *t) {
     double least = HUGE_VAL;
     int j;
+    ++s->trials;
     t->taken = h;
     runge_kutta(s, h, t->x);
     plant_rates(s, t->x, t->rate, t->imbalance, 0);
@@ -71,7 +72,7 @@ static double first_guess(const Plant *s, double h, const Trial *t) {
 /* Shorten a step at whose end a margin is negative to just behind the first crossing: the guess, then regula falsi
    (Illinois) aimed a little behind the root. A margin that falls at once, as where a stiff hinge runs away, has no
    slope: there the interval is halved, to a width whose square, the error of the position, is nothing. */
-static double locate(const Plant *s, double h, double end, Trial *t) {
+static double locate(Plant *s, double h, double end, Trial *t) {
     const double close_enough = 1e-10 * end;
     double a = 0, b = h, fa = -end, fb = end, start[N_JOINTS], c = first_guess(s, h, t);
     int j, i, kept = 0;

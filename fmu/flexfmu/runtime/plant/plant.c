@@ -214,7 +214,7 @@ int plant_sound(const Plant *s) {
     if (!all_finite(s->drive.law, N_COMMAND) || !all_finite(s->drive.torque, N_JOINTS)) return 0;
 #endif
     return all_finite(s->value, N_VALUES) && all_finite(s->input_rate, N_INPUTS) && isfinite(s->time) &&
-           s->value[AT_STEP] > 0 && s->refinement > 0 && s->refinement <= 1;
+           s->value[AT_STEP] > 0 && s->refinement > 0 && s->refinement <= 1 && s->trials >= 0;
 }
 
 int plant_initialise(Plant *s) {

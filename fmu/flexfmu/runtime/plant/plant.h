@@ -78,6 +78,7 @@ typedef struct {
 #endif
     double time;       /* since the start of the experiment [s] */
     double refinement; /* the solver's step is multiplied by it */
+    long long trials;  /* steps of the solver, those to locate an event included */
     int unsettled;     /* inputs or parameters changed since the rates and modes were computed */
 } Plant;
 
