@@ -22,6 +22,7 @@ from pyident.diagnosis.next_steps import with_dependences, with_experiments, wit
 from pyident.diagnosis.result import Diagnosis
 from pyident.diagnosis.rounds.asked import selected
 from pyident.diagnosis.rounds.in_time import in_time
+from pyident.diagnosis.rounds.laws_that_follow import with_laws_that_follow
 from pyident.diagnosis.rounds.weighed import weighed
 from pyident.diagnosis.rounds.with_law import beside_its_replicas
 from pyident.diagnosis.search.found import Found, Step
@@ -142,7 +143,11 @@ def _from_columns(
     where laws without it leave much more.
     """
     if search.examination.setting.unfollowed:
-        return search, _unnamed(search, heldout)
+        following = with_laws_that_follow(search, heldout, open_pool, progress)
+        if following is None:
+            return search, _unnamed(search, heldout)
+        search, held, selection = following
+        return search, conclusion(search, selection, held, heldout)
     asked = in_time(search, heldout, open_pool, part_of(progress, 0.0, 0.5))
     asked = weighed(asked, heldout, open_pool, part_of(progress, 0.5, 0.15))
     search, held, selection = beside_its_replicas(asked, open_pool, part_of(progress, 0.65, 0.15))
@@ -163,12 +168,13 @@ def _from_columns(
 
 
 def _unnamed(search: Search, heldout: Sequence[Log]) -> Diagnosis:
-    """Where no simulation of the fit follows the logs, so that nothing tells what it leaves by itself."""
+    """Where no simulation of a fit follows the logs, so that nothing tells what it leaves by itself."""
     found = conclusion(search, Selection((), search.step(), {}), held_out(search, heldout), heldout)
     worst = max((p for p in found.places if p.state == "unexplained"), key=lambda p: p.over_floor[1])
     said = (
-        "Something large is missing or wrong: no simulation of the fitted model follows these logs, so that "
-        f"no effect can be named. Most stands out of the noise at {worst.joint}, {worst.balance} side."
+        "Something large is missing or wrong: no simulation of the fitted model follows these logs, nor with "
+        "the laws that explain most, so that no effect can be named. Most stands out of the noise at "
+        f"{worst.joint}, {worst.balance} side."
     )
     return replace(found, sentence=said + fitted_apart(search.examination.setting))
 

@@ -17,6 +17,7 @@ from pyident.diagnosis.another_state import fitted_apart
 from pyident.diagnosis.base import floor_shares
 from pyident.diagnosis.base.residual_over_floor import examine
 from pyident.diagnosis.base.setting import Setting, set_up, steadied, workers_of
+from pyident.diagnosis.rounds import laws_that_follow
 from pyident.rules.rules import RULES
 from pyident.simulation.fmu_runs import fmu_here, runs_here
 
@@ -97,7 +98,11 @@ def unfollowed(monkeypatch):
     monkeypatch.setattr(searched, "_aligned", refused)
 
 
-def test_where_no_simulation_follows_the_logs_it_says_where_and_no_name(made, unfollowed):
+def test_where_no_simulation_follows_the_logs_it_says_where_and_no_name(made, unfollowed, monkeypatch):
+    def refused(*_: Any) -> Any:
+        raise SimulationError("run 0: friction chatters")
+
+    monkeypatch.setattr(laws_that_follow, "replicated", refused)
     found = pi.diagnose(two_link(), made[1][:1], heldout=made[1][1:]).diagnosis
     assert found.verdict == "unexplained"
     assert found.sentence.startswith("Something large is missing or wrong: no simulation")

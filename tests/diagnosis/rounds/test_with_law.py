@@ -10,13 +10,8 @@ import pytest
 from six_axis_logs import arm, made
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.rounds import with_law
-from pyident.diagnosis.rounds.with_law import (
-    _beside_law,
-    _leaves_nothing,
-    _over_floors_of,
-    beside_its_replicas,
-)
+from pyident.diagnosis.rounds.replicas_with_laws import beside_laws, over_floors_of
+from pyident.diagnosis.rounds.with_law import _leaves_nothing, beside_its_replicas
 from pyident.diagnosis.search.search import search_of
 from pyident.diagnosis.searched import searched
 
@@ -34,7 +29,7 @@ def test_floors_rise_where_others_leave_more_and_fall_nowhere(examination):
     more = np.ones(examination.energy.shape)
     more[1, 2], more[3, 4] = 9.0, 0.25
     having = replace(examination, replica_energy=examination.replica_energy * more)
-    over = _over_floors_of(examination, having)
+    over = over_floors_of(examination, having)
     rise = over.replica_energy.mean(axis=0) / examination.replica_energy.mean(axis=0)
     assert rise[1, 2] == pytest.approx(9.0)
     rise[1, 2] = 1.0
@@ -48,7 +43,7 @@ def test_floors_rise_where_others_leave_more_and_fall_nowhere(examination):
 def test_floors_of_another_unit_are_taken_in_their_own(examination):
     coarse = [replace(floor, rms=3.0 * floor.rms) for floor in examination.floors]
     having = replace(examination, floors=coarse, replica_energy=examination.replica_energy / 9.0)
-    over = _over_floors_of(examination, having)
+    over = over_floors_of(examination, having)
     assert over.replica_energy == pytest.approx(examination.replica_energy)
 
 
@@ -60,13 +55,13 @@ def test_where_nothing_is_left_replicas_with_the_law_are_not_made(monkeypatch):
         rules=SimpleNamespace(whole=0.95, part=0.1),
         resting_on=lambda _: SimpleNamespace(stands_out=False),
     )
-    asked: Any = search, None, _selected(steps)
-    monkeypatch.setattr(with_law, "region_of", lambda *_: None)
-    monkeypatch.setattr(with_law, "share_in", lambda *_: 0.99)
-    assert beside_its_replicas(asked, never, lambda _: None) is asked
-    monkeypatch.setattr(with_law, "share_in", lambda *_: 0.5)
+    before: Any = search, None, _selected(steps)
+    monkeypatch.setattr("pyident.diagnosis.rounds.asked.region_of", lambda *_: None)
+    monkeypatch.setattr("pyident.diagnosis.rounds.asked.share_in", lambda *_: 0.99)
+    assert beside_its_replicas(before, never, lambda _: None) is before
+    monkeypatch.setattr("pyident.diagnosis.rounds.asked.share_in", lambda *_: 0.5)
     with pytest.raises(AttributeError):  # it sets out to make them
-        beside_its_replicas(asked, never, lambda _: None)
+        beside_its_replicas(before, never, lambda _: None)
 
 
 def _step(effect: str, joint: int) -> Any:
@@ -105,7 +100,7 @@ def test_beside_a_law_a_residual_is_as_many_floors_as_in_the_model_that_has_it(e
     having = replace(examination, replica_energy=np.broadcast_to(examination.energy, (20, 6, 7)) / 1.2)
     off = replace(examination, replica_energy=examination.replica_energy / 9.0)
     beside = search_of(off).resting_on([law])
-    over = _beside_law(off, [law], having)
+    over = beside_laws(off, [law], having)
     ratio = over.by_band(beside.base.residual).sum(axis=0) / (over.replica_energy.mean(axis=0) * over.count)
     known = over.count > 0
     assert ratio[:, known].max() == pytest.approx(1.2)  # floors only rise: where less was left, it still is

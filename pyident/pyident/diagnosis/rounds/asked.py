@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from pyident.diagnosis.search.found import Step
+from pyident.diagnosis.search.found import Step, candidates_of
+from pyident.diagnosis.search.gate import region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
 from pyident.diagnosis.search.selection import Selection, select
@@ -17,3 +18,12 @@ def selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selec
     given   steps with which to begin
     """
     return with_descriptions(search, select(search, held, given), held)
+
+
+def take_all(search: Search, steps: Sequence[Step], asked: Sequence[Step]) -> bool:
+    """Whether each of the `asked` takes all that is missing where it acts, beside the other steps."""
+    for step in asked:
+        view = search.resting_on(candidates_of(other for other in steps if other is not step))
+        if share_in(view, step.candidates, region_of(view, step.best.candidate)) < search.rules.whole:
+            return False
+    return True

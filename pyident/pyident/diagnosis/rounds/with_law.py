@@ -8,22 +8,19 @@ effect that is there exceeds these floors as well. Where the logs leave nothing 
 it is, that law is all that is missing: whatever else was named, or nothing, is what it shakes.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from flexmodels.inputs import SimulationError
-from pyident.diagnosis.base.candidates import Candidate, Family, every_law, with_law
-from pyident.diagnosis.base.residual_over_floor import Examination, examine
-from pyident.diagnosis.base.ringing_hinges import with_ringing_matched
-from pyident.diagnosis.base.setting import Setting, set_up, unbiased, workers_of
+from pyident.diagnosis.base.candidates import Family
+from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import over_floor, standing_out
 from pyident.diagnosis.imitators.fault import fault_of
-from pyident.diagnosis.rounds.asked import Asked, selected
-from pyident.diagnosis.search.found import Step, candidates_of
-from pyident.diagnosis.search.gate import admission, counts, region_of, share_in
+from pyident.diagnosis.rounds.asked import Asked, selected, take_all
+from pyident.diagnosis.rounds.replicas_with_laws import beside_laws, over_floors_of, replicated
+from pyident.diagnosis.search.found import Step
+from pyident.diagnosis.search.gate import admission, counts
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
@@ -46,7 +43,9 @@ def beside_its_replicas(asked: Asked, open_pool: OpenPool, progress: Progress) -
     laws = _laws(search, selection) if search.examination.setting.follows else []
     if not laws:
         return asked
-    if not search.resting_on(selection.candidates).stands_out and _whole(search, selection):
+    if not search.resting_on(selection.candidates).stands_out and take_all(
+        search, selection.steps, selection.steps[1:]
+    ):
         return asked
     first: Asked | None = None
     out = search.resting_on(()).standing_out
@@ -55,12 +54,12 @@ def beside_its_replicas(asked: Asked, open_pool: OpenPool, progress: Progress) -
         law = step.best.candidate
         told = part_of(progress, number / len(laws), 1 / len(laws))
         try:
-            having = _replicated(search.examination.setting, law, families, open_pool, told)
+            having = replicated(search.examination.setting, [law], open_pool, told, families)
         except (SimulationError, LogError):
             continue
-        over = _over_floors_of(search.examination, having)
+        over = over_floors_of(search.examination, having)
         if _leaves_nothing(having, out, families - {law.family}):
-            alone = search_of(_beside_law(over, step.candidates, having)).resting_on(())
+            alone = search_of(beside_laws(over, step.candidates, having)).resting_on(())
             if _passes(alone, step, held):
                 return alone, held, Selection((step,), selection.first, selection.imitators)
         elif step in selection.steps and first is None:
@@ -107,61 +106,3 @@ def _passes(over: Search, step: Step, held: HeldOut) -> bool:
     enough = entry.share >= over.rules.needed(1)
     whole = over.resting_on(step.candidates)
     return enough and not entry.reason and not fault_of(whole, step.best.candidate)
-
-
-def _whole(search: Search, selection: Selection) -> bool:
-    """Whether each but the first that is named takes all that is missing where it acts."""
-    for step in selection.steps[1:]:
-        others = candidates_of(s for s in selection.steps if s is not step)
-        view = search.resting_on(others)
-        if share_in(view, step.candidates, region_of(view, step.best.candidate)) < search.rules.whole:
-            return False
-    return True
-
-
-def _replicated(
-    setting: Setting, law: Candidate, families: set[Family], open_pool: OpenPool, progress: Progress
-) -> Examination:
-    """The logs, and replicas of a model with a law, under that model, with candidates of some families.
-
-    Raises LogError, SimulationError.
-    """
-
-    def listed(*asked: Any) -> list[Candidate]:
-        return [c for c in every_law(*asked) if c.family in families]
-
-    robot = with_law(setting.robot, law)
-    having = set_up(robot, setting.logs, setting.rules, setting.estimator, setting.alignment)
-    with workers_of(having, open_pool) as workers:
-        free = with_ringing_matched(unbiased(having, workers), workers)
-        return examine(free, workers, progress, listed)
-
-
-def _over_floors_of(ex: Examination, having: Examination) -> Examination:
-    """An examination whose replicas leave no less, on any equation and in any band, than others do.
-
-    having   the same logs' under another model
-    """
-    count = np.maximum(sum(inside.sum(axis=0) for inside in ex.bands), 1)
-    pairs = zip(having.levels, ex.levels, ex.bands, strict=True)
-    unit = sum(np.square(theirs / own) @ inside for theirs, own, inside in pairs) / count
-    return _raised(ex, having.replica_energy.mean(axis=0) * unit)
-
-
-def _beside_law(ex: Examination, law: Sequence[Candidate], having: Examination) -> Examination:
-    """An examination in which a law leaves as many floors as the logs leave of a model's that has it.
-
-    That model is fitted by simulation, and makes less of what a law's values are off.
-    """
-    beside = search_of(ex).resting_on(law).base
-    left = ex.by_band(beside.residual).sum(axis=0) / np.maximum(ex.count, 1)
-    ratio = having.energy / np.maximum(having.replica_energy.mean(axis=0), 1e-300)
-    return _raised(ex, left / np.maximum(ratio, 1e-300))
-
-
-def _raised(ex: Examination, least: np.ndarray) -> Examination:
-    """An examination whose replicas leave no less than that (n, bands), as a mean square over the floor."""
-    times = np.maximum(least / np.maximum(ex.replica_energy.mean(axis=0), 1e-300), 1.0)
-    sizes = [np.sqrt(np.where(inside.any(axis=1), times @ inside.T, 1.0)) for inside in ex.bands]
-    residuals = [[r * size for r, size in zip(made, sizes, strict=True)] for made in ex.replica_residuals]
-    return replace(ex, replica_energy=ex.replica_energy * times, replica_residuals=residuals)
