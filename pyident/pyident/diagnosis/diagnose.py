@@ -37,7 +37,7 @@ from pyident.simulation.denoised import unfiltered
 from pyident.simulation.simulator import OpenPool
 
 Progress = Callable[[float], None]
-_ALONG = "the controller is not known: replicas go along the measured motion, with the sensors' noise alone"
+_ALONG = "no loop is simulated: replicas go along the measured motion, with the sensors' noise alone"
 _NO_FILTER = "behind the low pass of all signals no simulation of a fit followed the logs: it was left out"
 
 

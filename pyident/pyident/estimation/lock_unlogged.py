@@ -34,6 +34,23 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
     return replace(robot, joints=tuple(joints)), notes
 
 
+def without_loop(whole: Robot, robot: Robot) -> tuple[Robot, list[str]]:
+    """The robot of some logs without its controller where hinges of the whole one are locked, and why.
+
+    With rigid drives the loop would move, and answer noise, as another machine does.
+    """
+    pairs = zip(whole.numbered, robot.joints, strict=True)
+    stiff = [str(k) for (k, joint), own in pairs if joint.flexible and not own.flexible]
+    if robot.controller is None or not stiff:
+        return robot, []
+    listed = f"joint {stiff[0]}" if len(stiff) == 1 else f"joints {', '.join(stiff)}"
+    said = (
+        f"the hinge of {listed} is locked, and with rigid drives the loop would be another machine's: the "
+        "[controller] is not used, and the motion is taken as it was measured"
+    )
+    return replace(robot, controller=None), [said]
+
+
 def locked_note(joint: int) -> str:
     """What is said of a joint, from 1, whose hinge is locked."""
     return (

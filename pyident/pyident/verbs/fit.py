@@ -76,7 +76,7 @@ def identify(
         )
     robot = robot_of(model, allow_effects=allow_effects)
     cad = None if prior is None else of_the_same_arm(robot_of(prior, allow_effects=allow_effects), robot)
-    read = opened(robot, logs, mapping, heldout, force)
+    read = opened(robot, logs, mapping, heldout, force, simulates=estimator == "oe")
     in_memory = [log for log in read.logs if isinstance(log, Log)]
     if len(in_memory) == len(read.logs):
         read = on_springs(robot, read, in_memory)
@@ -85,6 +85,7 @@ def identify(
         found = with_motors(found, {of_joint(k, "J_m"): own["J_m"] for k, own in read.hinges.items()}, cad)
     taken = logged if by_instruments(found) else None
     errors = {log.source: torque_error(found.robot, log, taken) for log in read.heldout}
+    found = replace(found, robot=replace(found.robot, controller=robot.controller))
     if progress:
         progress(1.0)
     hinged = unlocked(found.robot, read.hinges) if read.hinges else None

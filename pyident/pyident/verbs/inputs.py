@@ -16,7 +16,7 @@ from pyident.checks.check_log import checked
 from pyident.checks.defect import Defect
 from pyident.conditioning.own_cutoff import with_own_cutoff
 from pyident.conditioning.standing import standing
-from pyident.estimation.lock_unlogged import locked, locked_note
+from pyident.estimation.lock_unlogged import locked, locked_note, without_loop
 from pyident.logs.averaged import averaged
 from pyident.logs.disk import LogFile
 from pyident.logs.foreign import at_joints, import_log, map_frame, open_robot_log, robot_log
@@ -137,18 +137,28 @@ def given(
     if not fitted:
         raise LogError("there is no log; give one or more")
     _differ(fitted, unseen)
-    robot, notes, defects = _reduced(robot, [*fitted, *unseen], force)
+    whole = robot
+    robot, notes, defects = _reduced(whole, [*fitted, *unseen], force)
     logs, modelled = with_loop_torque(robot, [*fitted, *unseen])
+    robot, loop = without_loop(whole, robot)
     if denoises(robot) and not robot.settings.processing.filters:
         logs, fewer = averaged(logs)
         modelled = (*modelled, *fewer)
-    return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *modelled), defects)
+    return Given(robot, logs[: len(fitted)], logs[len(fitted) :], (*notes, *loop, *modelled), defects)
 
 
 def opened(
-    robot: Robot, logs: Logs, mapping: Columns | None = None, heldout: Logs = (), force: bool = False
+    robot: Robot,
+    logs: Logs,
+    mapping: Columns | None = None,
+    heldout: Logs = (),
+    force: bool = False,
+    simulates: bool = False,
 ) -> Opened:
-    """The same, but long logs stay on disk, except those held out. Raises LogError."""
+    """The same, but long logs stay on disk, except those held out. Raises LogError.
+
+    simulates   the robot keeps its controller also where hinges are locked
+    """
     _apart(logs, heldout)
     columns = mapping_of(mapping)
     read = [_on_disk(log, robot, columns) for log in _listed(logs)]
@@ -156,12 +166,14 @@ def opened(
     if not read:
         raise LogError("there is no log; give one or more")
     _differ([log for log in read if isinstance(log, Log)], unseen)
-    robot, notes, _ = _reduced(robot, [*read, *unseen], force)
+    whole = robot
+    robot, notes, _ = _reduced(whole, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
-    whole, modelled = with_loop_torque(robot, in_memory)
-    known = {id(old): new for old, new in zip(in_memory, whole, strict=True)}
+    torques, modelled = with_loop_torque(robot, in_memory)
+    known = {id(old): new for old, new in zip(in_memory, torques, strict=True)}
+    robot, loop = (robot, []) if simulates else without_loop(whole, robot)
     fitted = tuple(known.get(id(log), log) for log in read)
-    return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *modelled))
+    return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *loop, *modelled))
 
 
 def as_rigid(read: Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Iterable[str]) -> Read:

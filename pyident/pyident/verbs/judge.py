@@ -137,7 +137,7 @@ def add_effect(
     apart = alignment_in(read.robot, read.logs, FmuRuns)
     read, band = _put_right(read, apart) if apart.needed else read, read.robot.settings.processing.band
     found = extended(read.robot, joint, effect, read.logs, read.heldout, FmuRuns, rest)
-    found = replace(found, robot=_judged_up_to(found.robot, band))
+    found = replace(found, robot=replace(_judged_up_to(found.robot, band), controller=known.controller))
     if not (read.hinges and found.accepted):
         return Added(found, (*drive, *read.notes))
     whole = unlocked(found.robot, read.hinges)

@@ -12,9 +12,11 @@ from scipy.interpolate import CubicSpline
 
 import pyident as pi
 from flexmodels.files.robot_file import load_robot
-from pyident.diagnosis.drives.unseen import found, stated, unseen
+from pyident.diagnosis.drives import unseen as unseen_drives
+from pyident.diagnosis.drives.unseen import UnseenDrives, found, stated, unseen
 from pyident.estimation.lock_unlogged import locked
 from pyident.logs.log import Log
+from pyident.regression.loads.swinging_drive import Spring
 
 MASS, ARM, INERTIA, ROTOR = 10.0, 0.4, 2.1, 3.0  # kg, m, kg m2 about the joint
 K, D = 5300.0, 6.3  # the link swings at 8 Hz
@@ -90,6 +92,63 @@ def test_stiffness_damping_and_rotor_are_those_of_the_machine(file):
     assert told["k[1]"] == pytest.approx(K, rel=0.02)
     assert told["d[1]"] == pytest.approx(D, rel=0.2)
     assert told["J_m"] == pytest.approx(ROTOR, rel=0.03)
+
+
+@pytest.mark.parametrize("of_file", [1700.0, 2600.0, 15000.0])
+def test_what_the_file_says_of_the_stiffness_is_where_it_begins_alone(tmp_path, of_file):
+    """A third of the truth to three times it: other starts end elsewhere, and leave more."""
+    path = tmp_path / "off.toml"
+    path.write_text(FILE.replace("4200.0", str(of_file)))
+    whole, logs = load_robot(path), [logged(0)]
+    drives = found(whole, locked(whole, logs)[0], logs)
+    assert drives is not None
+    told = drives.hinges(logs[0])[1]
+    assert told["k[1]"] == pytest.approx(K, rel=0.03)
+    assert told["J_m"] == pytest.approx(ROTOR, rel=0.05)
+
+
+@pytest.mark.parametrize(("lefts", "stiffness"), [((1.0, 1.0, 1.0), None), ((1.0, 0.5, 1.0), 0.6 * 4200.0)])
+def test_springs_that_other_ones_leave_as_little_as_are_not_told(file, monkeypatch, lefts, stiffness):
+    """The best of those that end apart is told only if it leaves less."""
+    whole, logs = load_robot(file), [logged(0)]
+    rigid, _ = locked(whole, logs)
+    begun = dict(zip((1.0, 0.6, 3.0), lefts, strict=True))
+
+    def as_begun(whole, *_):
+        k = whole.parameters["joint1.k[1]"]
+        return UnseenDrives(rigid, {1: Spring(1 / k, 0.1, 3.0)}), begun[round(k / 4200.0, 3)]
+
+    monkeypatch.setattr(unseen_drives, "_STARTS", tuple(begun))
+    monkeypatch.setattr(unseen_drives, "_told", as_begun)
+    drives = found(whole, rigid, logs)
+    assert (drives is None) == (stiffness is None)
+    if drives is not None:
+        assert 1 / drives.springs[1].compliance == pytest.approx(stiffness)
+
+
+LOOP = """
+[controller]
+rate = 250.0
+Kp = [9000.0]
+Kd = [300.0]
+Ki = [0.0]
+"""
+
+
+def test_a_loop_that_is_known_is_not_simulated_with_rigid_drives(tmp_path):
+    """Its floors and instruments would be another machine's; what is written keeps the controller."""
+    path = tmp_path / "held.toml"
+    path.write_text(FILE.replace("[[joint]]", LOOP + "[[joint]]", 1))
+    logs = [logged(0), logged(1)]
+    fit = pi.identify(path, logs)
+    assert fit.robot.controller is not None
+    assert any("the [controller] is not used" in note for note in fit.notes)
+    assert fit.robot.parameters["joint1.k[1]"] == pytest.approx(K, rel=0.02)
+    found = pi.diagnose(path, logs, heldout=logged(2))
+    assert found.to_dict()["verdict"] == "nothing_detectable"
+    added = pi.add_effect(path, "torque_ripple", 1, logs, heldout=logged(2))
+    assert not added.accepted
+    assert added.robot.controller is not None
 
 
 def test_the_identified_model_has_its_hinge_and_the_error_falls_to_the_noise(file, tmp_path):

@@ -41,6 +41,9 @@ _ROUNDS = 15  # of springs, parameters and weights
 _RESTS = 0.01  # of what is left at a frequency, on average
 _DAMPED = (0.01, 0.3)  # ratios to begin with
 _SWINGS = 0.1  # of a damping ratio: beyond, springs may take what something else has left
+_STARTS = (1.0, 1.6, 0.6, 3.0, 0.33)  # times the stiffnesses of the file
+_ALIKE = 0.05  # of a stiffness: so near do starts come that end at one place
+_LEVEL = 0.01  # of the logarithm of what is left: so near are fits that leave alike
 _CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
 
 
@@ -132,7 +135,7 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     begun = _over(data, levels_by_rest(data, [np.ones_like(e.y) for e in data]))
     told = []
     for motion in (denoised, _as_logged):
-        own, left = _told(whole, plain, logs, data, begun, motion)
+        own, left = _best_told(whole, plain, logs, data, begun, motion)
         if own is not None:
             told.append((left, own))
         if own is not None and _all_swing(own, unseen(whole, robot)):
@@ -150,6 +153,42 @@ def _all_swing(drives: UnseenDrives, joints: Sequence[int]) -> bool:
 
 def _as_logged(robot: Robot, log: Log) -> Conditioned:
     return condition(log, robot)
+
+
+def _best_told(
+    whole: Robot,
+    robot: Robot,
+    logs: Sequence[Log],
+    data: Sequence[Equations],
+    w: Whitened,
+    motion: Callable[[Robot, Log], Conditioned],
+) -> tuple[UnseenDrives | None, float]:
+    """As `_told`, from several stiffnesses about the file's, until two starts end at one place.
+
+    None where other stiffnesses leave as little as the best: then logs do not tell them.
+    """
+    stiffnesses = [of_joint(k, "k[1]") for k in unseen(whole, robot)]
+    ends: list[tuple[float, UnseenDrives]] = []
+    for times in _STARTS:
+        stiff = {name: times * whole.parameters[name] for name in stiffnesses}
+        own, left = _told(whole.with_parameters(stiff), robot, logs, data, w, motion)
+        if own is None:
+            continue
+        ends.append((left, own))
+        ends.sort(key=lambda end: end[0])
+        alike = [other for least, other in ends[1:] if least < ends[0][0] + _LEVEL]
+        if any(_same(ends[0][1], other) for other in alike):
+            return ends[0][1], ends[0][0]
+    if not ends or any(least < ends[0][0] + _LEVEL for least, _ in ends[1:]):
+        return None, math.inf
+    return ends[0][1], ends[0][0]
+
+
+def _same(one: UnseenDrives, other: UnseenDrives) -> bool:
+    """Whether they have the same springs, but for little."""
+    pairs = [(one.springs[k], other.springs[k]) for k in one.springs if k in other.springs]
+    near = all(abs(math.log(a.compliance / b.compliance)) < _ALIKE for a, b in pairs)
+    return near and one.springs.keys() == other.springs.keys()
 
 
 def _told(
