@@ -24,7 +24,8 @@ from pyident.diagnosis.result import Place
 from pyident.diagnosis.unexplained import formula as symbolic
 from pyident.diagnosis.unexplained import unexplained as module
 from pyident.diagnosis.unexplained.formula import Draft, symbolic_law
-from pyident.diagnosis.unexplained.residual_terms import Dependence, excess
+from pyident.diagnosis.unexplained.periodic import Over
+from pyident.diagnosis.unexplained.residual_terms import Dependence, RowSearch, excess
 from pyident.diagnosis.unexplained.unexplained import Unexplained, clause, depends_on
 from pyident.logs.log import Log
 from pyident.regression.candidate_columns import effect_columns
@@ -256,3 +257,12 @@ def test_an_equation_below_its_floor_takes_nothing_from_another():
     residual = np.array([[2.0, 0.0], [0.0, 1.0]])
     base = Base(np.zeros(0), np.zeros((0, 0)), [], [residual])
     np.testing.assert_allclose(excess(base, np.array([1.0, 9.0])), [3.0, 0.0])
+
+
+@pytest.mark.parametrize(("order", "said"), [(6.0, True), (12.0, False)])
+def test_an_order_of_too_few_periods_is_said_to_be_one(order, said):
+    """Angles of 2 rad hold 1.9 periods of an order of 6, no ripple yet, and 3.8 of one of 12."""
+    angles = [np.linspace(0.0, end, 9)[:, None] for end in (1.0, 2.0)]
+    logs = [SimpleNamespace(part=SimpleNamespace(motion=SimpleNamespace(q=q))) for q in angles]
+    told = RowSearch._too_few(cast(Any, SimpleNamespace(logs=logs)), Over("order", 0, 0), order)
+    assert ("no log passes more than 1.9 periods" in told) == said

@@ -10,7 +10,7 @@ from one_joint import one_joint
 from two_link_logs import two_link
 
 from pyident.diagnosis.base.candidates import Candidate
-from pyident.diagnosis.notes import of_drifts, of_ends, of_gears, of_what_is_shared, warnings
+from pyident.diagnosis.notes import of_drifts, of_ends, of_gears, of_mends, of_what_is_shared, warnings
 from pyident.diagnosis.result import Finding, Named, Place
 from pyident.diagnosis.verdict import asked_for, place_of, sentence_of, separating, verdict_of
 from pyident.regression.spectrum import Floor
@@ -155,6 +155,15 @@ def test_the_largest_value_that_is_tried_is_an_end_too(travel, said):
 def test_a_gear_that_drives_with_more_losses_looks_like_a_gain(joint, said):
     found = [_finding(("load_dependent_friction", "joint2")), _finding(("torque_gain", joint))]
     assert [note.split()[0] for note in of_gears(found)] == ["joint2"] * said
+
+
+@pytest.mark.parametrize("rivals", [("joint2",), ("joint2", "joint3")])
+def test_one_of_several_mends_is_told_as_one_that_may_be_it(rivals):
+    """Who obeyed both would correct twice."""
+    tie = tuple(Named("torque_gain", j, {"correction": 0.06}, {}, {"correction": "1"}, 97.0) for j in rivals)
+    told = list(of_mends([Finding(tie, 0.05, 50.0, 97.0, 88.0)]))
+    assert [note.split(":")[0] for note in told] == [f"torque_gain at {j}" for j in rivals]
+    assert all(("if it is that, multiply" in note) == (len(rivals) > 1) for note in told)
 
 
 def test_place_and_question_of_a_law():

@@ -29,11 +29,11 @@ from pyident.diagnosis.notes import (
     of_springs,
     of_time,
     of_what_is_shared,
-    orders_of,
     warnings,
 )
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
 from pyident.diagnosis.search.found import Found, Step, candidates_of
+from pyident.diagnosis.search.further_orders import orders_of
 from pyident.diagnosis.search.gate import Refusal, nothing_left, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
@@ -213,7 +213,8 @@ def _at_its_speed(search: Search, found: Found) -> tuple[np.ndarray, np.ndarray]
 
 def percent(energy: float, search: Search) -> float:
     """Of what exceeds the floor."""
-    return 100 * energy / max(search.excess, energy, 1e-300)
+    beyond = search.examination.beyond_floor(search.examination.base, range(len(search.robot.q)))
+    return 100 * energy / max(search.excess, beyond, energy, 1e-300)
 
 
 def _places(search: Search, beside: Search, selection: Selection, held: HeldOut) -> Iterator[Place]:

@@ -13,12 +13,11 @@ from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import units_of
 from pyident.diagnosis.base.floor_shares import lowered_by
 from pyident.diagnosis.base.nonlinear_values import BEYOND
-from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
 from pyident.diagnosis.result import Finding, Place
-from pyident.diagnosis.search.found import Step, candidates_of
+from pyident.diagnosis.search.found import candidates_of
 from pyident.diagnosis.search.gate import Refusal, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
@@ -183,9 +182,10 @@ def of_time(setting: Setting) -> Iterator[str]:
             "which raises their noise above; log them without it"
         )
     if found.delayed:
+        held = _by_hold(setting, -found.late, "torques are ")
         yield (
             "all positions were moved in time before anything was judged: they have another clock or filter "
-            f"than the torques, or all drives lag by that much{_by_hold(setting, -found.late)}; give their "
+            f"than the torques, or all drives lag by that much{held}; give their "
             f"columns a delay of about {found.late:.2g} s in the mapping"
         )
     for way in found.own:
@@ -197,9 +197,9 @@ def of_time(setting: Setting) -> Iterator[str]:
         )
 
 
-def _by_hold(setting: Setting, late: float) -> str:
+def _by_hold(setting: Setting, late: float, what: str = "is ") -> str:
     """That a torque is logged before it acts because its loop holds it; empty where that is not enough."""
-    return ", or is held until the next sample" if -HELD * setting.period <= late < 0 else ""
+    return f", or {what}held until the next sample" if -HELD * setting.period <= late < 0 else ""
 
 
 def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterator[str]:
@@ -287,14 +287,9 @@ def of_springs(findings: Sequence[Finding]) -> Iterator[str]:
 
 def of_mends(findings: Sequence[Finding]) -> Iterator[str]:
     """Where an error is put right that no robot file states."""
-    for n in (n for f in findings for n in f.tie):
-        if (outside := outside_file(n.effect)) is not None:
-            value, unit = n.values["correction"], n.units["correction"]
-            yield f"{n.effect} at {n.joint}: {outside.by(joint_number(n.joint), value, unit)}"
-
-
-def orders_of(robot: Robot, step: Step) -> str:
-    """Further orders of a periodic law."""
-    best = step.best.candidate
-    more = orders_told(robot, best.joint, [dict(c.values)["order"] for c in step.orders])
-    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more}."
+    for finding in findings:
+        which = "" if len(finding.tie) == 1 else "if it is that, "
+        for n in finding.tie:
+            if (outside := outside_file(n.effect)) is not None:
+                by = outside.by(joint_number(n.joint), n.values["correction"], n.units["correction"])
+                yield f"{n.effect} at {n.joint}: {which}{by}"

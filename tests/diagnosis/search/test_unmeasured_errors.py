@@ -3,10 +3,13 @@
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
+from two_link_logs import two_link
 
+from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.search.held_out import Unseen
-from pyident.diagnosis.search.wrong_description import _no_chance
+from pyident.diagnosis.search.wrong_description import _believable, _no_chance
 from pyident.rules.rules import RULES
 
 VIEW: Any = SimpleNamespace(rules=RULES.search)
@@ -24,3 +27,20 @@ VIEW: Any = SimpleNamespace(rules=RULES.search)
 def test_an_imitator_of_little_has_another_size_on_other_logs(unseen, no_chance):
     entry = SimpleNamespace(unseen=unseen)
     assert _no_chance(VIEW, cast(Any, entry)) == no_chance
+
+
+@pytest.mark.parametrize(
+    ("error", "size", "believed"),
+    [
+        ("gear_ratio", 0.06, True),
+        ("gear_ratio", 0.49, False),
+        ("torque_gain", -0.38, False),
+        ("axis[z]", 0.49, True),
+    ],
+)
+def test_a_factor_that_no_file_is_wrong_by_is_not_told(error, size, believed):
+    found = SimpleNamespace(
+        candidate=Candidate(error, 1), gain=SimpleNamespace(coefficients=np.array([size]))
+    )
+    view: Any = SimpleNamespace(robot=two_link())
+    assert _believable(view, cast(Any, SimpleNamespace(tie=[found]))) == believed

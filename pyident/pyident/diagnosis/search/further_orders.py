@@ -9,7 +9,9 @@ amplitude that grows with the speed. Where another law takes more, it comes firs
 from collections.abc import Sequence
 from dataclasses import replace
 
+from flexmodels.robot import Robot
 from pyident.diagnosis.base.candidates import Candidate, law_of
+from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import counts
 from pyident.diagnosis.search.search import Search
@@ -76,3 +78,10 @@ def _another(view: Search, found: Found) -> bool:
     return any(
         f.excess > found.excess and counts(view, f) and rows & set(view.rows(f.candidate)) for f in others
     )
+
+
+def orders_of(robot: Robot, step: Step) -> str:
+    """Further orders of a periodic law."""
+    best = step.best.candidate
+    more = orders_told(robot, best.joint, [dict(c.values)["order"] for c in step.orders])
+    return f"{best.effect} at joint{best.joint} has further orders, counted with it: {more}."

@@ -17,7 +17,7 @@ from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.held_out import HeldOut, Unseen
 from pyident.diagnosis.search.measured import measured
 from pyident.diagnosis.search.power import impossible
-from pyident.diagnosis.search.same_order import same_order
+from pyident.diagnosis.search.same_order import same_order, without_periods
 from pyident.diagnosis.search.search import Search
 from pyident.rules.confidence import CONFIDENCE
 from pyident.simulation.denoised import where_moving
@@ -76,7 +76,7 @@ def admission(search: Search, lead: Found, candidates: Sequence[Candidate], held
     if counted:
         pass
     elif p_value > rules.level:
-        reason = f"replicas without it show as much (p = {p_value:.2g})"
+        reason = without_periods(search, lead) or f"replicas without it show as much (p = {p_value:.2g})"
     elif (over := _over_floor(search, lead.candidate, region)) < rules.below_floor:
         reason = f"the residual lies below its floor there ({over:.2g} times), which hides what is smaller"
     elif not counts(search, lead):

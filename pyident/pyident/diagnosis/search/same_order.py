@@ -9,9 +9,12 @@ seldom hits: beside it, as far away as a log tells two orders apart, much less i
 import numpy as np
 
 from pyident.diagnosis.base.candidates import Candidate, columns_of, law_of, width
+from pyident.diagnosis.base.nonlinear_values import wants_no_period
 from pyident.diagnosis.base.projection import gains
+from pyident.diagnosis.search.found import Found
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
+from pyident.rules.confidence import PERIODS
 
 _WITHIN = 1.5  # other orders are this many times smaller to larger
 _TRIED = 61  # of them, beside it
@@ -38,3 +41,10 @@ def same_order(search: Search, candidate: Candidate, held: HeldOut) -> bool:
         return False
     rules = search.rules
     return bool(energy[0] >= rules.chance**2 and energy[1:][apart].max() <= rules.apart * energy[0])
+
+
+def without_periods(search: Search, lead: Found) -> str:
+    """That a periodic torque fits best with fewer periods than make it one; empty: it has them."""
+    if not wants_no_period(search.robot, lead.candidate, search.examination.candidates):
+        return ""
+    return f"the motion passes fewer than {PERIODS:g} periods of what fits best: so it is no ripple yet"

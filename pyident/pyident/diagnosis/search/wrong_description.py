@@ -35,6 +35,8 @@ from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import outside_file, place_name
 
+_STRANGE = 0.3  # of a gain or a ratio: what needs more is something else
+
 
 def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Selection:
     """The selection with errors of the robot's description that held-out logs bear out."""
@@ -168,7 +170,7 @@ def _beside(
             named.append(_with_law(view, step, law, held) if _instead(beside, law, step.best) else step)
             continue
         doubt = changes_with(beside, step.best.candidate)
-        if exceeds and not told:
+        if exceeds and not told and _believable(view, step):
             told = (_told(view, step, entry, doubt),)
         if doubt or entry.share < view.rules.explained[0] or not (exceeds or _no_chance(view, entry)):
             break
@@ -246,6 +248,12 @@ def _no_chance(view: Search, entry: Admission) -> bool:
     if unseen is None:
         return False
     return unseen.share > rules.chance * unseen.std and unseen.of_one_size(rules)
+
+
+def _believable(view: Search, step: Step) -> bool:
+    """Whether none of a tie is a gain or a ratio that is farther off than one of a file is."""
+    factors = [f for f in step.tie if set(units_of(view.robot, f.candidate).values()) == {"1"}]
+    return all(np.abs(f.gain.coefficients).max() <= _STRANGE for f in factors)
 
 
 def _told(view: Search, step: Step, entry: Admission, doubt: str) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from flexmodels.coordinate import joint_number
 from flexmodels.robot import Robot
+from pyident.conditioning.order_waves import span_of
 from pyident.diagnosis.base.order_peaks import orders_told
 from pyident.diagnosis.base.projection import Base, Columns, extended, gain
 from pyident.diagnosis.base.residual_over_floor import Examination
@@ -29,6 +30,7 @@ from pyident.diagnosis.unexplained.smooth import (
 )
 from pyident.diagnosis.unexplained.sudden import sudden_change
 from pyident.regression.spectrum import Equations
+from pyident.rules.confidence import PERIODS
 
 
 @dataclass(frozen=True)
@@ -219,7 +221,8 @@ class RowSearch:
         joint = self.robot.q[over.column].joint
         words = {
             "frequency": f"a frequency of {peak.at:.4g} Hz in time",
-            "order": f"an order of {orders_told(self.robot, joint, [peak.at])} of joint {joint}",
+            "order": f"an order of {orders_told(self.robot, joint, [peak.at])} of joint {joint}"
+            + self._too_few(over, peak.at),
             "misread": f"a misread angle of joint {joint}, {peak.at:.4g} times a turn",
         }[over.kind]
         return Dependence(
@@ -234,6 +237,16 @@ class RowSearch:
             of.amplitude,
             peak.at,
             peak.amplitude,
+        )
+
+    def _too_few(self, over: Over, order: float) -> str:
+        """That a log passes too few periods of an order to call it a ripple; empty: it passes enough."""
+        passed = order * span_of([log.part.motion.q[:, over.column] for log in self.logs]) / (2 * np.pi)
+        if passed >= PERIODS:
+            return ""
+        return (
+            f", of which no log passes more than {passed:.1f} periods: a ripple needs {PERIODS:g}, to be "
+            "told from any other torque of the angle"
         )
 
 
