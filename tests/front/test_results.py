@@ -85,8 +85,10 @@ def test_a_hinge_that_no_log_tells_of_is_locked_and_said_so(two_link_robot, log)
     lost = [name for name in log.names if ".eps[" in name]
     assert lost
     fit = pi.identify(two_link_robot, log.frame.drop(columns=lost))
-    assert any("no link-side encoder" in note for note in fit.notes)
-    assert not any(joint.flexible for joint in fit.robot.joints)
+    assert any("joint 2: no link-side encoder (joint2.eps[1])" in note for note in fit.notes)
+    assert not fit.robot.joints[1].flexible
+    assert any("the [controller] is not used" in note for note in fit.notes)
+    assert fit.robot.controller == two_link_robot.controller
 
 
 def test_text_is_escaped_in_a_notebook():

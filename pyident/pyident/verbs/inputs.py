@@ -59,6 +59,7 @@ class Opened:
     logs: tuple[Log | LogFile, ...]
     heldout: tuple[Log, ...]
     notes: tuple[str, ...]
+    defects: tuple[Defect, ...] = ()
     hinges: Hinges = field(default_factory=dict)
 
 
@@ -167,18 +168,22 @@ def opened(
         raise LogError("there is no log; give one or more")
     _differ([log for log in read if isinstance(log, Log)], unseen)
     whole = robot
-    robot, notes, _ = _reduced(whole, [*read, *unseen], force)
+    robot, notes, defects = _reduced(whole, [*read, *unseen], force)
     in_memory = [log for log in (*read, *unseen) if isinstance(log, Log)]
     torques, modelled = with_loop_torque(robot, in_memory)
     known = {id(old): new for old, new in zip(in_memory, torques, strict=True)}
     robot, loop = (robot, []) if simulates else without_loop(whole, robot)
     fitted = tuple(known.get(id(log), log) for log in read)
-    return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *loop, *modelled))
+    return Opened(robot, fitted, tuple(known[id(log)] for log in unseen), (*notes, *loop, *modelled), defects)
 
 
 def as_rigid(read: Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Iterable[str]) -> Read:
-    """What was read, its logs in memory as `rigid` makes them, notes in place of those on locked hinges."""
+    """What was read, its logs in memory as `rigid` makes them, notes in place of those on locked hinges.
+
+    And of those on a delay of all torques, as which links that swing show.
+    """
     dropped = {locked_note(k) for k in hinges}
+    dropped |= {d.sentence for d in read.defects if (d.kind, d.channel) == ("delay", "")}
     logs = tuple(rigid(log) if isinstance(log, Log) else log for log in read.logs)
     heldout = tuple(map(rigid, read.heldout))
     kept = (note for note in read.notes if note not in dropped)

@@ -126,6 +126,15 @@ def test_springs_that_other_ones_leave_as_little_as_are_not_told(file, monkeypat
         assert 1 / drives.springs[1].compliance == pytest.approx(stiffness)
 
 
+def test_a_spring_that_is_damped_as_no_drive_is_not_told(file, monkeypatch):
+    """Half of the critical damping: it takes what something else leaves."""
+    whole, logs = load_robot(file), [logged(0)]
+    rigid, _ = locked(whole, logs)
+    assert found(whole, rigid, logs) is not None
+    monkeypatch.setattr(unseen_drives, "_GEARS", 1e-3)
+    assert found(whole, rigid, logs) is None
+
+
 LOOP = """
 [controller]
 rate = 250.0
@@ -158,6 +167,7 @@ def test_the_identified_model_has_its_hinge_and_the_error_falls_to_the_noise(fil
     assert values["joint1.J_m"] == pytest.approx(ROTOR, rel=0.03)
     assert fit.to_dict()["parameters"]["joint1.k[1]"]["value"] == values["joint1.k[1]"]
     assert any("k[1] = " in note for note in fit.notes)
+    assert not any("samples early" in note for note in fit.notes)  # a link that swings looks so
     (left,) = fit.heldout.values()
     assert left["all"] < 1.0  # %, of noise 0.4; rigid drives leave 66
     again = load_robot(fit.save(tmp_path / "identified.toml"))

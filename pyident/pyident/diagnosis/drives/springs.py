@@ -125,6 +125,31 @@ def sought(w: Whitened, fit: Fit, known: Springs = NO_SPRINGS) -> Fit:
     return replace(fit, drives={**fit.drives, **_springs_at(found.x.reshape(-1, 3), inertias)})
 
 
+def stiffness_std(w: Whitened, fit: Fit) -> dict[int, float]:
+    """Standard deviation of the logarithm of each stiffness, beside all that is sought with it.
+
+    By the slopes of what is left in all dampings, shares of inertia and stiffnesses; infinite where the logs
+    do not tell these apart.
+    """
+    springs, motion = fit.swings, w.logs[0].part.motion
+    inertias = {k: inertias_at(fit.robot, motion, k) for k in springs}
+    base = base_beside(w, replace(fit, drives={}))
+    base = extended(base, _ringing(w, fit)) if fit.rings else base
+    at = _coordinates(springs, inertias)
+
+    def left(x: np.ndarray) -> np.ndarray:
+        rest = _rest(w, base, fit.robot, _springs_at(x.reshape(-1, 3), inertias))
+        return np.concatenate([r.ravel() for r in rest])
+
+    steps = _STEP * np.eye(at.size)
+    slopes = np.array([(left(at.ravel() + h) - left(at.ravel() - h)) / (2 * _STEP) for h in steps])
+    information = slopes @ slopes.T
+    if np.linalg.matrix_rank(information, hermitian=True) < at.size:
+        return dict.fromkeys(springs, np.inf)
+    spread = np.sqrt(np.diag(np.linalg.inv(information)))[::3]
+    return dict(zip(springs, spread.tolist(), strict=True))
+
+
 def left_beside(w: Whitened, fit: Fit) -> list[np.ndarray]:
     """Per log (n, E): what is left beside what links do on springs, and what else is fitted with them."""
     rest, others = w.base, _columns(w, replace(fit, drives={}))

@@ -20,7 +20,15 @@ from pyident.conditioning.weak_form import condition
 from pyident.diagnosis.base.candidates import Candidate
 from pyident.diagnosis.base.projection import solve_base
 from pyident.diagnosis.base.replicas import levels_by_rest
-from pyident.diagnosis.drives.springs import Fit, Whitened, inertias_at, left_beside, like_links, sought
+from pyident.diagnosis.drives.springs import (
+    Fit,
+    Whitened,
+    inertias_at,
+    left_beside,
+    like_links,
+    sought,
+    stiffness_std,
+)
 from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import identified
 from pyident.logs.log import Log, LogError
@@ -44,6 +52,8 @@ _SWINGS = 0.1  # of a damping ratio: beyond, springs may take what something els
 _STARTS = (1.0, 1.6, 0.6, 3.0, 0.33)  # times the stiffnesses of the file
 _ALIKE = 0.05  # of a stiffness: so near do starts come that end at one place
 _LEVEL = 0.01  # of the logarithm of what is left: so near are fits that leave alike
+_SURE = 0.03  # of the logarithm of a stiffness: one that the logs tell less surely is not told
+_GEARS = 0.3  # of a damping ratio, that none of a drive exceeds: what is damped more is something else
 _CHANCE = 25.0  # energy that noise gives to a column: five standard deviations
 
 
@@ -238,14 +248,16 @@ def _energy(left: Sequence[np.ndarray]) -> float:
 
 
 def _shown(w: Whitened, fit: Fit) -> Springs:
-    """Springs without each of which more is left than noise makes."""
+    """Springs of drives that the logs tell, without each of which more is left than noise makes."""
 
     def left(springs: Springs) -> float:
         return _energy(left_beside(w, replace(fit, drives=springs)))
 
     whole, each = left(fit.springs), fit.springs.items()
     without = {k: {j: other for j, other in each if j != k} for k, _ in each}
-    return {k: spring for k, spring in each if left(without[k]) - whole > _CHANCE}
+    spread = stiffness_std(w, fit)
+    told = {k: spring for k, spring in each if spring.damping < _GEARS and spread.get(k, 0.0) < _SURE}
+    return {k: spring for k, spring in told.items() if left(without[k]) - whole > _CHANCE}
 
 
 def _fitted(robot: Robot, logs: Sequence[Log], motion: Callable[[Robot, Log], Conditioned]) -> Robot:
