@@ -35,13 +35,14 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
 
 
 def without_loop(whole: Robot, robot: Robot) -> tuple[Robot, list[str]]:
-    """The robot of some logs without its controller where hinges of the whole one are locked, and why.
+    """The robot of some logs without its controller where its hinges that bend are all locked, and why.
 
-    With rigid drives the loop would move, and answer noise, as another machine does.
+    With rigid drives the loop would move, and answer noise, as another machine does. Where some bend in the
+    model, the loop stays: equations of hinges are better held against simulations.
     """
     pairs = zip(whole.numbered, robot.joints, strict=True)
     stiff = [str(k) for (k, joint), own in pairs if joint.flexible and not own.flexible]
-    if robot.controller is None or not stiff:
+    if robot.controller is None or robot.flexible or not stiff:
         return robot, []
     listed = f"joint {stiff[0]}" if len(stiff) == 1 else f"joints {', '.join(stiff)}"
     said = (
