@@ -30,7 +30,7 @@ def row_name(row: Row) -> str:
 
 def band_name(band: tuple[float, float]) -> str:
     """Its edges [Hz], as an axis names them."""
-    return f"{band[0]:g}–{band[1]:.2g}"
+    return f"{band[0]:g}–{band[1]:.3g}"
 
 
 def heat_map(rows: Sequence[Row]) -> Markup:
