@@ -36,6 +36,7 @@ def search(size: float, stands_out: bool = False, late: float = 0.0, value: floa
         Any,
         SimpleNamespace(
             rules=RULES.search,
+            robot=SimpleNamespace(controller=None, flexible=False),
             examination=SimpleNamespace(setting=setting, logs=None),
             gain_of=lambda _: taken,
             stands_out=stands_out,

@@ -28,7 +28,7 @@ from pyident.diagnosis.search.held_out import Unseen
 from pyident.diagnosis.search.search import Search
 from pyident.regression.descriptions import DESCRIPTIONS, DRIVE
 from pyident.regression.loads.bodies import carried_loads
-from pyident.simulation.denoised import where_moving
+from pyident.simulation.denoised import denoises, where_moving
 
 _LEAST_BEND = 1e-4  # rad: what no encoder behind a gear would show
 
@@ -45,6 +45,8 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     sharpened = alignment != Alignment(alignment.late)
     if unseen is None or sharpened or search.stands_out or unseen.deviations < rules.again:
         return False
+    if candidate.describes and not tells_errors(search):
+        return False
     moving = where_moving(setting.robot, setting.logs, search.examination.logs)
     if alignment.needed:
         search = _beside_a_delay(search, moving)
@@ -58,6 +60,15 @@ def measured(search: Search, candidate: Candidate, unseen: Unseen | None) -> boo
     fitted = _deviations(search, candidate, moving) / max(np.sqrt(energies.mean()), 1.0)
     either = fitted >= rules.again and max(fitted, unseen.deviations) >= rules.chance
     return either and unseen.of_one_size(rules, 1 / fitted)
+
+
+def tells_errors(search: Search) -> bool:
+    """Whether an error of the robot file may show below the floor: only along a motion without its noise.
+
+    An error's column is of the data's motion also where replicas are asked. The noise of that motion is in
+    the data's residual as well, and looks like a gain below one; in the replicas' residual it is not.
+    """
+    return denoises(search.robot)
 
 
 def _beside_a_delay(search: Search, moving: Sequence[np.ndarray]) -> Search:

@@ -30,7 +30,7 @@ from pyident.diagnosis.imitators.constancy import changes_with
 from pyident.diagnosis.search.found import Found, Step, candidates_of
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
-from pyident.diagnosis.search.measured import can_be, measured, worth_name
+from pyident.diagnosis.search.measured import can_be, measured, tells_errors, worth_name
 from pyident.diagnosis.search.search import Search, search_of
 from pyident.diagnosis.search.selection import Selection
 from pyident.regression.descriptions import outside_file, place_name
@@ -235,7 +235,11 @@ def _with_law(view: Search, errors: Step, law: Found, held: HeldOut) -> Step:
 
 
 def _exceeds(view: Search, entry: Admission) -> bool:
-    """Whether the logs exceed the floor where an error acts, held-out ones too."""
+    """Whether the logs exceed the floor where an error acts, held-out ones too; by far where motions keep
+    their noise, which bends the column.
+    """
+    if not tells_errors(view) and not view.stands_out_in(entry.region):
+        return False
     excess = view.over_floor[list(entry.region.rows)].mean() - 1
     if entry.unseen is not None:
         excess = min(excess, entry.unseen.excess)
@@ -245,7 +249,7 @@ def _exceeds(view: Search, entry: Admission) -> bool:
 def _no_chance(view: Search, entry: Admission) -> bool:
     """Whether held-out logs show an error far beyond chance, and of about the same size."""
     unseen, rules = entry.unseen, view.rules
-    if unseen is None:
+    if unseen is None or not tells_errors(view):
         return False
     return unseen.share > rules.chance * unseen.std and unseen.of_one_size(rules)
 
