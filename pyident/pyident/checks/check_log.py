@@ -68,7 +68,7 @@ def _contradicted(defect: Defect, listed: Sequence[Defect], logs: int) -> bool:
 
     What a model lacks may look like a delay along one motion.
     """
-    alike = [other for other in listed if (other.kind, other.channel) == ("delay", "")]
+    alike = [other for other in listed if other.delays_all]
     return defect in alike and 2 * len(alike) < logs
 
 

@@ -23,5 +23,10 @@ class Defect:
     sentence: str
     another_body: tuple[str, float] | None = None
 
+    @property
+    def delays_all(self) -> bool:
+        """Whether it is a delay of all torques alike."""
+        return (self.kind, self.channel) == ("delay", "")
+
     def json(self) -> dict[str, str]:
         return {name: value for name, value in asdict(self).items() if name != "another_body"}

@@ -32,7 +32,7 @@ from pyident.diagnosis.notes import (
     warnings,
 )
 from pyident.diagnosis.result import Diagnosis, Finding, Named, Place, Stage
-from pyident.diagnosis.search.found import Found, Step, candidates_of
+from pyident.diagnosis.search.found import Found, Step, candidates_of, others_than
 from pyident.diagnosis.search.further_orders import orders_of
 from pyident.diagnosis.search.gate import Refusal, nothing_left, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
@@ -122,7 +122,7 @@ def conclusion(search: Search, selection: Selection, held: HeldOut, heldout: Seq
 
 def _finding(search: Search, selection: Selection, number: int, held: HeldOut) -> Finding:
     step = selection.steps[number]
-    view = search.resting_on(candidates_of(other for other in selection.steps if other is not step))
+    view = search.resting_on(others_than(step, selection.steps))
     region = region_of(view, step.best.candidate)
     unseen = held.share(view, step.candidates, region)
     beside, alike = [*view.chosen, *step.orders], _alike(view, step)
@@ -212,9 +212,8 @@ def _at_its_speed(search: Search, found: Found) -> tuple[np.ndarray, np.ndarray]
 
 
 def percent(energy: float, search: Search) -> float:
-    """Of what exceeds the floor."""
-    beyond = search.examination.beyond_floor(search.examination.base, range(len(search.robot.q)))
-    return 100 * energy / max(search.excess, beyond, energy, 1e-300)
+    """Of what exceeds the floor, in all or band by band. The search rests on nothing."""
+    return 100 * energy / max(search.excess, search.lacking.sum(), energy, 1e-300)
 
 
 def _places(search: Search, beside: Search, selection: Selection, held: HeldOut) -> Iterator[Place]:

@@ -17,7 +17,7 @@ from pyident.diagnosis.base.residual_over_floor import EDGES
 from pyident.diagnosis.base.setting import Setting
 from pyident.diagnosis.base.standing_out import bands_in_doubt, in_bands
 from pyident.diagnosis.result import Finding, Place
-from pyident.diagnosis.search.found import candidates_of
+from pyident.diagnosis.search.found import others_than
 from pyident.diagnosis.search.gate import Refusal, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.same_order import same_order
@@ -206,7 +206,7 @@ def of_one_order(search: Search, selection: Selection, held: HeldOut) -> Iterato
     """Ripples of which held-out logs bear out the order alone (see `same_order`)."""
     for step in selection.steps:
         best = step.best.candidate
-        view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
+        view = search.resting_on(others_than(step, selection.steps))
         if not same_order(view, best, held):
             continue
         region = region_of(view, best)
@@ -225,7 +225,7 @@ def of_speeds(search: Search, selection: Selection) -> Iterator[str]:
         best = step.best.candidate
         if not best.speeds:
             continue
-        view = search.resting_on(candidates_of(s for s in selection.steps if s is not step))
+        view = search.resting_on(others_than(step, selection.steps))
         waves = view.gain_of(best).coefficients.reshape(-1, len(best.speeds))
         sizes = np.sqrt(np.square(waves).sum(axis=0))
         least, most = int(np.argmin(sizes)), int(np.argmax(sizes))

@@ -34,14 +34,19 @@ def locked(robot: Robot, logs: Sequence[Sampled]) -> tuple[Robot, list[str]]:
     return replace(robot, joints=tuple(joints)), notes
 
 
+def locked_in(whole: Robot, robot: Robot) -> list[int]:
+    """Joints, from 1, whose hinge bends in the whole robot and is locked in that of some logs."""
+    pairs = zip(whole.numbered, robot.joints, strict=True)
+    return [k for (k, joint), own in pairs if joint.flexible and not own.flexible]
+
+
 def without_loop(whole: Robot, robot: Robot) -> tuple[Robot, list[str]]:
     """The robot of some logs without its controller where its hinges that bend are all locked, and why.
 
     With rigid drives the loop would move, and answer noise, as another machine does. Where some bend in the
     model, the loop stays: equations of hinges are better held against simulations.
     """
-    pairs = zip(whole.numbered, robot.joints, strict=True)
-    stiff = [str(k) for (k, joint), own in pairs if joint.flexible and not own.flexible]
+    stiff = [str(k) for k in locked_in(whole, robot)]
     if robot.controller is None or robot.flexible or not stiff:
         return robot, []
     listed = f"joint {stiff[0]}" if len(stiff) == 1 else f"joints {', '.join(stiff)}"

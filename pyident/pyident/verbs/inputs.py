@@ -183,7 +183,7 @@ def as_rigid(read: Read, rigid: Callable[[Log], Log], hinges: Hinges, notes: Ite
     And of those on a delay of all torques, as which links that swing show.
     """
     dropped = {locked_note(k) for k in hinges}
-    dropped |= {d.sentence for d in read.defects if (d.kind, d.channel) == ("delay", "")}
+    dropped |= {d.sentence for d in read.defects if d.delays_all}
     logs = tuple(rigid(log) if isinstance(log, Log) else log for log in read.logs)
     heldout = tuple(map(rigid, read.heldout))
     kept = (note for note in read.notes if note not in dropped)

@@ -106,7 +106,7 @@ def diagnose(
 
 def _of_time(defects: Sequence[Defect]) -> set[str]:
     """What checks said of a delay of all torques: a diagnosis that put them in time says more of it."""
-    return {d.sentence for d in defects if (d.kind, d.channel) == ("delay", "")}
+    return {d.sentence for d in defects if d.delays_all}
 
 
 @processes_kept(_EXTENSION)

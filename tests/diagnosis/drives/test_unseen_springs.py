@@ -114,7 +114,7 @@ def test_springs_that_other_ones_leave_as_little_as_are_not_told(file, monkeypat
     rigid, _ = locked(whole, logs)
     begun = dict(zip((1.0, 0.6, 3.0), lefts, strict=True))
 
-    def as_begun(whole, *_):
+    def as_begun(whole, **_):
         k = whole.parameters["joint1.k[1]"]
         return UnseenDrives(rigid, {1: Spring(1 / k, 0.1, 3.0)}), begun[round(k / 4200.0, 3)]
 

@@ -105,8 +105,7 @@ def sought(w: Whitened, fit: Fit, known: Springs = NO_SPRINGS) -> Fit:
     inertias = {k: inertias_at(fit.robot, motion, k) for k in springs}
     if any(whole <= 0 for _, whole in inertias.values()):
         return fit  # of bodies that no robot has
-    base = base_beside(w, replace(fit, drives={k: s for k, s in fit.drives.items() if k not in springs}))
-    base = extended(base, _ringing(w, fit)) if fit.rings else base
+    base = _beside_swings(w, fit)
     usual = _coordinates(known, inertias)
 
     def left(x: np.ndarray) -> np.ndarray:
@@ -125,6 +124,12 @@ def sought(w: Whitened, fit: Fit, known: Springs = NO_SPRINGS) -> Fit:
     return replace(fit, drives={**fit.drives, **_springs_at(found.x.reshape(-1, 3), inertias)})
 
 
+def _beside_swings(w: Whitened, fit: Fit) -> Base:
+    """The base with what is fitted beside the links that swing, and what these begin with."""
+    base = base_beside(w, replace(fit, drives={k: s for k, s in fit.drives.items() if k not in fit.swings}))
+    return extended(base, _ringing(w, fit)) if fit.rings else base
+
+
 def stiffness_std(w: Whitened, fit: Fit) -> dict[int, float]:
     """Standard deviation of the logarithm of each stiffness, beside all that is sought with it.
 
@@ -133,8 +138,7 @@ def stiffness_std(w: Whitened, fit: Fit) -> dict[int, float]:
     """
     springs, motion = fit.swings, w.logs[0].part.motion
     inertias = {k: inertias_at(fit.robot, motion, k) for k in springs}
-    base = base_beside(w, replace(fit, drives={}))
-    base = extended(base, _ringing(w, fit)) if fit.rings else base
+    base = _beside_swings(w, fit)
     at = _coordinates(springs, inertias)
 
     def left(x: np.ndarray) -> np.ndarray:

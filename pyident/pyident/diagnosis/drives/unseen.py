@@ -9,6 +9,7 @@ torques are then put right for what the links do, and all else is asked of a rob
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from pyident.diagnosis.drives.springs import (
 )
 from pyident.estimation.estimator import weighted
 from pyident.estimation.identify import identified
+from pyident.estimation.lock_unlogged import locked_in
 from pyident.logs.log import Log, LogError
 from pyident.regression.descriptions import LATE, description_names
 from pyident.regression.equations import Problem
@@ -113,13 +115,11 @@ def hinge_notes(hinges: Mapping[int, Mapping[str, float]]) -> Iterator[str]:
 def unseen(whole: Robot, robot: Robot) -> list[int]:
     """Joints, from 1, whose hinges a robot's file gives a stiffness, and the robot of its logs has locked.
 
-    None where a loop is known, in which replicas would be simulated with rigid drives.
+    None where a loop is simulated.
     """
     if not denoises(robot) or whole.servo or robot.closures or robot.passive:
         return []
-    pairs = zip(whole.joints, robot.joints, strict=True)
-    locked = [k for k, (file, own) in enumerate(pairs, start=1) if file.flexible and not own.flexible]
-    turning = [k for k in locked if whole.joints[k - 1].kind == "revolute"]
+    turning = [k for k in locked_in(whole, robot) if whole.joints[k - 1].kind == "revolute"]
     return [k for k in turning if whole.parameters.get(of_joint(k, "k[1]"), 0.0) > 0]
 
 
@@ -134,9 +134,9 @@ def stated(whole: Robot, robot: Robot, log: Log) -> UnseenDrives | None:
 def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | None:
     """The springs of a robot's file as logs show them, beside a rigid robot that is fitted with them.
 
-    What the logs do not tell of a spring stays near what the file says of it; bodies and motors of the file
-    are never used. Springs that take no more than noise gives are left out; None where none takes more, or no
-    bodies that can exist go with them. Raises LogError.
+    Bodies and motors of the file are never used. Springs that the logs hardly tell, or that take no more than
+    noise gives, are left out; None where none is left, or no bodies that can exist go with them. Raises
+    LogError.
     """
     if not unseen(whole, robot):
         return None
@@ -145,7 +145,8 @@ def found(whole: Robot, robot: Robot, logs: Sequence[Log]) -> UnseenDrives | Non
     begun = _over(data, levels_by_rest(data, [np.ones_like(e.y) for e in data]))
     told = []
     for motion in (denoised, _as_logged):
-        own, left = _best_told(whole, plain, logs, data, begun, motion)
+        told_from = partial(_told, robot=plain, logs=logs, data=data, w=begun, motion=motion)
+        own, left = _best_told(whole, unseen(whole, robot), told_from)
         if own is not None:
             told.append((left, own))
         if own is not None and _all_swing(own, unseen(whole, robot)):
@@ -166,22 +167,17 @@ def _as_logged(robot: Robot, log: Log) -> Conditioned:
 
 
 def _best_told(
-    whole: Robot,
-    robot: Robot,
-    logs: Sequence[Log],
-    data: Sequence[Equations],
-    w: Whitened,
-    motion: Callable[[Robot, Log], Conditioned],
+    whole: Robot, joints: Sequence[int], told: Callable[[Robot], tuple[UnseenDrives | None, float]]
 ) -> tuple[UnseenDrives | None, float]:
-    """As `_told`, from several stiffnesses about the file's, until two starts end at one place.
+    """As `_told`, from several stiffnesses of joints about the file's, until two starts end at one place.
 
     None where other stiffnesses leave as little as the best: then logs do not tell them.
     """
-    stiffnesses = [of_joint(k, "k[1]") for k in unseen(whole, robot)]
+    stiffnesses = [of_joint(k, "k[1]") for k in joints]
     ends: list[tuple[float, UnseenDrives]] = []
     for times in _STARTS:
         stiff = {name: times * whole.parameters[name] for name in stiffnesses}
-        own, left = _told(whole.with_parameters(stiff), robot, logs, data, w, motion)
+        own, left = told(whole.with_parameters(stiff))
         if own is None:
             continue
         ends.append((left, own))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from pyident.diagnosis.search.found import Step, candidates_of
+from pyident.diagnosis.search.found import Step, others_than
 from pyident.diagnosis.search.gate import region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.search import Search
@@ -23,7 +23,7 @@ def selected(search: Search, held: HeldOut, given: Sequence[Step] = ()) -> Selec
 def take_all(search: Search, steps: Sequence[Step], asked: Sequence[Step]) -> bool:
     """Whether each of the `asked` takes all that is missing where it acts, beside the other steps."""
     for step in asked:
-        view = search.resting_on(candidates_of(other for other in steps if other is not step))
+        view = search.resting_on(others_than(step, steps))
         if share_in(view, step.candidates, region_of(view, step.best.candidate)) < search.rules.whole:
             return False
     return True

@@ -19,7 +19,7 @@ from pyident.diagnosis.base.residual_over_floor import Examination
 from pyident.diagnosis.base.standing_out import standing_out
 from pyident.diagnosis.rounds.asked import Asked, selected, take_all
 from pyident.diagnosis.rounds.replicas_with_laws import beside_laws, over_floors_of, replicated
-from pyident.diagnosis.search.found import candidates_of
+from pyident.diagnosis.search.found import others_than
 from pyident.diagnosis.search.gate import region_of
 from pyident.diagnosis.search.held_out import held_out
 from pyident.diagnosis.search.search import Search, search_of
@@ -64,7 +64,7 @@ def _where_it_matters(
     out, families = standing_out(having, having.base), {law.family for law in laws}
     kept = []
     for step in selection.steps:
-        view = search.resting_on(candidates_of(other for other in selection.steps if other is not step))
+        view = search.resting_on(others_than(step, selection.steps))
         region = region_of(view, step.best.candidate)
         given = not families.isdisjoint(f.candidate.family for f in step.tie)
         if view.stands_out_in(region) and (given or out[list(region.rows)].any()):

@@ -63,6 +63,11 @@ class Step:
         return self.tie + self.others
 
 
+def others_than(step: Step, steps: Iterable[Step]) -> list[Candidate]:
+    """What a model takes in with all steps but one."""
+    return candidates_of(other for other in steps if other is not step)
+
+
 def candidates_of(steps: Iterable[Step]) -> list[Candidate]:
     """What a model takes in with several steps, in their order."""
     return [c for step in steps for c in step.candidates]

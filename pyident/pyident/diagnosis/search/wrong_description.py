@@ -27,7 +27,7 @@ from pyident.conditioning.standing import standing_in
 from pyident.diagnosis.base.candidates import Candidate, bounds, described, units_of
 from pyident.diagnosis.base.standing_out import unsettled
 from pyident.diagnosis.imitators.constancy import changes_with
-from pyident.diagnosis.search.found import Found, Step, candidates_of
+from pyident.diagnosis.search.found import Found, Step, candidates_of, others_than
 from pyident.diagnosis.search.gate import Admission, admission, region_of, share_in
 from pyident.diagnosis.search.held_out import HeldOut
 from pyident.diagnosis.search.measured import can_be, measured, tells_errors, worth_name
@@ -49,7 +49,7 @@ def with_descriptions(search: Search, selection: Selection, held: HeldOut) -> Se
     for step in selection.steps:
         if step.best.candidate.describes:
             continue
-        view = among.resting_on(candidates_of(s for s in steps if s is not step))
+        view = among.resting_on(others_than(step, steps))
         rivals = _rivals(view, step, held)
         if rivals is None:
             continue
